@@ -1,0 +1,32 @@
+"""Stage 3, what force: friction laws. A new law is a number, a branch in `friction_factor`, and nothing else.
+
+Every law is isotropic: F = -g v with a scalar g >= 0, so friction never does positive work. g is also the largest
+eigenvalue of -dF/dv, so g times the largest eigenvalue of the contact's inverse mass is the rate at which slip relaxes.
+"""
+
+import math
+
+from omnisim.kernel import kernel
+
+NONE, VISCOUS, REGULARIZED, SATURATED = 0, 1, 2, 3
+TINY_SPEED = 1e-300
+LAWS = {"none": NONE, "viscous": VISCOUS, "regularized": REGULARIZED, "saturated": SATURATED}
+
+
+@kernel
+def friction_factor(machine, saturated, normal_force, slip):
+    """g in F = -g v, N s/m, from the normal force (N) and the slip velocity (m/s).
+
+    `saturated` is the branch of the saturated law, frozen throughout a step: |v| > slip_speed or not.
+    """
+    if machine.law == REGULARIZED:
+        square = slip.h * slip.h + slip.k * slip.k + machine.slip_speed * machine.slip_speed
+        return machine.friction * normal_force / math.sqrt(square)
+    if machine.law == SATURATED:
+        speed = machine.slip_speed
+        if saturated:  # never divide by zero: a stage far off the step's end may hit v = 0 exactly
+            speed = max(math.sqrt(slip.h * slip.h + slip.k * slip.k), TINY_SPEED)
+        return machine.friction * normal_force / speed
+    if machine.law == VISCOUS:
+        return machine.viscosity
+    return 0.0

@@ -1,0 +1,117 @@
+"""Stage 1, where: the contact point of the roller that touches the floor, by either of the paper's algorithms.
+
+Seen along the axle k, which points at the reader (h is forward and to the right, n up):
+
+           O ------> h          d    unit vector from the wheel centre O to the roller centre O_B = O + R1 d
+           |\\                   q    azimuth of the roller: d = -cos q n + sin q h
+           | \\ R1               t    k x d = -cos q h - sin q n
+         n ^  \\ d               a    roller axis = c t + s k          (c, s = cos psi, sin psi)
+           |   O_B              P    contact point = O - R n + l k
+        ---P---------- floor    arm  a x (P - O_B): a force F on the roller has the torque arm . F about its axis
+
+Both algorithms give a `Contact`. Formulas: explicit, section 4 of the paper; implicit, its section 3 with the
+misprints mended: the contact point needs "- R j1" where the paper prints "- R1 j1", and the contact test is
+|c_beta| < cos psi sin alpha, both of which the paper leaves open.
+"""
+
+import math
+from typing import NamedTuple
+
+from omnisim.kernel import kernel
+from omnisim.vector import Vec3, combine, cross, dot
+
+EXPLICIT, IMPLICIT = 0, 1
+EDGE = 1e-12  # rounding allowed when two rollers touch at once
+TRACKINGS = {"explicit": EXPLICIT, "implicit": IMPLICIT}
+
+
+class Heading(NamedTuple):
+    """Horizontal unit vectors of an upright wheel: h = (cos, sin) forward, k = (-sin, cos) along the axle."""
+
+    cos: float
+    sin: float
+
+
+class Axis(NamedTuple):
+    """Components of a roller's unit axis a along h, k and n."""
+
+    h: float
+    k: float
+    n: float
+
+
+class Contact(NamedTuple):
+    """Where the roller touches: l (m) along the axle, and the components of arm (m) along h and k."""
+
+    l: float
+    arm_h: float
+    arm_k: float
+
+
+@kernel
+def roller_axis(wheel, cos_q, sin_q):
+    """Orientation of a roller at azimuth q."""
+    return Axis(-wheel.cos_psi * cos_q, wheel.sin_psi, -wheel.cos_psi * sin_q)
+
+
+@kernel
+def explicit_contact(wheel, cos_q, sin_q):
+    """Closed form: l = R1 tan q tan psi, arm = -h_q (s, c cos q)."""
+    h_q = wheel.radius - wheel.roller_distance / cos_q
+    l = wheel.roller_distance * sin_q / cos_q * wheel.tan_psi
+    return Contact(l, -h_q * wheel.sin_psi, -h_q * wheel.cos_psi * cos_q)
+
+
+@kernel
+def implicit_contact(wheel, heading, axis, rho):
+    """From rho, the integrated unit vector from O_B to O (Vec3, world).
+
+    P - O_B = R1 rho - R n + l k1, where l follows from (P - O_B) . k2 = 0: the contact point lies in the vertical
+    plane through the roller's axis, whose normal is k2 = i2 x n (not normalised: its length cancels).
+    """
+    k1 = Vec3(-heading.sin, heading.cos, 0.0)
+    i2 = world_axis(heading, axis)
+    k2 = Vec3(i2.y, -i2.x, 0.0)
+    l = -wheel.roller_distance * dot(rho, k2) / dot(k1, k2)
+    lever = combine(wheel.roller_distance, rho, l, k1, -wheel.radius, Vec3(0.0, 0.0, 1.0))
+    arm = cross(i2, lever)
+    return Contact(l, arm.x * heading.cos + arm.y * heading.sin, -arm.x * heading.sin + arm.y * heading.cos)
+
+
+@kernel
+def world_axis(heading, axis):
+    """The roller axis in world components (Vec3)."""
+    return Vec3(
+        axis.h * heading.cos - axis.k * heading.sin, axis.h * heading.sin + axis.k * heading.cos, axis.n
+    )
+
+
+@kernel
+def rho_rate(heading, axis, spin_rate, yaw_rate, rho):
+    """rho' of one roller (Vec3) from the differentiated orthogonality conditions of the paper:
+
+        rho' . i2 = -rho . i2'        rho' . k1 = -rho . k1'        rho' . rho = 0
+
+    Linear in rho', solved by Cramer's rule. The orientation of the roller (i2, and i2' = w x i2) is known; rho
+    itself is only ever integrated.
+    """
+    w = Vec3(-spin_rate * heading.sin, spin_rate * heading.cos, yaw_rate)
+    k1 = Vec3(-heading.sin, heading.cos, 0.0)
+    i2 = world_axis(heading, axis)
+    k1_i2 = cross(k1, rho)
+    b1 = -dot(rho, cross(w, i2))
+    b2 = -dot(rho, cross(w, k1))
+    determinant = dot(i2, k1_i2)
+    return combine(b1 / determinant, k1_i2, b2 / determinant, cross(rho, i2), 0.0, rho)
+
+
+@kernel
+def explicit_touches(wheel, cos_q):
+    """Contact condition of the explicit tracking, |q| <= alpha: both neighbours touch at their common edge."""
+    return cos_q >= wheel.cos_alpha - EDGE
+
+
+@kernel
+def implicit_touches(wheel, axis, rho):
+    """Contact condition of the implicit tracking: |c_beta| <= c sin alpha, and O_B lower than the height R."""
+    return abs(axis.n) <= wheel.cos_psi * wheel.sin_alpha + EDGE and rho.z > 0.0

@@ -1,0 +1,206 @@
+"""The right-hand side y' = f(t, y): the three contact stages in order, then Newton and Euler.
+
+    M V' = F + f                                                               F = (F_h, F_k) on the roller
+    Ia p' = arm . F                                                            only the roller in contact
+    J_k phi'' + Ia p' s + theta' G_h = tau - R F_h                             G = sum Ia p_i a_i, all rollers
+    I_z theta'' + Ia p' (a . n) - phi' G_h = -l F_h + yaw torque
+
+A roller in the air keeps its absolute axial rate p exactly. Together they act on the wheel through G, whose share
+from the air is fixed in the wheel and known from three sums, so a step costs the same whatever N_r is.
+"""
+
+import math
+from typing import NamedTuple
+
+from omnisim.contact.kinematics import Slip, joint_rate, slip_velocity
+from omnisim.contact.reaction import friction_factor
+from omnisim.contact.tracking import (
+    IMPLICIT,
+    Axis,
+    Contact,
+    Heading,
+    explicit_contact,
+    implicit_contact,
+    rho_rate,
+    roller_axis,
+)
+from omnisim.kernel import kernel
+from omnisim.multipliers import normal_force
+from omnisim.parameters import DRIVE, FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE
+from omnisim.state import (
+    DRIVE_WORK,
+    FRICTION_LOSS,
+    PER_WHEEL,
+    ROLLER_RATE,
+    SPIN_ANGLE,
+    SPIN_RATE,
+    V_X,
+    V_Y,
+    WHEELS,
+    WRENCH_WORK,
+    YAW,
+    YAW_RATE,
+    X,
+    Y,
+)
+from omnisim.vector import Vec3
+
+
+class Wrench(NamedTuple):
+    """External force (world axes, N) and yaw torque (N m) on the wheel centre."""
+
+    x: float
+    y: float
+    z: float
+    yaw: float
+
+
+class Reaction(NamedTuple):
+    """All about the contact of one wheel at an instant."""
+
+    axis: Axis
+    contact: Contact
+    slip: Slip
+    joint: float  # chi', rad/s
+    factor: float  # g in F = -g v, N s/m
+    force_h: float  # friction on the roller, N
+    force_k: float
+    roller_torque: float  # Ia p', N m
+    g_h: float  # momentum of all rollers about their axes, N m s
+    g_k: float
+    g_n: float
+
+
+@kernel
+def rhs(parameters, mode, piece, t, y, dy, watch):
+    """Write y' into `dy`, and what the events need to know of each contact into `watch`."""
+    machine, wheels = parameters.machine, parameters.wheels
+    heading = Heading(math.cos(y[YAW]), math.sin(y[YAW]))
+    wrench = external_wrench(parameters, piece, t, heading)
+    normal = normal_force(machine, len(wheels), wrench.z)
+    force_x, force_y, moment, loss, drive_power = wrench.x, wrench.y, wrench.yaw, 0.0, 0.0
+    for w in range(len(wheels)):
+        at = WHEELS + PER_WHEEL * w
+        reaction = contact_reaction(parameters, mode[w], w, heading, normal, y)
+        torque = drive_torque(parameters, piece, t, w)
+        dy[at + SPIN_ANGLE] = y[at + SPIN_RATE]
+        dy[at + SPIN_RATE] = spin_acceleration(wheels[w], reaction, torque, y[YAW_RATE])
+        dy[at + ROLLER_RATE] = reaction.roller_torque / wheels[w].axial_inertia
+        force_x += reaction.force_h * heading.cos - reaction.force_k * heading.sin
+        force_y += reaction.force_h * heading.sin + reaction.force_k * heading.cos
+        moment += yaw_moment(reaction, y[at + SPIN_RATE])
+        loss -= reaction.force_h * reaction.slip.h + reaction.force_k * reaction.slip.k
+        drive_power += torque * y[at + SPIN_RATE]
+        observe_contact(watch[w], reaction, normal)
+    dy[X], dy[Y], dy[YAW] = y[V_X], y[V_Y], y[YAW_RATE]
+    dy[V_X], dy[V_Y] = force_x / machine.mass, force_y / machine.mass
+    dy[YAW_RATE] = moment / machine.yaw_inertia
+    dy[FRICTION_LOSS], dy[DRIVE_WORK] = loss, drive_power
+    dy[WRENCH_WORK] = wrench.x * y[V_X] + wrench.y * y[V_Y] + wrench.yaw * y[YAW_RATE]
+    if machine.tracking == IMPLICIT:
+        rho_rates(parameters, heading, y, dy)
+
+
+@kernel
+def external_wrench(parameters, piece, t, heading):
+    """The scene's wrench at time t on the current piece of the tables, in world axes."""
+    elapsed, channels = t - parameters.starts[piece], parameters.inputs[piece]
+    x = channels[FORCE_X, 0] + channels[FORCE_X, 1] * elapsed
+    y = channels[FORCE_Y, 0] + channels[FORCE_Y, 1] * elapsed
+    z = channels[FORCE_Z, 0] + channels[FORCE_Z, 1] * elapsed
+    yaw = channels[YAW_TORQUE, 0] + channels[YAW_TORQUE, 1] * elapsed
+    if parameters.machine.body_frame:
+        x, y = x * heading.cos - y * heading.sin, x * heading.sin + y * heading.cos
+    return Wrench(x, y, z, yaw)
+
+
+@kernel
+def drive_torque(parameters, piece, t, w):
+    """tau of wheel w on the disk about k, N m."""
+    value, slope = parameters.inputs[piece, DRIVE + w, 0], parameters.inputs[piece, DRIVE + w, 1]
+    return value + slope * (t - parameters.starts[piece])
+
+
+@kernel
+def contact_reaction(parameters, mode, w, heading, normal, y):
+    """Tracking, kinematics, reaction of wheel w with normal force `normal` (N): a Reaction."""
+    machine, wheel, at = parameters.machine, parameters.wheels[w], WHEELS + PER_WHEEL * w
+    spin_rate, roller_rate, yaw_rate = y[at + SPIN_RATE], y[at + ROLLER_RATE], y[YAW_RATE]
+    q = azimuth(wheel, mode.roller, y[at + SPIN_ANGLE])
+    cos_q, sin_q = math.cos(q), math.sin(q)
+    axis = roller_axis(wheel, cos_q, sin_q)
+    if machine.tracking == IMPLICIT:
+        contact = implicit_contact(wheel, heading, axis, rho_of(parameters, y, w, mode.roller % wheel.rollers))
+    else:
+        contact = explicit_contact(wheel, cos_q, sin_q)
+    velocity_h = y[V_X] * heading.cos + y[V_Y] * heading.sin
+    velocity_k = y[V_Y] * heading.cos - y[V_X] * heading.sin
+    joint = joint_rate(axis, roller_rate, spin_rate, yaw_rate)
+    slip = slip_velocity(wheel, contact, velocity_h, velocity_k, spin_rate, yaw_rate, joint)
+    factor = friction_factor(machine, mode.saturated, normal, slip)
+    force_h, force_k = -factor * slip.h, -factor * slip.k
+    roller_torque = contact.arm_h * force_h + contact.arm_k * force_k
+    cos_sum, sin_sum = mode.air_cos + roller_rate, mode.air_sin
+    across = -wheel.cos_psi * wheel.axial_inertia
+    g_h = across * (cos_q * cos_sum - sin_q * sin_sum)
+    g_n = across * (sin_q * cos_sum + cos_q * sin_sum)
+    g_k = wheel.axial_inertia * wheel.sin_psi * (mode.air_sum + roller_rate)
+    return Reaction(axis, contact, slip, joint, factor, force_h, force_k, roller_torque, g_h, g_k, g_n)
+
+
+@kernel
+def azimuth(wheel, roller, spin_angle):
+    """q of a roller (counted on through every turn), rad."""
+    return wheel.phase + 2.0 * wheel.alpha * roller - spin_angle
+
+
+@kernel
+def spin_acceleration(wheel, reaction, torque, yaw_rate):
+    """phi'', rad/s^2."""
+    driven = torque - wheel.radius * reaction.force_h
+    return (driven - reaction.roller_torque * reaction.axis.k - yaw_rate * reaction.g_h) / wheel.axle_inertia
+
+
+@kernel
+def yaw_moment(reaction, spin_rate):
+    """Share of a wheel in I_z theta'', N m."""
+    gyroscopic = spin_rate * reaction.g_h - reaction.roller_torque * reaction.axis.n
+    return gyroscopic - reaction.contact.l * reaction.force_h
+
+
+@kernel
+def observe_contact(watch, reaction, normal):
+    """By-products of the right-hand side that events are decided on."""
+    watch.normal_force = normal
+    watch.slip_square = reaction.slip.h * reaction.slip.h + reaction.slip.k * reaction.slip.k
+    watch.factor = reaction.factor
+    watch.axis_n = reaction.axis.n
+
+
+@kernel
+def rho_of(parameters, y, w, roller):
+    """rho of a roller (0..N_r-1) of wheel w (Vec3)."""
+    at = rho_index(parameters, w, roller)
+    return Vec3(y[at], y[at + 1], y[at + 2])
+
+
+@kernel
+def rho_index(parameters, w, roller):
+    """Where rho of a roller stands in the state: all rho follow the wheels."""
+    wheels, rollers = parameters.sector.shape[0], parameters.sector.shape[1]
+    return WHEELS + PER_WHEEL * wheels + 3 * (w * rollers + roller)
+
+
+@kernel
+def rho_rates(parameters, heading, y, dy):
+    """rho' of every roller: the implicit tracking integrates it for those in the air as well."""
+    for w in range(len(parameters.wheels)):
+        wheel, at = parameters.wheels[w], WHEELS + PER_WHEEL * w
+        angle = wheel.phase - y[at + SPIN_ANGLE]
+        cos_0, sin_0 = math.cos(angle), math.sin(angle)
+        for i in range(wheel.rollers):
+            cos_i, sin_i = parameters.sector[w, i, 0], parameters.sector[w, i, 1]
+            axis = roller_axis(wheel, cos_0 * cos_i - sin_0 * sin_i, sin_0 * cos_i + cos_0 * sin_i)
+            rate = rho_rate(heading, axis, y[at + SPIN_RATE], y[YAW_RATE], rho_of(parameters, y, w, i))
+            j = rho_index(parameters, w, i)
+            dy[j], dy[j + 1], dy[j + 2] = rate.x, rate.y, rate.z

@@ -1,0 +1,70 @@
+"""The one decorator of every compiled function, and the cache that never runs stale code.
+
+Numba's own cache looks at the file of the decorated function only: after an edit in another file a cached caller
+would keep running the old callee. So the cache folder is named after a hash of all sources of the package.
+"""
+
+import hashlib
+import os
+import shutil
+import tempfile
+from pathlib import Path
+
+import numba
+import platformdirs
+from numba.core import config as numba_config
+
+KEPT_CACHES = 4  # how many cache folders of other versions of the sources survive
+
+
+def source_hash(package: Path = Path(__file__).parent) -> str:
+    """Hash of every Python source of the package and of the version of Numba."""
+    digest = hashlib.sha256(numba.__version__.encode())
+    for path in sorted(package.rglob("*.py")):
+        digest.update(path.relative_to(package).as_posix().encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def cache_directory() -> Path:
+    """A writable folder for kernels of exactly these sources.
+
+    Below NUMBA_CACHE_DIR if the user set it, else in the user's cache folder, else (nothing is writable) a
+    temporary one. Older folders beside it are pruned.
+    """
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    base = Path(chosen) / "omnisim" if chosen else platformdirs.user_cache_path("omnisim", appauthor=False)
+    directory = base / source_hash()
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=directory):
+            pass
+        os.utime(directory)
+    except OSError:
+        return Path(tempfile.gettempdir()) / f"omnisim-{os.getuid() if hasattr(os, 'getuid') else 0}" / source_hash()
+    prune(base, directory)
+    return directory
+
+
+def prune(base: Path, current: Path) -> None:
+    """Remove all but the most recently used cache folders."""
+    others = [path for path in base.iterdir() if path.is_dir() and path != current]
+    others.sort(key=lambda path: path.stat().st_mtime, reverse=True)
+    for path in others[KEPT_CACHES:]:
+        shutil.rmtree(path, ignore_errors=True)
+
+
+CACHE_DIRECTORY = cache_directory()
+
+
+def kernel(function):
+    """Compile `function` with Numba on first use, cached on disk, with IEEE arithmetic as NumPy has it.
+
+    No fastmath: NaN must stay visible. Numba reads its cache folder while decorating, so the setting is put back
+    at once and other packages keep theirs.
+    """
+    theirs = numba_config.CACHE_DIR
+    numba_config.CACHE_DIR = str(CACHE_DIRECTORY)
+    try:
+        return numba.njit(cache=True, error_model="numpy")(function)
+    finally:
+        numba_config.CACHE_DIR = theirs

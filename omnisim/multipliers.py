@@ -1,0 +1,23 @@
+"""Multipliers of the constraints: the floor's normal force and the servo's torque."""
+
+from omnisim.kernel import kernel
+
+
+@kernel
+def normal_force(machine, wheels, force_z):
+    """N of each wheel, N, when the servo carries roll and pitch: (M g - f_z) / W.
+
+    Negative when the external force lifts the wheel: the march stops before it is used.
+    """
+    return (machine.mass * machine.gravity - force_z) / wheels
+
+
+@kernel
+def servo_torque(wheel, reaction, normal, spin_rate, yaw_rate):
+    """lambda of a bare wheel, N m: the torque about h = k x n that keeps the wheel upright, from its moment balance.
+
+    lambda = -J_k phi' theta' + Ia p_c' a_h + phi' G_n - theta' G_k - l N - R F_k
+    """
+    gyroscopic = -wheel.axle_inertia * spin_rate * yaw_rate + spin_rate * reaction.g_n - yaw_rate * reaction.g_k
+    load = -reaction.contact.l * normal - wheel.radius * reaction.force_k
+    return gyroscopic + reaction.roller_torque * reaction.axis.h + load

@@ -1,0 +1,159 @@
+"""What the kernels know of a scene and never changes: `pack` is the only place where a scene becomes numbers."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from omnisim.config import Config, Wheel, WheelType
+from omnisim.contact.reaction import LAWS
+from omnisim.contact.tracking import TRACKINGS
+
+MACHINE = np.dtype(
+    [
+        ("gravity", np.float64),  # m/s^2
+        ("mass", np.float64),  # M: everything, kg
+        ("yaw_inertia", np.float64),  # I_z, kg m^2
+        ("law", np.int64),  # reaction.LAWS
+        ("friction", np.float64),  # mu, 1
+        ("slip_speed", np.float64),  # m/s
+        ("viscosity", np.float64),  # N s/m
+        ("tracking", np.int64),  # tracking.TRACKINGS
+        ("body_frame", np.int64),  # 1: the wrench turns with the yaw
+        ("slip_mobility", np.float64),  # upper bound of the contact's inverse mass, 1/kg
+    ]
+)
+WHEEL = np.dtype(
+    [
+        ("radius", np.float64),  # R, m
+        ("roller_distance", np.float64),  # R1, m
+        ("rollers", np.int64),  # N_r
+        ("alpha", np.float64),  # pi / N_r, rad
+        ("sin_alpha", np.float64),
+        ("cos_alpha", np.float64),
+        ("cos_psi", np.float64),
+        ("sin_psi", np.float64),
+        ("tan_psi", np.float64),
+        ("phase", np.float64),  # azimuth of roller 0 at spin angle 0, rad
+        ("axle_inertia", np.float64),  # J_k, kg m^2
+        ("axial_inertia", np.float64),  # Ia of one roller, kg m^2
+    ]
+)
+FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE, DRIVE = range(5)  # channels of the inputs; DRIVE + w is the torque of wheel w
+
+
+class Parameters(NamedTuple):
+    """Constants of a run, W wheels of at most N rollers, S pieces between knots of the tables.
+
+    machine: record MACHINE. wheels: (W,) records WHEEL. sector: (W, N, 2) cosine and sine of 2 pi i / N_r.
+    starts: (S,) where the pieces begin, s. inputs: (S, 4 + W, 2) value at the start
+    of the piece and slope of every channel.
+    """
+
+    machine: np.record
+    wheels: np.recarray
+    sector: np.ndarray
+    starts: np.ndarray
+    inputs: np.ndarray
+
+
+def pack(config: Config) -> Parameters:
+    """Parameters of a validated scene."""
+    types = [config.type_of(wheel) for wheel in config.wheels]
+    machine = np.zeros(1, MACHINE).view(np.recarray)
+    wheels = np.zeros(len(types), WHEEL).view(np.recarray)
+    for row, kind, wheel in zip(wheels, types, config.wheels, strict=True):
+        fill_wheel(row, kind, wheel)
+    fill_machine(machine[0], config, types)
+    machine[0].slip_mobility = max(slip_mobility_bound(machine[0], wheel) for wheel in wheels)
+    starts, inputs = merge_tables(config)
+    return Parameters(machine[0], wheels, sectors(wheels.rollers), starts, inputs)
+
+
+def fill_machine(machine: np.record, config: Config, types: list[WheelType]) -> None:
+    friction = config.friction
+    machine.gravity = config.world.gravity
+    machine.mass = sum(kind.disk.mass + kind.roller_count * kind.roller.mass for kind in types)
+    machine.yaw_inertia = sum(diameter_inertia(kind) for kind in types)
+    machine.law = LAWS[friction.law]
+    machine.friction = friction.coefficient
+    machine.slip_speed = friction.slip_speed
+    machine.viscosity = friction.viscosity
+    machine.tracking = TRACKINGS[config.solver.tracking]
+    machine.body_frame = config.wrench.frame == "body"
+
+
+def fill_wheel(row: np.record, kind: WheelType, wheel: Wheel) -> None:
+    psi = math.radians(-kind.roller_angle_deg if wheel.mirrored else kind.roller_angle_deg)
+    row.radius, row.roller_distance, row.rollers = kind.radius, kind.roller_distance, kind.roller_count
+    row.alpha = math.pi / kind.roller_count
+    row.sin_alpha, row.cos_alpha = math.sin(row.alpha), math.cos(row.alpha)
+    row.cos_psi, row.sin_psi, row.tan_psi = math.cos(psi), math.sin(psi), math.tan(psi)
+    row.phase = math.radians(wheel.phase_deg)
+    row.axle_inertia = axle_inertia(kind, row.sin_psi)
+    row.axial_inertia = kind.roller.inertia_axial
+
+
+def axle_inertia(kind: WheelType, sin_psi: float) -> float:
+    """J_k = I_axle + N_r m_r R1^2 + N_r It (1 - s^2): the wheel about its axle, without the rollers' own Ia."""
+    count, roller = kind.roller_count, kind.roller
+    across = roller.inertia_transverse * (1.0 - sin_psi**2)
+    return kind.disk.inertia_axle + count * (roller.mass * kind.roller_distance**2 + across)
+
+
+def diameter_inertia(kind: WheelType) -> float:
+    """J_t = I_diameter + N_r m_r R1^2 / 2 + N_r It (1 - c^2 / 2): the wheel about a vertical diameter."""
+    count, roller = kind.roller_count, kind.roller
+    cos_psi = math.cos(math.radians(kind.roller_angle_deg))
+    across = roller.inertia_transverse * (1.0 - 0.5 * cos_psi**2)
+    return kind.disk.inertia_diameter + count * (0.5 * roller.mass * kind.roller_distance**2 + across)
+
+
+def slip_mobility_bound(machine: np.record, wheel: np.record) -> float:
+    """Upper bound of the trace of `kinematics.inverse_mass` over the whole roller, 1/kg.
+
+    Each entry of the Jacobian is bounded by its largest magnitude on [-alpha, alpha].
+    """
+    h_0, c, s = wheel.radius - wheel.roller_distance, wheel.cos_psi, abs(wheel.sin_psi)
+    l = wheel.roller_distance * math.tan(wheel.alpha) * abs(wheel.tan_psi)
+    spin = (wheel.radius + s * s * h_0) ** 2 + (s * c * h_0) ** 2
+    yaw = (l + c * wheel.sin_alpha * s * h_0) ** 2 + (c * c * wheel.sin_alpha * h_0) ** 2
+    return 2.0 / machine.mass + spin / wheel.axle_inertia + yaw / machine.yaw_inertia + h_0**2 / wheel.axial_inertia
+
+
+def sectors(rollers: np.ndarray) -> np.ndarray:
+    """Cosine and sine of 2 pi i / N_r, (W, N, 2)."""
+    angle = 2.0 * np.pi * np.arange(rollers.max()) / rollers[:, None]
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def merge_tables(config: Config) -> tuple[np.ndarray, np.ndarray]:
+    """All tables of a scene on the union of their knots: starts (S,) and inputs (S, channels, 2).
+
+    Between two knots every input is linear, so one number, the current piece, tells all of them; a jump is two
+    equal knots, between which no piece lies.
+    """
+    times, forces, yaw_torques = config.wrench.table
+    tables = {FORCE_X + axis: (times, values) for axis, values in enumerate(zip(*forces, strict=True))}
+    tables[YAW_TORQUE] = (times, yaw_torques)
+    tables |= {DRIVE + number: wheel.drive.table for number, wheel in enumerate(config.wheels)}
+    knots = sorted({time for times, _ in tables.values() for time in times if time > 0.0})
+    starts = np.array([0.0, *knots])
+    ends = np.array([*knots, math.inf])
+    inputs = np.zeros((len(starts), DRIVE + len(config.wheels), 2))
+    for channel, (times, values) in tables.items():
+        for piece, (start, end) in enumerate(zip(starts, ends, strict=True)):
+            inputs[piece, channel] = line(times, values, start, end)
+    return starts, inputs
+
+
+def line(times: Sequence[float], values: Sequence[float], start: float, end: float) -> tuple[float, float]:
+    """Value at `start` and slope of a table on [start, end), which holds none of its knots inside."""
+    after = int(np.searchsorted(times, start, side="right"))  # first knot beyond the start
+    if after == 0 or after == len(times):
+        return values[min(after, len(times) - 1)], 0.0
+    t0, t1, v0, v1 = times[after - 1], times[after], values[after - 1], values[after]
+    slope = (v1 - v0) / (t1 - t0)
+    return v0 + slope * (start - t0), slope
+

@@ -1,0 +1,102 @@
+"""From a scene to a trajectory: pack, begin, march in chunks, observe."""
+
+import time
+from collections.abc import Callable
+from importlib.metadata import version
+
+import numpy as np
+
+from omnisim import status
+from omnisim.events import EVENT, KINDS, STOP
+from omnisim.model import describe
+from omnisim.observables import datasets
+from omnisim.parameters import pack
+from omnisim.scene import Scene, SceneError
+from omnisim.start import begin, blank_rows
+from omnisim.status import EVENTS_PER_STEP
+from omnisim.stepper import Rows, Run, march
+from omnisim.tableau import TABLEAUX
+from omnisim.trajectory import Trajectory
+
+CHUNK_SECONDS = 0.05  # between two calls of `progress`
+
+
+def simulate(scene: Scene, progress: Callable[[float], object] | None = None) -> Trajectory:
+    """Run a scene.
+
+    progress: called with the fraction done, about 20 times a second, first with 0 when the kernels are ready; if it
+    returns something true, the run stops there. A run that stops early, for whatever reason, returns what it has
+    computed, and `attributes["status"]` says when, where and why. Raises SceneError if the rows do not fit into
+    memory.
+    """
+    grid, tableau = scene.config.time, TABLEAUX[scene.config.solver.method]
+    parameters = pack(scene.config)
+    run = begin(scene.config, parameters, tableau)
+    try:
+        rows = blank_rows(run, grid.outputs + 1)
+    except MemoryError as error:
+        raise SceneError(f"{scene.source}: time.output_interval: too many rows for the memory: {error}") from None
+    log = np.zeros(4 * EVENTS_PER_STEP, EVENT)
+    wall_time, chunk = 0.0, 0
+    while run.clock.status == status.RUNNING:
+        begun, target = time.perf_counter(), min(run.clock.step + chunk, grid.steps)
+        room = march(parameters, tableau.arrays, run, rows, log.view(np.recarray), grid.steps_per_output, target)
+        elapsed = time.perf_counter() - begun
+        if room == status.LOG_FULL:
+            log = np.concatenate([log, np.zeros_like(log)])
+        wall_time += elapsed if chunk else 0.0  # the first call marches nowhere: it loads or compiles the kernels
+        if run.clock.status == status.RUNNING and run.clock.step == grid.steps:
+            run.clock.status = status.COMPLETE
+        elif progress and progress(run.clock.step / grid.steps) and run.clock.status == status.RUNNING:
+            run.clock.status = status.INTERRUPTED
+        faster = chunk * CHUNK_SECONDS / max(elapsed, 1e-9)
+        chunk = int(min(max(faster, 1.0), 4.0 * chunk)) if chunk else 1000
+    return collect(scene, parameters, run, rows, log, wall_time)
+
+
+def collect(scene, parameters, run: Run, rows: Rows, log: np.ndarray, wall_time: float) -> Trajectory:
+    """The Trajectory of a march that has ended."""
+    config, clock, names = scene.config, run.clock, [wheel.name for wheel in scene.config.wheels]
+    filled = Rows(*(values[: clock.row] for values in rows))
+    stopped = clock.status != status.COMPLETE
+    stop_time = clock.step * clock.dt + clock.elapsed if stopped else config.time.end
+    stop_wheel = names[clock.wheel] if stopped and clock.wheel >= 0 else ""
+    times = np.arange(clock.row) * config.time.output_interval
+    attributes = {
+        "omnisim_version": version("omnisim-engine"),
+        "title": config.title,
+        "scene": scene.text,
+        "wheels": names,
+        "model": describe(config).line,
+        "tracking": config.solver.tracking,
+        "method": config.solver.method,
+        "step": config.time.step,
+        "steps": int(clock.step),
+        "rhs_evaluations": int(clock.rhs),
+        "wall_time": wall_time,
+        "status": status.sentence(clock, stop_time, stop_wheel, config.solver.method),
+        "stop_time": float(stop_time),
+        "stop_wheel": stop_wheel,
+    }
+    data = datasets(parameters, filled, times, names) | events(log[: clock.events], names)
+    if stopped:
+        data = with_stop(data, stop_time, stop_wheel)
+    return Trajectory(attributes, data)
+
+
+def events(log: np.ndarray, names: list[str]) -> dict[str, np.ndarray]:
+    """Datasets of the events in a log (E,), in order of time, then of wheels."""
+    log = log[np.lexsort((log["wheel"], log["time"]))]
+    return {
+        "events/time": log["time"],
+        "events/kind": np.array(KINDS)[log["kind"]],
+        "events/wheel": np.array(names)[log["wheel"]],
+        "events/roller_from": log["roller_from"],
+        "events/roller_to": log["roller_to"],
+    }
+
+
+def with_stop(data: dict[str, np.ndarray], stop_time: float, stop_wheel: str) -> dict[str, np.ndarray]:
+    """The datasets with the final event "stop" appended."""
+    last = {"time": stop_time, "kind": KINDS[STOP], "wheel": stop_wheel, "roller_from": -1, "roller_to": -1}
+    return data | {f"events/{name}": np.append(data[f"events/{name}"], value) for name, value in last.items()}

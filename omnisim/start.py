@@ -1,0 +1,88 @@
+"""The state at t = 0, and the memory of a march."""
+
+import math
+
+import numpy as np
+
+from omnisim.config import Config
+from omnisim.contact.tracking import IMPLICIT
+from omnisim.parameters import Parameters
+from omnisim.state import (
+    MODE,
+    PER_WHEEL,
+    SPIN_ANGLE,
+    SPIN_RATE,
+    V_X,
+    V_Y,
+    WATCH,
+    WHEELS,
+    YAW,
+    YAW_RATE,
+    X,
+    Y,
+)
+from omnisim.stepper import CLOCK, Rows, Run
+from omnisim.tableau import Tableau
+
+
+def begin(config: Config, parameters: Parameters, tableau: Tableau) -> Run:
+    """A Run at t = 0; the march itself finds the rollers in contact."""
+    y, rates = initial_state(config, parameters)
+    count, clock = len(parameters.wheels), np.zeros(1, CLOCK).view(np.recarray)[0]
+    clock.dt = config.time.output_interval / config.time.steps_per_output
+    clock.wheel = -1
+    clock.stability_limit = tableau.stability_limit
+    return Run(
+        y=y,
+        trial=np.empty_like(y),
+        stage=np.empty_like(y),
+        slopes=np.zeros((tableau.stages + 1, len(y))),
+        rates=rates,
+        mode=np.zeros(count, MODE).view(np.recarray),
+        watch=np.zeros(count, WATCH).view(np.recarray),
+        watch_end=np.zeros(count, WATCH).view(np.recarray),
+        clock=clock,
+    )
+
+
+def blank_rows(run: Run, count: int) -> Rows:
+    """Room for `count` rows of a run."""
+    wheels, rollers = run.rates.shape
+    return Rows(
+        y=np.empty((count, len(run.y))),
+        rates=np.empty((count, wheels, rollers)),
+        mode=np.empty((count, wheels), MODE).view(np.recarray),
+        piece=np.empty(count, np.int64),
+    )
+
+
+def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, np.ndarray]:
+    """State y (n,) without the rates of the rollers in contact, and rates (W, N) of all rollers, rad/s."""
+    wheels, rollers = parameters.sector.shape[:2]
+    implicit = parameters.machine.tracking == IMPLICIT
+    first_rho = WHEELS + PER_WHEEL * wheels
+    y = np.zeros(first_rho + 3 * wheels * rollers * implicit)
+    rates = np.zeros((wheels, rollers))
+    y[[X, Y]], y[[V_X, V_Y]] = config.initial.position, config.initial.velocity
+    y[YAW], y[YAW_RATE] = math.radians(config.initial.yaw_deg), config.initial.yaw_rate
+    for w, wheel in enumerate(config.wheels):
+        record, at = parameters.wheels[w], WHEELS + PER_WHEEL * w
+        y[at + SPIN_ANGLE], y[at + SPIN_RATE] = math.radians(wheel.spin_angle_deg), wheel.spin_rate
+        q = roller_azimuths(record, y[at + SPIN_ANGLE])
+        axis_n = -record.cos_psi * np.sin(q)  # p = chi' + w . a
+        rates[w, : record.rollers] = wheel.roller_rates + wheel.spin_rate * record.sin_psi + y[YAW_RATE] * axis_n
+        if implicit:
+            rho = y[first_rho + 3 * rollers * w :][: 3 * record.rollers].reshape(-1, 3)
+            rho[:] = -roller_directions(q, y[YAW])
+    return y, rates
+
+
+def roller_azimuths(record: np.record, spin_angle: np.ndarray | float) -> np.ndarray:
+    """q of every roller of a wheel, up to whole turns, rad: (..., N_r) for spin angles (...)."""
+    return record.phase + 2.0 * record.alpha * np.arange(record.rollers) - np.asarray(spin_angle)[..., None]
+
+
+def roller_directions(q: np.ndarray, yaw: np.ndarray | float) -> np.ndarray:
+    """d = -cos q n + sin q h of every roller, world axes: (..., N_r, 3) for q (..., N_r) and yaw (...)."""
+    yaw = np.asarray(yaw)[..., None]
+    return np.stack([np.sin(q) * np.cos(yaw), np.sin(q) * np.sin(yaw), -np.cos(q)], axis=-1)

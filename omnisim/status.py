@@ -1,0 +1,35 @@
+"""Codes that the march returns, and the sentence for each."""
+
+EVENTS_PER_STEP = 4096  # more than this in one step is no progress of time
+
+RUNNING, COMPLETE, LOG_FULL, INTERRUPTED, NOT_FINITE, TOO_STIFF, ROCKING, CROWDED, LIFT_OFF = range(9)
+
+SENTENCES = {
+    COMPLETE: "complete",
+    INTERRUPTED: "interrupted by the user at t = {time:.9g} s",
+    NOT_FINITE: "the motion diverged at t = {time:.9g} s: a state is no longer finite; try a smaller time.step than {step:.3g} s",
+    TOO_STIFF: (
+        "unstable at t = {time:.9g} s: friction at wheel '{wheel}' relaxes slip at {rate:.3g} 1/s, too fast for {method} "
+        "with time.step = {step:.3g} s; use time.step < {limit:.2g} s or a larger friction.slip_speed (smaller viscosity)"
+    ),
+    ROCKING: (
+        "wheel '{wheel}' rocks about the edge between two rollers without progress at t = {time:.9g} s: both carry "
+        "the load there, which this version does not model"
+    ),
+    CROWDED: (
+        "more than {events} events in one step at t = {time:.9g} s: time.step = {step:.3g} s is far too large for "
+        "the spin rate of wheel '{wheel}'; try a smaller one"
+    ),
+    LIFT_OFF: (
+        "wheel '{wheel}' leaves the floor at t = {time:.9g} s: the vertical force lifts more than the weight; "
+        "flight is not modelled, reduce wrench.force z"
+    ),
+}
+
+
+def sentence(clock, time: float, wheel: str, method: str) -> str:
+    """The status of a run in one sentence; "complete" if it reached its end."""
+    limit = clock.stability_limit / clock.rate if clock.rate > 0.0 else 0.0
+    return SENTENCES[int(clock.status)].format(
+        time=time, wheel=wheel, method=method, step=clock.dt, rate=clock.rate, limit=limit, events=EVENTS_PER_STEP
+    )

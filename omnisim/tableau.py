@@ -1,0 +1,118 @@
+"""Explicit Runge-Kutta methods as checked data.
+
+A method is its Butcher tableau. Order conditions are asserted when this module is imported, so a mistyped
+coefficient cannot run; stages and stability limit are derived from the coefficients.
+
+Sources: Butcher, Numerical Methods for Ordinary Differential Equations (2016), sections 23 and 31; Dormand & Prince,
+J. Comput. Appl. Math. 6 (1980) 19-26 (the weights of order 5; fixed steps need no error estimate).
+"""
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from math import prod
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class Tableau:
+    """Strictly lower triangular matrix a (s, s), weights b (s,), nodes c (s,), and the order they reach."""
+
+    name: str
+    order: int
+    a: np.ndarray
+    b: np.ndarray
+    c: np.ndarray
+
+    @property
+    def stages(self) -> int:
+        return len(self.b)
+
+    @property
+    def arrays(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """What the kernels take."""
+        return self.a, self.b, self.c
+
+    def amplification(self, z: float) -> float:
+        """R(z) = 1 + z b (I - z a)^-1 1, the growth of y' = lambda y in a step with z = lambda dt."""
+        ones = np.ones(self.stages)
+        return float(1.0 + z * self.b @ np.linalg.solve(np.eye(self.stages) - z * self.a, ones))
+
+    @property
+    def stability_limit(self) -> float:
+        """Largest -z for which |R(z)| <= 1 all along the negative real axis."""
+        inside, outside = 0.0, 1.0
+        while abs(self.amplification(-outside)) <= 1.0:
+            inside, outside = outside, outside + 0.25
+        for _ in range(50):
+            middle = 0.5 * (inside + outside)
+            inside, outside = (middle, outside) if abs(self.amplification(-middle)) <= 1.0 else (inside, middle)
+        return inside
+
+
+@cache
+def rooted_trees(nodes: int) -> tuple:
+    """All rooted trees with so many nodes, each the sorted tuple of the subtrees at its root."""
+    if nodes == 1:
+        return ((),)
+    trees = set()
+    for smaller in range(1, nodes):
+        for branch in rooted_trees(smaller):
+            for rest in rooted_trees(nodes - smaller):
+                trees.add(tuple(sorted((*rest, branch))))
+    return tuple(sorted(trees))
+
+
+def size(tree: tuple) -> int:
+    return 1 + sum(size(branch) for branch in tree)
+
+
+def density(tree: tuple) -> int:
+    return size(tree) * prod(density(branch) for branch in tree)
+
+
+def elementary_weight(tree: tuple, a: list[list[Fraction]]) -> list[Fraction]:
+    """The factor of each stage in the elementary weight of a tree (Butcher 2016, section 31)."""
+    stages = range(len(a))
+    factor = [Fraction(1)] * len(a)
+    for branch in tree:
+        below = elementary_weight(branch, a)
+        factor = [factor[i] * sum(a[i][j] * below[j] for j in stages) for i in stages]
+    return factor
+
+
+def tableau(name: str, order: int, rows: list[list[str]], weights: list[str]) -> Tableau:
+    """A Tableau from exact fractions; asserts b . Phi(tree) = 1 / density(tree) for every tree up to `order`."""
+    b = [Fraction(weight) for weight in weights]
+    a = [[Fraction(entry) for entry in row] + [Fraction(0)] * (len(b) - len(row)) for row in rows]
+    assert all(len(row) == i for i, row in enumerate(rows)), f"{name}: not explicit"
+    for nodes in range(1, order + 1):
+        for tree in rooted_trees(nodes):
+            weight = sum(bi * phi for bi, phi in zip(b, elementary_weight(tree, a), strict=True))
+            assert weight * density(tree) == 1, f"{name}: order condition of {tree} fails"
+    matrix = np.array([[float(entry) for entry in row] for row in a])
+    nodes_c = np.array([float(sum(row)) for row in a])
+    return Tableau(name, order, matrix, np.array([float(bi) for bi in b]), nodes_c)
+
+
+TABLEAUX = {
+    method.name: method
+    for method in (
+        tableau("heun", 2, [[], ["1"]], ["1/2", "1/2"]),
+        tableau("rk4", 4, [[], ["1/2"], ["0", "1/2"], ["0", "0", "1"]], ["1/6", "1/3", "1/3", "1/6"]),
+        tableau(
+            "dopri5",
+            5,
+            [
+                [],
+                ["1/5"],
+                ["3/40", "9/40"],
+                ["44/45", "-56/15", "32/9"],
+                ["19372/6561", "-25360/2187", "64448/6561", "-212/729"],
+                ["9017/3168", "-355/33", "46732/5247", "49/176", "-5103/18656"],
+            ],
+            ["35/384", "0", "500/1113", "125/192", "-2187/6784", "11/84"],
+        ),
+    )
+}

@@ -1,0 +1,279 @@
+"""What a run returns: attributes and datasets, checked against one table of all that a trajectory holds."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from os import PathLike
+from typing import Any
+
+import numpy as np
+
+FORMAT = "omnisim-trajectory"
+FORMAT_VERSION = 1
+COMPLETE = "complete"
+EVENT_KINDS = ("exchange", "stick", "slip", "lift_off", "touch_down", "share_begin", "share_end", "stop")
+
+# Root attributes and their types; Trajectory itself fills the first two.
+ATTRIBUTES = {
+    "format": str, "format_version": int, "omnisim_version": str, "title": str, "scene": str, "wheels": tuple,
+    "model": str, "tracking": str, "method": str, "step": float, "steps": int, "rhs_evaluations": int,
+    "wall_time": float, "status": str, "stop_time": float, "stop_wheel": str,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One dataset. `axes` are the paths of its dimension scales; a scale has itself as its only axis."""
+
+    path: str
+    axes: tuple[str, ...]
+    units: str
+    description: str
+    dtype: str = "float64"  # or int64, str
+
+    @property
+    def is_scale(self) -> bool:
+        return self.axes == (self.path,)
+
+    def of_wheel(self, wheel: str) -> Quantity:
+        """This row with {wheel} filled in, in its path and its axes."""
+        axes = tuple(axis.format(wheel=wheel) for axis in self.axes)
+        return replace(self, path=self.path.format(wheel=wheel), axes=axes)
+
+
+TIME, AXIS, TANGENT = "time", "axis", "tangent"
+ROLLER, EVENT = "wheels/{wheel}/rollers/roller", "events/event"
+LABELS = {AXIS: ("x", "y", "z"), TANGENT: ("h", "k")}  # the other two, ROLLER and EVENT, count from 0
+
+BODY = "wheel centre (bare wheel) or chassis origin on the floor (vehicle)"
+WHEEL, ROLLERS = "wheels/{wheel}", "wheels/{wheel}/rollers"
+T, E = (TIME,), (EVENT,)
+
+# Every dataset, in the order of the file. A scale comes before the datasets that use it.
+TABLE = (
+    Quantity(TIME, T, "s", "output times: row i is i * output_interval"),
+    Quantity(AXIS, (AXIS,), "1", "world axes: x and y on the floor, z up", "str"),
+    Quantity(TANGENT, (TANGENT,), "1", "directions along the floor: h heading, k axle (left)", "str"),
+    Quantity("body/position", (TIME, AXIS), "m", f"position of the {BODY}"),
+    Quantity("body/velocity", (TIME, AXIS), "m/s", f"velocity of the {BODY}"),
+    Quantity("body/acceleration", (TIME, AXIS), "m/s^2", f"acceleration of the {BODY}"),
+    Quantity("body/yaw", T, "rad", "yaw angle, counterclockwise from above, never wrapped"),
+    Quantity("body/yaw_rate", T, "rad/s", "yaw rate"),
+    Quantity("body/yaw_acceleration", T, "rad/s^2", "yaw acceleration"),
+    Quantity(f"{WHEEL}/spin_angle", T, "rad", "spin angle about k, never wrapped; positive rolls forward"),
+    Quantity(f"{WHEEL}/spin_rate", T, "rad/s", "spin rate about k"),
+    Quantity(f"{WHEEL}/spin_acceleration", T, "rad/s^2", "spin acceleration about k"),
+    Quantity(f"{WHEEL}/drive_torque", T, "N m", "drive torque on the disk about k"),
+    Quantity(f"{WHEEL}/normal_force", T, "N", "normal force of the floor on the wheel"),
+    Quantity(f"{WHEEL}/contact_angle", T, "rad", "azimuth of contact_roller from straight down towards h"),
+    Quantity(f"{WHEEL}/contact_roller", T, "1", "roller in contact with the floor", "int64"),
+    Quantity(f"{WHEEL}/contact_point", (TIME, AXIS), "m", "contact point on the floor"),
+    Quantity(f"{WHEEL}/slip_velocity", (TIME, TANGENT), "m/s", "velocity of the roller surface on the floor"),
+    Quantity(f"{WHEEL}/friction_force", (TIME, TANGENT), "N", "friction force of the floor on the roller"),
+    Quantity(f"{WHEEL}/contact_share", T, "1",
+             "1, or the share of contact_roller (the one at q = +alpha) while two rollers carry the load"),
+    Quantity(f"{WHEEL}/servo_torque", T, "N m", "torque about h that keeps a bare wheel upright"),
+    Quantity(ROLLER, (ROLLER,), "1", "rollers of this wheel, counted from 0", "int64"),
+    Quantity(f"{ROLLERS}/axial_rate", (TIME, ROLLER), "rad/s", "absolute angular velocity about the axis"),
+    Quantity(f"{ROLLERS}/joint_rate", (TIME, ROLLER), "rad/s", "angular velocity relative to the wheel"),
+    Quantity(f"{ROLLERS}/center_position", (TIME, ROLLER, AXIS), "m", "position of the centre"),
+    Quantity(f"{ROLLERS}/center_velocity", (TIME, ROLLER, AXIS), "m/s", "velocity of the centre"),
+    Quantity(f"{ROLLERS}/center_acceleration", (TIME, ROLLER, AXIS), "m/s^2", "acceleration of the centre"),
+    Quantity("energy/kinetic", T, "J", "kinetic energy of all bodies"),
+    Quantity("energy/friction_loss", T, "J", "energy lost to friction since t = 0"),
+    Quantity("energy/drive_work", T, "J", "work of the drives since t = 0"),
+    Quantity("energy/wrench_work", T, "J", "work of the external wrench since t = 0"),
+    Quantity("energy/balance", T, "J", "kinetic - initial + loss - works, the numerical error"),
+    Quantity(EVENT, E, "1", "events in order of time, counted from 0", "int64"),
+    Quantity("events/time", E, "s", "time of the event"),
+    Quantity("events/kind", E, "1", ", ".join(EVENT_KINDS), "str"),
+    Quantity("events/wheel", E, "1", "name of the wheel, empty where not meant", "str"),
+    Quantity("events/roller_from", E, "1", "roller that had the contact, -1 where not meant", "int64"),
+    Quantity("events/roller_to", E, "1", "roller that takes the contact, -1 where not meant", "int64"),
+)  # fmt: skip
+
+
+def layout(wheels: Sequence[str]) -> dict[str, Quantity]:
+    """Every dataset of a machine with these wheels, by path, in the order of the file."""
+    rows = (row.of_wheel(wheel) for row in TABLE for wheel in wheels)
+    return {row.path: row for row in rows}
+
+
+class Trajectory:
+    """The motion of one run: T rows at equal intervals, N_r rollers per wheel, E events.
+
+    attributes  root attributes of the file by name (ATTRIBUTES has the types); `format` and `format_version`
+                are filled in
+    data        arrays by path in the file, no leading slash (TABLE has axes, units and meaning); the scales
+                axis, tangent, rollers/roller and events/event follow from the rest and may be left out
+
+    Raises ValueError, naming the attribute or dataset, when one is unknown, missing, of the wrong type or
+    shape, or not finite.
+    """
+
+    def __init__(self, attributes: Mapping[str, Any], data: Mapping[str, np.ndarray]):
+        given = {**attributes, "format": FORMAT, "format_version": FORMAT_VERSION}
+        _same_names("attribute", given, ATTRIBUTES)
+        self.attributes: dict[str, Any] = {name: _attribute(name, given[name]) for name in ATTRIBUTES}
+        if not self.wheels:
+            raise ValueError("attribute wheels: a trajectory has at least one wheel")
+        table = layout(self.wheels)
+        completed = _scales(table, data) | dict(data)
+        _same_names("dataset", completed, table)
+        self.data: dict[str, np.ndarray] = {path: completed[path] for path in table}
+        self.validate()
+
+    def validate(self) -> None:
+        """Raise ValueError unless every dataset is as TABLE says, and every number finite."""
+        for name, kind in ATTRIBUTES.items():
+            if kind is float and not np.isfinite(self.attributes[name]):
+                raise ValueError(f"attribute {name} is {self.attributes[name]}: it must be finite")
+        for path, quantity in layout(self.wheels).items():
+            shape = tuple(np.size(self.data[axis]) for axis in quantity.axes)
+            _check(quantity, self.data[path], shape)
+
+    @property
+    def time(self) -> np.ndarray:
+        """Output times (T), s."""
+        return self.data[TIME]
+
+    @property
+    def wheels(self) -> tuple[str, ...]:
+        """Names of the wheels, in the order of the scene."""
+        return self.attributes["wheels"]
+
+    @property
+    def complete(self) -> bool:
+        """False when the run stopped before its end: attributes status, stop_time and stop_wheel say why."""
+        return self.attributes["status"] == COMPLETE
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write an HDF5 file, whole or not at all. Raises OSError, and ValueError for NaN or inf."""
+        from omnisim import storage
+
+        storage.write(self, path)
+
+    def __getitem__(self, path: str) -> np.ndarray:
+        name = path.strip("/")
+        if name not in self.data:
+            raise KeyError(f"no dataset {name!r}{_near(name, self.data)}")
+        return self.data[name]
+
+    def __contains__(self, path: str) -> bool:
+        return path.strip("/") in self.data
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.data)
+
+    def __repr__(self) -> str:
+        a, rows, events = self.attributes, len(self.time), len(self["events/time"])
+        until = f" to {self.time[-1]:g} s" if rows else ""
+        return (f"<Trajectory {a['title']!r}: {rows} rows{until}, wheels {', '.join(self.wheels)}, "
+                f"{events} events, {a['status']}>")  # fmt: skip
+
+
+def summary(trajectory: Trajectory) -> str:
+    """What a trajectory holds, for people: several aligned lines without a final newline."""
+    facts = "\n".join(f"{name:<10}{text}" for name, text in _facts(trajectory).items())
+    return f"{facts}\n\n{_datasets(trajectory)}"
+
+
+def _facts(trajectory: Trajectory) -> dict[str, str]:
+    a, time = trajectory.attributes, trajectory.time
+    end = time[-1] if len(time) else 0.0
+    interval = f", one every {end / (len(time) - 1):g} s" if len(time) > 1 else ""
+    speed = f", {end / a['wall_time']:.3g} times real time" if a["wall_time"] > 0 else ""
+    rollers = {wheel: len(trajectory[ROLLER.format(wheel=wheel)]) for wheel in trajectory.wheels}
+    kinds = Counter(trajectory["events/kind"].tolist())
+    where = f", wheel {a['stop_wheel']}" if a["stop_wheel"] else ""
+    return {
+        "title": a["title"] or "(none)",
+        "model": a["model"],
+        "method": f"{a['method']}, step {a['step']:g} s, {a['tracking']} tracking",
+        "run": f"{a['steps']} steps, {a['rhs_evaluations']} right-hand sides, {a['wall_time']:.3g} s{speed}",
+        "duration": f"{end:g} s, {len(time)} rows{interval}",
+        "status": a["status"] if trajectory.complete else f"{a['status']} (at {a['stop_time']:.9g} s{where})",
+        "wheels": ", ".join(f"{wheel} ({n} rollers)" for wheel, n in rollers.items()),
+        "events": ", ".join(f"{n} {kind}" for kind, n in kinds.most_common()) or "none",
+        "energy": _energy(trajectory),
+        "format": f"{a['format']} {a['format_version']}, written by omnisim {a['omnisim_version']}",
+    }
+
+
+def _energy(trajectory: Trajectory) -> str:
+    if not len(trajectory.time):
+        return "no rows"
+    kinetic = trajectory["energy/kinetic"]
+    works = (f"{name.replace('_', ' ')} {trajectory[f'energy/{name}'][-1]:.6g} J"
+             for name in ("friction_loss", "drive_work", "wrench_work"))  # fmt: skip
+    error = np.abs(trajectory["energy/balance"]).max()
+    change = f"kinetic {kinetic[0]:.6g} -> {kinetic[-1]:.6g} J"
+    return f"{change}, {', '.join(works)};\n{'':<10}balanced to {error:.2g} J"
+
+
+def _datasets(trajectory: Trajectory) -> str:
+    """One line per row of TABLE: path, shape (`6|8` where wheels differ), units, description."""
+    wheels = trajectory.wheels
+    name = wheels[0] if len(wheels) == 1 else "NAME"
+    lines = []
+    for row in TABLE:
+        shapes = [trajectory[row.path.format(wheel=wheel)].shape for wheel in wheels]
+        sizes = ["|".join(str(n) for n in dict.fromkeys(axis)) for axis in zip(*shapes, strict=True)]
+        lines.append(("/" + row.path.format(wheel=name), " x ".join(sizes), row.units, row.description))
+    path, shape, units = (max(len(line[column]) for line in lines) for column in range(3))
+    return "\n".join(f"{a:<{path}}  {b:<{shape}}  {c:<{units}}  {d}" for a, b, c, d in lines)
+
+
+def _scales(table: Mapping[str, Quantity], data: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The scales that follow from the rest: names of directions, or 0 .. n - 1 with n from the first user."""
+    sizes: dict[str, int] = {}
+    for path in (path for path in table if path in data):
+        for axis, size in zip(table[path].axes, np.shape(data[path]), strict=False):
+            sizes.setdefault(axis, size)
+    return {
+        path: np.array(LABELS[path]) if path in LABELS else np.arange(sizes.get(path, 0), dtype=np.int64)
+        for path, quantity in table.items()
+        if quantity.is_scale and path != TIME
+    }
+
+
+def _attribute(name: str, value: Any) -> Any:
+    kind = ATTRIBUTES[name]
+    if isinstance(value, str) != (kind is str):
+        raise ValueError(f"attribute {name} is {value!r}: it must be a {kind.__name__}")
+    try:
+        return kind(value)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"attribute {name} is {value!r}: it must be a {kind.__name__}") from error
+
+
+def _check(quantity: Quantity, array: np.ndarray, shape: tuple[int, ...]) -> None:
+    path, dtype = quantity.path, quantity.dtype
+    if not isinstance(array, np.ndarray):
+        raise ValueError(f"dataset {path} is a {type(array).__name__}: it must be a NumPy array")
+    if array.dtype.kind != "U" if dtype == "str" else array.dtype != dtype:
+        raise ValueError(f"dataset {path} has type {array.dtype}: it must be {dtype}")
+    if array.shape != shape:
+        raise ValueError(f"dataset {path} has shape {array.shape}: it must be {shape}, along {quantity.axes}")
+    if dtype == "float64" and not np.isfinite(array).all():
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        raise ValueError(f"dataset {path} is {array[where]} at index {where}: it must be finite")
+
+
+def _same_names(what: str, given: Mapping[str, Any], known: Mapping[str, Any]) -> None:
+    for name in given:
+        if name not in known:
+            raise ValueError(f"unknown {what} {name}{_near(name, known)}")
+    for name in known:
+        if name not in given:
+            raise ValueError(f"{what} {name} is missing")
+
+
+def _near(name: str, known: Mapping[str, Any]) -> str:
+    """Names that look alike or end in the same word, as the end of a message."""
+    ends = [path for path in known if path.endswith("/" + name)]
+    near = dict.fromkeys(ends + get_close_matches(name, known, n=5))
+    return f"; near: {', '.join(near)}" if near else ""

@@ -1,0 +1,1 @@
+"""Slow, independent solutions that the fast kernels are held against."""
