@@ -380,8 +380,8 @@ def _deepest(locations: Iterable[KeyPath]) -> Iterable[KeyPath]:
     """One location for each defect: the deepest. A union reports once for every type that it tried, and a
     list of tables that it is too short when the tables in it are wrong."""
     best: dict[KeyPath, KeyPath] = {}
-    for location in sorted(locations, key=len):
-        best[_place(location).path] = location
+    for location in sorted(locations, key=len, reverse=True):
+        best.setdefault(_place(location).path, location)
     parents = {path[:end] for path in best for end in range(len(path))}
     return [location for path, location in best.items() if path not in parents]
 
@@ -446,9 +446,9 @@ def _is_whole(ratio: float) -> bool:
 
 @lru_cache(maxsize=16)
 def _about_100(steps: int) -> int:
-    """The divisor of `steps` nearest to 100 in the logarithm; of two equally near, the larger (more rows)."""
+    """The divisor of `steps` nearest to 100 in the logarithm. No tie: two as near make 100 a divisor too."""
     small = [d for d in range(1, math.isqrt(steps) + 1) if steps % d == 0]
-    return min((*small, *(steps // d for d in small)), key=lambda d: (max(d / 100, 100 / d), -d))
+    return min((*small, *(steps // d for d in small)), key=lambda d: max(d / 100, 100 / d))
 
 
 def _friction_rules(config: Config) -> Iterator[Problem]:

@@ -65,6 +65,6 @@ def kernel(function):
     theirs = numba_config.CACHE_DIR
     numba_config.CACHE_DIR = str(CACHE_DIRECTORY)
     try:
-        return numba.njit(cache=True, error_model="numpy")(function)
+        return numba.njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)(function)
     finally:
         numba_config.CACHE_DIR = theirs

@@ -59,8 +59,10 @@ def observe(parameters, rows, times, watch, slopes, contacts):
             contact.friction_force[0], contact.friction_force[1] = reaction.force_h, reaction.force_k
 
 
-def datasets(parameters: Parameters, rows: Rows, times: np.ndarray, names: list[str]) -> dict[str, np.ndarray]:
-    """All datasets of T rows but the events, by path in the trajectory file."""
+@np.errstate(over="ignore", invalid="ignore")  # the caller drops rows that are not finite
+def datasets(parameters: Parameters, rows: Rows, interval: float, names: list[str]) -> dict[str, np.ndarray]:
+    """All datasets of T rows, `interval` seconds apart, but the events: by path in the trajectory file."""
+    times = np.arange(len(rows.y)) * interval
     slopes = np.empty_like(rows.y)
     contacts = np.zeros(rows.mode.shape, CONTACT).view(np.recarray)
     watch = np.zeros(len(names), WATCH).view(np.recarray)

@@ -10,7 +10,7 @@ from omnisim import status
 from omnisim.events import EVENT, KINDS, STOP
 from omnisim.model import describe
 from omnisim.observables import datasets
-from omnisim.parameters import pack
+from omnisim.parameters import Parameters, pack
 from omnisim.scene import Scene, SceneError
 from omnisim.start import begin, blank_rows
 from omnisim.status import EVENTS_PER_STEP
@@ -54,14 +54,18 @@ def simulate(scene: Scene, progress: Callable[[float], object] | None = None) ->
     return collect(scene, parameters, run, rows, log, wall_time)
 
 
-def collect(scene, parameters, run: Run, rows: Rows, log: np.ndarray, wall_time: float) -> Trajectory:
+def collect(scene: Scene, parameters: Parameters, run: Run, rows: Rows, log: np.ndarray, wall_time: float) -> Trajectory:
     """The Trajectory of a march that has ended."""
     config, clock, names = scene.config, run.clock, [wheel.name for wheel in scene.config.wheels]
-    filled = Rows(*(values[: clock.row] for values in rows))
+    interval = config.time.output_interval
+    sampled = datasets(parameters, Rows(*(values[: clock.row] for values in rows)), interval, names)
+    stop_time, kept = clock.step * clock.dt + clock.elapsed, finite_rows(sampled)
+    if kept < clock.row:  # a state that overflows only when it is squared, say
+        clock.status, clock.wheel, stop_time = status.NOT_FINITE, -1, kept * interval
     stopped = clock.status != status.COMPLETE
-    stop_time = clock.step * clock.dt + clock.elapsed if stopped else config.time.end
+    if not stopped:
+        stop_time = config.time.end
     stop_wheel = names[clock.wheel] if stopped and clock.wheel >= 0 else ""
-    times = np.arange(clock.row) * config.time.output_interval
     attributes = {
         "omnisim_version": version("omnisim-engine"),
         "title": config.title,
@@ -78,10 +82,18 @@ def collect(scene, parameters, run: Run, rows: Rows, log: np.ndarray, wall_time:
         "stop_time": float(stop_time),
         "stop_wheel": stop_wheel,
     }
-    data = datasets(parameters, filled, times, names) | events(log[: clock.events], names)
+    happened = events(log[: clock.events], names)
     if stopped:
-        data = with_stop(data, stop_time, stop_wheel)
-    return Trajectory(attributes, data)
+        happened = with_stop(happened, stop_time, stop_wheel)
+    return Trajectory(attributes, {path: values[:kept] for path, values in sampled.items()} | happened)
+
+
+def finite_rows(sampled: dict[str, np.ndarray]) -> int:
+    """Number of rows before the first that holds NaN or infinity in any dataset."""
+    count = len(sampled["time"])
+    broken = [~np.isfinite(values.reshape(count, -1)).all(axis=1) for values in sampled.values()] if count else []
+    rows = np.flatnonzero(np.any(broken, axis=0)) if count else []
+    return int(rows[0]) if len(rows) else count
 
 
 def events(log: np.ndarray, names: list[str]) -> dict[str, np.ndarray]:
@@ -97,6 +109,6 @@ def events(log: np.ndarray, names: list[str]) -> dict[str, np.ndarray]:
 
 
 def with_stop(data: dict[str, np.ndarray], stop_time: float, stop_wheel: str) -> dict[str, np.ndarray]:
-    """The datasets with the final event "stop" appended."""
+    """The event datasets with the final "stop" appended."""
     last = {"time": stop_time, "kind": KINDS[STOP], "wheel": stop_wheel, "roller_from": -1, "roller_to": -1}
     return data | {f"events/{name}": np.append(data[f"events/{name}"], value) for name, value in last.items()}

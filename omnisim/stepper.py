@@ -19,7 +19,7 @@ from omnisim.state import PER_WHEEL, SPIN_RATE, WHEELS, YAW
 from omnisim.status import CROWDED, EVENTS_PER_STEP, LOG_FULL, NOT_FINITE, ROCKING, RUNNING, TOO_STIFF
 
 TURNS_PER_STEP = 100  # reversals of spin in one step: a Zeno sequence of ever shorter swings about an edge
-STIFF_STEPS = 32  # so many steps in a row at slip that the step cannot resolve are no passage through zero
+STIFF_STEPS = 8  # surplus of steps too large for the rate at which slip relaxes, before the run stops
 ROUNDING = 1e-14
 EPSILON = 4.0 * 2.0**-52
 
@@ -30,7 +30,7 @@ CLOCK = np.dtype(
         ("piece", np.int64),  # of the tables
         ("events", np.int64),  # in the log
         ("rhs", np.int64),  # right-hand sides evaluated
-        ("stiff", np.int64),  # steps in a row with unresolved slip
+        ("stiff", np.int64),  # surplus of steps too large for the rate at which slip relaxes
         ("status", np.int64),
         ("wheel", np.int64),  # that caused the status, or -1
         ("dt", np.float64),  # s
@@ -75,7 +75,9 @@ def march(parameters, tableau, run, rows, log, steps_per_row, last_step):
     clock = run.clock
     if clock.row == 0:
         settle(parameters, run)
-        write_row(parameters, run, rows)
+        check(parameters, run)
+        if clock.status == RUNNING:
+            write_row(parameters, run, rows)
     while clock.step < last_step and clock.status == RUNNING:
         if clock.events + 2 * EVENTS_PER_STEP > len(log):
             return LOG_FULL
@@ -117,8 +119,8 @@ def write_row(parameters, run, rows):
     for w in range(len(run.mode)):
         release_roller(parameters, run, w)
         rows.mode[row, w] = run.mode[w]
-    rows.y[row] = run.y
-    rows.rates[row] = run.rates
+        copy(run.rates[w], rows.rates[row, w])
+    copy(run.y, rows.y[row])
     rows.piece[row] = run.clock.piece
     run.clock.row = row + 1
 
@@ -167,31 +169,41 @@ def advance(parameters, tableau, run, t, h):
     """One Runge-Kutta step of length h from run.y into run.trial, with the derivative and `watch` at its end."""
     a, b, c = tableau
     y, trial, stage, slopes = run.y, run.trial, run.stage, run.slopes
-    stages, n = len(b), len(y)
+    stages = len(b)
     for i in range(1, stages):
-        stage[:] = y
-        for j in range(i):
-            weight = h * a[i, j]
-            if weight != 0.0:
-                for m in range(n):
-                    stage[m] += weight * slopes[j, m]
+        combine(y, h, a[i], i, slopes, stage)
         rhs(parameters, run.mode, run.clock.piece, t + c[i] * h, stage, slopes[i], run.watch_end)
-    trial[:] = y
-    for j in range(stages):
-        weight = h * b[j]
-        if weight != 0.0:
-            for m in range(n):
-                trial[m] += weight * slopes[j, m]
+    combine(y, h, b, stages, slopes, trial)
     rhs(parameters, run.mode, run.clock.piece, t + h, trial, slopes[stages], run.watch_end)
     run.clock.rhs += stages
 
 
 @kernel
+def combine(y, h, weights, count, slopes, out):
+    """out = y + h (weights . slopes) over the first `count` slopes; the sum first, so y is rounded once."""
+    for m in range(len(y)):
+        out[m] = weights[0] * slopes[0, m]
+    for j in range(1, count):
+        if weights[j] != 0.0:
+            for m in range(len(y)):
+                out[m] += weights[j] * slopes[j, m]
+    for m in range(len(y)):
+        out[m] = y[m] + h * out[m]
+
+
+@kernel
 def accept(run):
     """The trial becomes the state, and its derivative the first stage of the next step."""
-    run.y[:] = run.trial
-    run.slopes[0] = run.slopes[-1]
-    run.watch[:] = run.watch_end
+    copy(run.trial, run.y)
+    copy(run.slopes[-1], run.slopes[0])
+    for w in range(len(run.watch)):
+        run.watch[w] = run.watch_end[w]
+
+
+@kernel
+def copy(source, target):
+    for m in range(len(source)):
+        target[m] = source[m]
 
 
 @kernel
@@ -260,23 +272,24 @@ def locate(parameters, tableau, run, t, h, kind, w, value):
 def check(parameters, run):
     """Status of the state at a grid point: finite, and no slip relaxing faster than the method can follow.
 
-    Friction forces the slip of a stiff contact to chatter about zero with the amplitude that one step gives, bounded,
-    so a diverged run of that kind never overflows: it shows in slip that stays below what one step changes.
+    The friction force is bounded, so a step too large for it never overflows: slip chatters about zero with the
+    amplitude that one step gives. It shows in steps outside the method's stability region that outnumber those
+    inside; a slip that only passes through zero has one or two.
     """
     clock, total = run.clock, 0.0
-    for value in run.y:
-        total += value
+    for m in range(len(run.y)):
+        total += run.y[m] * run.y[m] + run.slopes[0, m] * run.slopes[0, m]
     if not math.isfinite(total):
-        clock.status, clock.wheel = NOT_FINITE, -1
+        clock.status = TOO_STIFF if clock.stiff > 0 else NOT_FINITE
         return
     stiff = False
     for w in range(len(run.mode)):
-        if run.watch[w].factor * parameters.machine.slip_mobility * clock.dt > 1.0:
+        if run.watch[w].factor * parameters.machine.slip_mobility * clock.dt > clock.stability_limit:
             now, at_rest = relaxation_rates(parameters, run, w)
-            if now * clock.dt > 1.0 and at_rest * clock.dt > clock.stability_limit:
+            if now * clock.dt > clock.stability_limit:
                 stiff = True
                 clock.rate, clock.wheel = at_rest, w
-    clock.stiff = clock.stiff + 1 if stiff else 0
+    clock.stiff = clock.stiff + 1 if stiff else max(clock.stiff - 1, 0)
     if clock.stiff >= STIFF_STEPS:
         clock.status = TOO_STIFF
 

@@ -1,0 +1,112 @@
+"""What the benchmarks share: scenes, marches without output, interleaved timing, tables."""
+
+import statistics
+import time
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from omnisim.events import EVENT
+from omnisim.parameters import Parameters, pack
+from omnisim.scene import Scene, parse
+from omnisim.start import begin, blank_rows
+from omnisim.status import EVENTS_PER_STEP, RUNNING
+from omnisim.stepper import Rows, Run, march
+from omnisim.tableau import TABLEAUX
+
+ROLLER_RATES = (3.0, -2.0, 5.0, 1.0, -4.0, 2.0)
+SCENE = """
+schema = 1
+time = {{ end = {end!r}, step = {step!r}, output_interval = {interval!r} }}
+solver = {{ method = "{method}", tracking = "{tracking}" }}
+friction = {{ law = "regularized", coefficient = 0.4, slip_speed = 0.05 }}
+initial = {{ velocity = [0.5, 0.3], yaw_deg = 22.918311805232932, yaw_rate = 1.2 }}
+[[wheels]]
+name = "wheel"
+type = "omni"
+spin_angle_deg = 5.729577951308233
+spin_rate = 12.0
+roller_rates = {rates}
+drive = {{ kind = "torque", torque = {torque!r} }}
+[wheel_types.omni]
+radius = 0.05
+roller_distance = 0.04
+roller_count = {rollers}
+roller_angle_deg = {psi!r}
+disk = {{ mass = 0.5, inertia_axle = 0.0004, inertia_diameter = 0.00022 }}
+roller = {{ mass = 0.03, inertia_axial = 6e-06, inertia_transverse = 9e-06 }}
+"""
+
+
+def bare_wheel(
+    step: float,
+    end: float = 2.0,
+    interval: float = 0.05,
+    rollers: int = 6,
+    psi: float = 0.0,
+    torque: float = 0.0,
+    method: str = "rk4",
+    tracking: str = "explicit",
+) -> Scene:
+    """A bare wheel, by default the one of tests/reference/testbench_psi0."""
+    rates = [ROLLER_RATES[i % len(ROLLER_RATES)] for i in range(rollers)]
+    return parse(SCENE.format(**locals()), "bench")
+
+
+class March(NamedTuple):
+    """A march ready to go: what `stepper.march` takes."""
+
+    parameters: Parameters
+    tableau: tuple[np.ndarray, ...]
+    run: Run
+    rows: Rows
+    log: np.recarray
+    steps_per_row: int
+    steps: int
+
+    def go(self) -> "March":
+        """March to the end; the rows and the log are filled, the run is spent."""
+        status = march(*self)
+        if status != RUNNING:
+            raise RuntimeError(f"the march stopped with status {status}")
+        return self
+
+
+def ready(scene: Scene) -> March:
+    """The march of a scene, with room for all its events."""
+    config, tableau = scene.config, TABLEAUX[scene.config.solver.method]
+    parameters = pack(config)
+    run = begin(config, parameters, tableau)
+    rows = blank_rows(run, config.time.outputs + 1)
+    log = np.zeros(4 * EVENTS_PER_STEP, EVENT).view(np.recarray)
+    return March(parameters, tableau.arrays, run, rows, log, config.time.steps_per_output, config.time.steps)
+
+
+def interleaved(
+    contestants: dict[str, Callable[[], Callable[[], object]]], rounds: int
+) -> dict[str, list[float]]:
+    """Seconds of every round of every contestant, round by round in turn, after one unmeasured round.
+
+    A contestant is a function that prepares (not timed) and returns the function to time.
+    """
+    seconds: dict[str, list[float]] = {name: [] for name in contestants}
+    for number in range(rounds + 1):
+        for name, prepare in contestants.items():
+            timed = prepare()
+            begun = time.perf_counter()
+            timed()
+            if number:
+                seconds[name].append(time.perf_counter() - begun)
+    return seconds
+
+
+def median_ratio(numerator: list[float], denominator: list[float]) -> float:
+    """Median over the rounds of the ratio within a round: slow spells of the machine cancel."""
+    return statistics.median(a / b for a, b in zip(numerator, denominator, strict=True))
+
+
+def table(header: list[str], rows: list[list[object]]) -> str:
+    """A Markdown table."""
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines)

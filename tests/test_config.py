@@ -1,0 +1,322 @@
+"""What a scene may say: defaults, derived values, and one line for every defect."""
+# ruff: noqa: E501 (the table of defects reads best with one defect to a line)
+
+import math
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from omnisim.config import Config, ConfigError, unused_keys, validate
+from omnisim.scene import SceneError, parse
+
+REFERENCE = Path(__file__).parent / "reference"
+GOOD = """\
+schema = 1
+title = "good"
+[scene]
+gravity = 9.81
+upright = "servo"
+[time]
+end = 2.0
+step = 0.001
+output_interval = 0.05
+[solver]
+method = "rk4"
+tracking = "explicit"
+[friction]
+law = "regularized"
+coefficient = 0.4
+slip_speed = 0.05
+[wheel_types.omni]
+radius = 0.05
+roller_distance = 0.04
+roller_count = 6
+roller_angle_deg = 0.0
+disk = { mass = 0.5, inertia_axle = 4e-4, inertia_diameter = 2.2e-4 }
+roller = { mass = 0.03, inertia_axial = 6e-6, inertia_transverse = 9e-6 }
+[[wheels]]
+name = "wheel"
+type = "omni"
+spin_rate = 12.0
+drive = { kind = "torque", times = [0, 1], torque = [0, 0.1] }
+[wrench]
+times = [0, 1]
+force = [[1, 2, 3], [4, 5, 6]]
+yaw_torque = [0, 1]
+[initial]
+velocity = [0.5, 0.3]
+"""
+MINIMAL = """\
+schema = 1
+time = { end = 1, step = 0.001 }
+friction.law = "none"
+[wheel_types.omni]
+radius = 1
+roller_distance = 0.5
+roller_count = 4
+roller_angle_deg = -89
+disk = { mass = 1, inertia_axle = 1, inertia_diameter = 1 }
+roller = { mass = 1, inertia_axial = 2, inertia_transverse = 1 }
+[[wheels]]
+name = "w"
+type = "omni"
+"""
+
+
+def changed(*pairs: str) -> str:
+    """The good scene with each old text replaced by the new one after it."""
+    text = GOOD
+    for old, new in zip(pairs[::2], pairs[1::2], strict=True):
+        assert old in text
+        text = text.replace(old, new, 1)
+    return text
+
+
+def message(text: str) -> str:
+    with pytest.raises(SceneError) as error:
+        parse(text, "s.toml")
+    return str(error.value)
+
+
+def config_of(*pairs: str) -> Config:
+    return parse(changed(*pairs)).config
+
+
+# Each defect as (old, new, line, key and value, what is allowed); every one gives exactly one line.
+STEP, RADIUS, SPIN = "step = 0.001", "radius = 0.05", "spin_rate = 12.0"
+DRIVE = 'drive = { kind = "torque", times = [0, 1], torque = [0, 0.1] }'
+TABLE = "times = [0, 1]\nforce"
+DEFECTS = {
+    "misspelt key": (SPIN, "spin_rat = 1", 27, "wheels.wheel.spin_rat = 1", "unknown key; did you mean 'spin_rate'?"),
+    "misspelt required key": (STEP, "stp = 1", 8, "time.stp = 1", "did you mean 'step'? Allowed: end, step, output_in"),
+    "misspelt table": ("[friction]", "[fricton]", 13, "fricton = {", "did you mean 'friction'?"),
+    "unknown key": (STEP, STEP + "\nzzz = 1", 9, "time.zzz = 1", "unknown key. Allowed: end, step"),
+    "unknown inline key": ("mass = 0.5", "mass=1, x=2", 22, "wheel_types.omni.disk.x = 2", "Allowed: mass, inertia"),
+    "missing key": (STEP + "\n", "", 6, "time.step", "missing; must be a finite number > 0"),
+    "missing root key": ("schema = 1\n", "", 1, "schema", "missing; must be 1"),
+    "missing table": ("[time]\nend = 2.0\nstep = 0.001\noutput_interval = 0.05\n", "", 1, "time", "missing; must be a "),
+    "missing inline key": ("mass = 0.5, ", "", 22, "wheel_types.omni.disk.mass", "missing; must be a finite"),
+    "missing wheel name": ('name = "wheel"\n', "", 24, "wheels[0].name", "missing; must be a name (a letter,"),
+    "schema of the future": ("schema = 1", "schema = 2", 1, "schema = 2", "must be 1"),
+    "boolean for an integer": ("schema = 1", "schema = true", 1, "schema = true", "must be 1"),
+    "number for a string": ('"good"', "3", 2, "title = 3", "must be a string"),
+    "negative gravity": ("9.81", "-9.81", 4, "scene.gravity = -9.81", "must be a finite number >= 0"),
+    "boolean for a number": (RADIUS, "radius = true", 18, "wheel_types.omni.radius = true", "a finite number > 0"),
+    "string for a number": (STEP, 'step = "1e-3"', 8, "time.step = '1e-3'", "finite number > 0; did you mean 0.001?"),
+    "date for a number": (STEP, "step = 1979-05-27", 8, "time.step = 1979-05-27", "must be a finite number > 0"),
+    "not a number": (RADIUS, "radius = nan", 18, "wheel_types.omni.radius = nan", "must be a finite number > 0"),
+    "infinite number": ("end = 2.0", "end = inf", 7, "time.end = inf", "must be a finite number > 0"),
+    "integer beyond floats": (STEP, "step = 0x1" + "0" * 400, 8, "time.step = 0x1000", "must be a finite number > 0"),
+    "zero step": (STEP, "step = 0", 8, "time.step = 0", "must be a finite number > 0"),
+    "negative mass": ("mass = 0.03", "mass = -1", 23, "wheel_types.omni.roller.mass = -1", "finite number > 0"),
+    "two rollers": ("count = 6", "count = 2", 20, "wheel_types.omni.roller_count = 2", "an integer from 3"),
+    "float for an integer": ("count = 6", "count = 6.0", 20, "wheel_types.omni.roller_count = 6.0", "an integer from 3"),
+    "psi of 90 deg": ("deg = 0.0", "deg = 90", 21, "roller_angle_deg = 90", "number between -90 and 90"),
+    "string for a boolean": (SPIN, "mirrored = 'no'", 27, "wheels.wheel.mirrored = 'no'", "must be true or false"),
+    "unknown word": ('"rk4"', '"rk5"', 11, "solver.method = 'rk5'", 'must be "heun", "rk4" or "dopri5"; did you mean'),
+    "misspelt law": ('"regularized"', '"Regularised"', 14, "friction.law = 'Regularised'", "mean 'regularized'?"),
+    "list for a word": ('"rk4"', '["rk4"]', 11, "solver.method = ['rk4']", 'must be "heun", "rk4" or "dopri5"'),
+    "bad wheel name": ('"wheel"', '"1 wheel"', 25, "wheels[0].name = '1 wheel'", "must be a name (a letter"),
+    "bad type name": ("omni]", '"om ni"]', 17, "wheel_types.'om ni' = {", "must be a name (a letter, then"),
+    "unknown wheel type": ('"omni"', '"onmi"', 26, "wheels.wheel.type = 'onmi'", "did you mean 'omni'? Wheel types"),
+    "number for a table": (DRIVE, "drive = 1", 28, "wheels.wheel.drive = 1", "must be a table with the keys kind,"),
+    "table for an array": ("[[wheels]]", "[wheels]", 24, "wheels = {", "one or more tables [[wheels]]"),
+    "three planar numbers": ("0.3]", "0.3, 0]", 34, "initial.velocity = [0.5, 0.3, 0]", "two finite numbers"),
+    "one planar number": ("[0.5, 0.3]", "[0.5]", 34, "initial.velocity = [0.5]", "two finite numbers [x, y]"),
+    "bad entry of a list": ("0.3]", "'a']", 34, "initial.velocity[1] = 'a'", "two finite numbers [x, y]"),
+    "bad rates": (SPIN, "roller_rates = 'x'", 27, "wheels.wheel.roller_rates = 'x'", "or a list of roller_count"),
+    "bad rate": (SPIN, "roller_rates = [1, true]", 27, "wheels.wheel.roller_rates[1] = true", "or a list of"),
+    "five rates": (SPIN, "roller_rates = [1,2,3,4,5]", 27, "roller_rates = [1, 2, 3, 4, 5]", "_count = 6 finite"),
+    "bare wheel elsewhere": (SPIN, "position = [1, 0]", 27, "wheels.wheel.position = [1, 0]", "absent or [0, 0]"),
+    "bare wheel turned": (SPIN, "heading_deg = 5", 27, "wheels.wheel.heading_deg = 5", "must be absent or 0"),
+    "rollers too far out": ("0.04", "0.0434", 19, "roller_distance = 0.0434", "cos(pi / roller_count) = 0.0433"),
+    "impossible roller": ("axial = 6e-6", "axial = 6e-5", 23, "omni.roller.inertia_axial = 6e-05", "at most 2 * inert"),
+    "law without its key": ("coefficient = 0.4\n", "", 13, "friction.coefficient", "missing; law = 'regularized' ne"),
+    "viscous without viscosity": ('"regularized"', '"viscous"', 13, "friction.viscosity", "needs a finite number >= 0"),
+    "unused key out of range": ("[wheel_t", "viscosity = -1\n[wheel_t", 17, "friction.viscosity = -1", "number >= 0"),
+    "zero slip speed": ("speed = 0.05", "speed = 0", 16, "friction.slip_speed = 0", "must be a finite number > 0"),
+    "output off the steps": (STEP, "step = 0.0003", 9, "time.output_interval = 0.05", "0.05 / 0.0003 = 166.666666"),
+    "end off the output": ("end = 2.0", "end = 2.01", 9, "time.output_interval = 0.05", "end / output_interval"),
+    "output after the end": ("= 0.05", "= 4.0", 9, "time.output_interval = 4.0", "= 0.5; must be an integer"),
+    "too many steps": (STEP, "step = 1e-10", 8, "time.step = 1e-10", "2e+10 steps; must be at most 1e+10"),
+    "vanishing step": (STEP, "step = 1e-320", 8, "time.step = 1e-320", "steps; must be at most 1e+10"),
+    "drive without a kind": (DRIVE, "drive.torque = 1", 28, "wheels.wheel.drive.kind", 'must be "free" or "torque"'),
+    "drive without a torque": (DRIVE, "drive.kind = 'torque'", 28, "wheels.wheel.drive.torque", "missing; must be a fi"),
+    "free drive with torque": ('"torque", times = [0, 1],', '"free",', 28, "wheels.wheel.drive.torque = [0, 0", "not a key"),
+    "drive without times": ("times = [0, 1], ", "", 28, "wheels.wheel.drive.times", "missing; a list of torques"),
+    "one torque, two times": ("[0, 0.1]", "1", 28, "drive.torque = 1", "must be a list of 2 finite numbers"),
+    "three torques, two times": ("[0, 0.1]", "[0, 0, 0]", 28, "drive.torque = [0, 0, 0]", "as times (2), not 3"),
+    "falling drive times": ("[0, 1], t", "[0, -1], t", 28, "wheels.wheel.drive.times[1] = -1", "times never decrease"),
+    "empty times": ("[0, 1], t", "[], t", 28, "wheels.wheel.drive.times = []", "a list of one or more finite numbers"),
+    "wrench without times": (TABLE, "force", 29, "wrench.times", "missing; must be a list of one or more"),
+    "falling wrench times": (TABLE, "times = [1, 0]\nforce", 30, "wrench.times[1] = 0", "must be at least 1.0"),
+    "short force": (", [4, 5, 6]", "", 31, "wrench.force = [[1, 2, 3]]", "a list as long as times (2), not 1"),
+    "planar force": ("[4, 5, 6]", "[4, 5]", 31, "wrench.force[1] = [4, 5]", "vectors [x, y, z] of finite numbers"),
+    "flat force": ("[[1, 2, 3], [4, 5, 6]]", "[1, 2]", 31, "wrench.force[0] = 1", "a list of one or more vectors"),
+    "long yaw torque": ("yaw_torque = [0, 1]", "yaw_torque = [0, 1, 2]", 32, "wrench.yaw_torque = [0, 1, 2]", "not 3"),
+    "unknown frame": (TABLE, "frame = 'boddy'\n" + TABLE, 30, "wrench.frame = 'boddy'", "did you mean 'body'?"),
+    "chassis": ("[initial]", "[chassis]\n[initial]", 33, "chassis = {}", "not in this version; it simulates one wheel"),
+    "two wheels": ("[wrench]", "[[wheels]]\nname='b'\ntype='omni'\n[wrench]", 29, "wheels.b = {", "not in this version"),
+    "coulomb": ('"regularized"', '"coulomb"', 14, "friction.law = 'coulomb'", 'not in this version; must be "reg'),
+    "radau5": ('"rk4"', '"radau5"', 11, "solver.method = 'radau5'", 'version; must be "heun", "rk4" or "dopri5"'),
+    "auto": ('"rk4"', '"auto"', 11, "solver.method = 'auto'", "not in this version"),
+    "contacts": ('"servo"', '"contacts"', 5, "scene.upright = 'contacts'", 'not in this version; must be "servo"'),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("defect", DEFECTS.values(), ids=DEFECTS.keys())
+def test_one_defect_gives_one_line_with_file_line_key_value_and_what_is_allowed(defect):
+    old, new, line, key, allowed = defect
+    text = message(changed(old, new))
+    assert "\n" not in text
+    assert text.startswith(f"s.toml:{line}: ")
+    assert key in text.split(": ", 2)[1]
+    assert allowed in text
+
+
+def test_all_schema_problems_are_listed_in_the_order_of_the_file():
+    text = message(changed("gravity = 9.81", "gravity = true", STEP, "step = 0", "[0.5, 0.3]", "3"))
+    assert [line.split(":")[1] for line in text.splitlines()] == ["4", "8", "34"]
+
+
+def test_an_empty_scene_names_everything_that_it_needs():
+    keys = [line.split(": ")[1] for line in message("").splitlines()]
+    assert keys == ["schema", "time", "friction", "wheel_types", "wheels"]
+
+
+def test_messages_never_show_the_words_of_the_libraries_behind():
+    shown = "".join(message(changed(old, new)) for old, new, *_ in DEFECTS.values()).lower()
+    for word in (
+        "pydantic",
+        "input should",
+        "traceback",
+        "tuple",
+        "nonetype",
+        "none required",
+        "errors.pydantic",
+    ):
+        assert word not in shown
+
+
+def test_absent_keys_have_the_defaults_of_the_contract():
+    config = parse(MINIMAL).config
+    wheel = config.wheels[0]
+    assert (config.title, config.world.gravity, config.world.upright) == ("", 9.81, "servo")
+    assert (config.solver.method, config.solver.tracking) == ("rk4", "explicit")
+    assert wheel.drive.kind == "free" and wheel.drive.table == ((0.0,), (0.0,))
+    zeros = (wheel.heading_deg, wheel.phase_deg, wheel.spin_angle_deg, wheel.spin_rate, wheel.roller_rates)
+    assert zeros == (0.0,) * 5 and wheel.mirrored is False
+    assert config.initial.position == config.initial.velocity == (0.0, 0.0)
+    assert config.wrench.table == ((0.0,), ((0.0, 0.0, 0.0),), (0.0,))
+    assert config.type_of(wheel).roller_count == 4
+
+
+def test_a_saturated_law_has_a_default_slip_speed_and_a_regularized_one_has_none():
+    saturated = changed('"regularized"', '"saturated"', "slip_speed = 0.05\n", "")
+    assert parse(saturated).config.friction.slip_speed == 1e-6
+    assert "friction.slip_speed: missing" in message(changed("slip_speed = 0.05\n", ""))
+
+
+def test_integers_pass_for_numbers_and_become_floats():
+    config = config_of(RADIUS, "radius = 1", SPIN, "spin_rate = 3")
+    assert isinstance(config.wheel_types["omni"].radius, float)
+    assert isinstance(config.wheels[0].spin_rate, float)
+
+
+def test_tables_are_equally_long_and_hold_zeros_where_the_scene_has_no_column():
+    config = config_of("yaw_torque = [0, 1]\n", "")
+    assert config.wrench.table == ((0.0, 1.0), ((1.0, 2.0, 3.0), (4.0, 5.0, 6.0)), (0.0, 0.0))
+    assert config.wheels[0].drive.table == ((0.0, 1.0), (0.0, 0.1))
+    assert config_of(DRIVE, "drive = {kind = 'torque', torque = 2}").wheels[0].drive.table == ((0.0,), (2.0,))
+
+
+def test_two_equal_times_are_a_jump_and_allowed():
+    assert config_of(TABLE, "times = [1, 1]\nforce").wrench.times == (1.0, 1.0)
+
+
+def test_a_pointed_tip_typed_in_decimals_passes_and_one_beyond_it_does_not():
+    limit = 0.05 * math.cos(math.pi / 6)
+    config_of("0.04", repr(limit * (1 + 9e-13)))
+    assert "must be at most" in message(changed("0.04", repr(limit * (1 + 2e-12))))
+
+
+def test_a_roller_may_be_a_flat_disc():
+    config_of("inertia_axial = 6e-6", "inertia_axial = 18e-6")
+
+
+@pytest.mark.parametrize(
+    "word", ["position = [0, 0]", "position = [-0.0, 0.0]\nheading_deg = 0", "heading_deg = 0.0"]
+)
+def test_a_bare_wheel_may_say_that_it_stands_at_the_origin(word):
+    config_of(SPIN, word)
+
+
+@pytest.mark.parametrize(
+    ("end", "step", "intervals"),
+    [
+        (2.0, 0.001, 100),
+        (1.0, 0.001, 100),
+        (6.5, 0.001, 100),
+        (0.007, 0.001, 7),
+        (10_007, 1, 1),  # a prime: 1 and 10007 rows, and 1 is a little nearer
+        (9_973, 1, 9_973),  # a prime whose own number of rows is nearer
+        (338, 1, 169),  # 26, 169: the second is nearer in the logarithm
+        (1e4, 1e-6, 100),
+    ],
+)
+def test_default_output_is_about_100_intervals_that_divide_the_steps(end, step, intervals):
+    time = parse(MINIMAL.replace("end = 1, step = 0.001", f"end = {end}, step = {step}")).config.time
+    assert time.outputs == intervals
+    assert time.steps == round(end / step) == time.outputs * time.steps_per_output
+    assert time.output_interval == time.steps_per_output * step
+
+
+def test_without_an_output_interval_the_end_must_lie_on_the_steps():
+    text = message(MINIMAL.replace("step = 0.001", "step = 0.0003"))
+    assert (
+        text
+        == "s.toml:2: time.step = 0.0003: end / step = 1.0 / 0.0003 = 3333.33333333; must be an integer (to 1e-9)"
+    )
+
+
+def test_given_output_is_kept_as_it_is():
+    time = config_of().time
+    assert (time.output_interval, time.steps_per_output, time.outputs, time.steps) == (0.05, 50, 40, 2000)
+
+
+def test_ratios_of_times_are_integers_to_1e_9():
+    config_of(STEP, f"step = {0.001 * (1 + 5e-10)!r}")
+    assert "must be an integer" in message(changed(STEP, f"step = {0.001 * (1 + 2e-9)!r}"))
+
+
+def test_ten_thousand_million_steps_are_allowed():
+    assert config_of("end = 2.0", "end = 1e7", "= 0.05", "= 1e5").time.steps == 10**10
+
+
+def test_keys_that_nothing_reads_are_named():
+    config = config_of('"regularized"', '"viscous"', "[wheel_t", "viscosity = 1\n[wheel_t")
+    assert unused_keys(config) == ("friction.coefficient", "friction.slip_speed")
+    assert unused_keys(config_of()) == ()
+    assert unused_keys(config_of('"regularized"', '"saturated"', "slip_speed = 0.05", "")) == ()
+    type_text = MINIMAL[MINIMAL.index("radius") : MINIMAL.index("[[wheels]]")]
+    config = parse(MINIMAL + "[wheel_types.spare]\n" + type_text).config
+    assert unused_keys(config) == ("wheel_types.spare",)
+
+
+def test_a_validated_scene_cannot_be_changed():
+    config = config_of()
+    with pytest.raises(ValueError):
+        config.time.step = 1.0
+    assert isinstance(config.wheels, tuple)
+
+
+@pytest.mark.parametrize("path", sorted(REFERENCE.glob("testbench*.toml")), ids=lambda path: path.stem)
+def test_reference_testbenches_are_good_scenes(path):
+    validate(tomllib.loads(path.read_text()))
+
+
+def test_problems_of_plain_data_carry_their_paths():
+    with pytest.raises(ConfigError) as error:
+        validate(tomllib.loads(changed(RADIUS, "radius = -1")))
+    assert [problem.path for problem in error.value.problems] == [("wheel_types", "omni", "radius")]
