@@ -1,0 +1,1 @@
+"""The command `omnisim`: parse, call one function, print."""

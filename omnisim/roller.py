@@ -2,12 +2,12 @@
 
 The profile is the envelope that keeps the contact point exactly R below the centre of an upright wheel:
 
-            generatrix r(q)                  u, r   axial and radial coordinate of the surface, m
-          .-'"""""""""'-.                    q      profile parameter, rad: the roller touches the floor there
-        _/       |       \\_                         when it stands at azimuth q from straight down
-       |         | r(0)    | r(alpha)        c      cos psi
-    ---+---------+---------+--- axis a
-               u = 0     u(alpha)
+              generatrix r(q)           u, r   axial and radial coordinate of the surface, m
+            .---------------.           q      profile parameter, rad: the roller touches the floor there
+         .-'        |        '-.               when it stands at azimuth q from straight down
+        |           | r(0)      |       c      cos psi
+    ----+-----------+-----------+--> axis a
+                  u = 0      u(alpha)
 
     h_q = R - R1 / cos q        u(q) = R1 tan q / c + h_q c sin q        r(q) = h_q sqrt(1 - c^2 sin^2 q)
 

@@ -1,0 +1,89 @@
+"""Run the benchmarks: Markdown on stdout, progress on stderr.
+
+    python bench/run.py [--quick] [--json FILE] [c_loop scipy_peer scaling kernels startup]
+"""
+
+import argparse
+import json
+import platform
+import sys
+from pathlib import Path
+
+import c_loop
+import kernels
+import numba
+import numpy
+import scaling
+import scipy
+import scipy_peer
+import startup
+
+import omnisim
+
+BENCHMARKS = {
+    "c_loop": (c_loop, "RK4 against a C loop", 31, 5),  # module, title, rounds, rounds with --quick
+    "scipy_peer": (scipy_peer, "Against SciPy's LSODA at equal error", 9, 1),
+    "scaling": (scaling, "64 rollers against 8", 31, 5),
+    "kernels": (kernels, "Kernels", 31, 5),
+    "startup": (startup, "Whole command", 5, 1),
+}
+
+
+def main() -> None:
+    options = arguments()
+    results, sections = {"machine": machine()}, [f"Measured on: {machine()}"]
+    for name in options.benchmarks or BENCHMARKS:
+        module, title, rounds, few = BENCHMARKS[name]
+        print(f"{name} ...", file=sys.stderr, flush=True)
+        results[name] = module.measure(few if options.quick else rounds)
+        sections.append(f"## {title}\n\n{module.report(results[name])}")
+    results["verdict"] = verdict(results)
+    sections.append(f"## Verdict\n\n{results['verdict']}")
+    print("\n\n".join(sections))
+    if options.json:
+        options.json.write_text(json.dumps(results, indent=1))
+
+
+def arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description="Speed of omnisim as ratios of one run")
+    parser.add_argument("benchmarks", nargs="*", choices=[[], *BENCHMARKS], metavar="BENCHMARK", default=[])
+    parser.add_argument("--quick", action="store_true", help="few rounds: shows that everything runs")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="also write the numbers")
+    return parser.parse_args()
+
+
+def machine() -> str:
+    """Processor and versions."""
+    info = Path("/proc/cpuinfo")
+    models = [line for line in info.read_text().splitlines() if line.startswith("model name")] if info.exists() else []
+    processor = models[0].partition(":")[2].strip() if models else platform.processor() or platform.machine()
+    versions = ", ".join(f"{module.__name__} {module.__version__}" for module in (numba, numpy, scipy))
+    return f"{processor}, {platform.system()}, Python {platform.python_version()}, {versions}"
+
+
+def verdict(results: dict) -> str:
+    """One sentence for each target, from the numbers."""
+    sentences = []
+    if loops := results.get("c_loop"):
+        name, ratio = max(
+            ((name, row["ratio"]) for name, row in loops.items() if name != "omnisim"), key=lambda pair: pair[1]
+        )
+        sentences.append(judge(f"A march takes {ratio:.2f} times the C loop ({name})", c_loop.TARGET, ratio, "most"))
+    if peer := results.get("scipy_peer"):
+        worst = min(peer["ratios"].values())
+        text = f"It is at least {worst:.0f} times faster than LSODA at equal error"
+        sentences.append(judge(text, scipy_peer.TARGET, worst, "least"))
+    if wheels := results.get("scaling"):
+        worst = max(row["ratio"] for row in wheels.values())
+        sentences.append(judge(f"64 rollers take {worst:.2f} times as long as 8", scaling.TARGET, worst, "most"))
+    return " ".join(sentences)
+
+
+def judge(text: str, target: float, value: float, bound: str) -> str:
+    met = value <= target if bound == "most" else value >= target
+    return f"{text}: the target, at {bound} {target:g}, is {'met' if met else 'missed'}."
+
+
+if __name__ == "__main__":
+    print(f"omnisim from {Path(omnisim.__file__).parent}", file=sys.stderr)
+    main()

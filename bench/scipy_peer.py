@@ -1,0 +1,173 @@
+"""The march against SciPy's LSODA on the same equations, at equal error: times read off work-precision curves.
+
+LSODA gets every help that is fair: plain Python scalars in the right-hand side (for nine states several times faster
+than NumPy arrays), a closure with the constants of one roller, the nine states of the motion without the three energy
+integrals, and the leaner of SciPy's interfaces, `odeint`, driven from exchange to exchange by Newton's method.
+`solve_ivp` with a terminal event, the usual way, is measured beside it. For spin > 0 and constant drive.
+"""
+
+import math
+import statistics
+from collections.abc import Callable
+
+import numpy as np
+from common import March, bare_wheel, interleaved, ready, table
+from scipy.integrate import odeint, solve_ivp
+
+from omnisim.parameters import DRIVE
+from omnisim.state import ROLLER_RATE, SPIN_ANGLE, SPIN_RATE, V_X, V_Y, WHEELS, YAW, YAW_RATE, X, Y
+
+TARGET = 100.0  # times faster than LSODA
+MOTION = [X, Y, YAW, V_X, V_Y, YAW_RATE, WHEELS + SPIN_ANGLE, WHEELS + SPIN_RATE, WHEELS + ROLLER_RATE]
+PLACES = [0, 1, 2, 6]  # of x, y, yaw and spin angle in MOTION
+SPIN, RATE, ROLLER = 6, 7, 8
+TOLERANCES = [10.0**-k for k in range(4, 13)]
+STEPS = [2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5]
+ERRORS = [1e-5, 1e-6, 1e-7, 1e-8]
+
+
+def right_hand_side(march: March, roller: int, air: complex) -> Callable:
+    """y' = f(t, y) while `roller` is in contact; air = sum p_i exp(i D_i) over the others."""
+    machine, wheel = march.parameters.machine, march.parameters.wheels[0]
+    radius, r1, c, s = (float(wheel[name]) for name in ("radius", "roller_distance", "cos_psi", "sin_psi"))
+    j_k, i_a = float(wheel.axle_inertia), float(wheel.axial_inertia)
+    mass, i_z, tan_psi = float(machine.mass), float(machine.yaw_inertia), float(wheel.tan_psi)
+    limit, eps_square = float(machine.friction * mass * machine.gravity), float(machine.slip_speed) ** 2
+    torque, q_0 = float(march.parameters.inputs[0, DRIVE, 0]), float(wheel.phase + 2.0 * wheel.alpha * roller)
+    air_cos, air_sin, cos, sin, sqrt = air.real, air.imag, math.cos, math.sin, math.sqrt
+
+    def f(_, y):
+        _, _, yaw, v_x, v_y, yaw_rate, spin_angle, spin_rate, roller_rate = y.tolist()
+        cos_yaw, sin_yaw, cos_q, sin_q = cos(yaw), sin(yaw), cos(q_0 - spin_angle), sin(q_0 - spin_angle)
+        axis_n, h_q, l = -c * sin_q, radius - r1 / cos_q, r1 * sin_q / cos_q * tan_psi
+        arm_h, arm_k = -h_q * s, -h_q * c * cos_q
+        joint = roller_rate - spin_rate * s - yaw_rate * axis_n
+        slip_h = v_x * cos_yaw + v_y * sin_yaw - spin_rate * radius - yaw_rate * l + joint * arm_h
+        slip_k = v_y * cos_yaw - v_x * sin_yaw + joint * arm_k
+        factor = -limit / sqrt(slip_h * slip_h + slip_k * slip_k + eps_square)
+        force_h, force_k = factor * slip_h, factor * slip_k
+        roller_torque = arm_h * force_h + arm_k * force_k
+        g_h = -c * i_a * (cos_q * (air_cos + roller_rate) - sin_q * air_sin)
+        return [
+            v_x,
+            v_y,
+            yaw_rate,
+            (force_h * cos_yaw - force_k * sin_yaw) / mass,
+            (force_h * sin_yaw + force_k * cos_yaw) / mass,
+            (spin_rate * g_h - roller_torque * axis_n - l * force_h) / i_z,
+            spin_rate,
+            (torque - radius * force_h - roller_torque * s - yaw_rate * g_h) / j_k,
+            roller_torque / i_a,
+        ]
+
+    return f
+
+
+def until_exit_odeint(f, t, y, end, exit_angle, tolerance):
+    """Integrate to the exit angle, where Newton's method leads, or to the end: t, y, whether the roller is left."""
+    step = min((exit_angle - y[SPIN]) / y[RATE], end - t)
+    while abs(step) > 1e-14 * end:
+        y = odeint(f, y, (t, t + step), rtol=tolerance, atol=tolerance, tfirst=True, mxstep=10**6)[1]
+        t, step = t + step, (exit_angle - y[SPIN]) / y[RATE]
+        if t >= end and step > 0.0:
+            return t, y, False
+    return t, y, True
+
+
+def until_exit_solve_ivp(f, t, y, end, exit_angle, tolerance):
+    """The same with a terminal event."""
+
+    def leaves(_, y):
+        return y[SPIN] - exit_angle
+
+    leaves.terminal, leaves.direction = True, 1
+    found = solve_ivp(f, (t, end), y, method="LSODA", rtol=tolerance, atol=tolerance, events=leaves)
+    return found.t[-1], found.y[:, -1], found.status == 1
+
+
+def integrate(march: March, tolerance: float, until_exit: Callable = until_exit_odeint) -> np.ndarray:
+    """The nine states of the motion at the end of the scene of a fresh march."""
+    wheel, rates, end = march.parameters.wheels[0], march.run.rates[0].copy(), march.steps * march.run.clock.dt
+    alpha, count, number = float(wheel.alpha), int(wheel.rollers), np.arange(wheel.rollers)
+    t, y, on = 0.0, march.run.y[MOTION], True
+    roller = round((y[SPIN] - float(wheel.phase)) / (2.0 * alpha))
+    while on:
+        here = roller % count
+        y[ROLLER] = rates[here]
+        air = (rates * np.exp(2j * alpha * (number - here)))[number != here].sum()
+        f = right_hand_side(march, roller, complex(air))
+        exit_angle = float(wheel.phase + alpha * (2 * roller + 1))
+        t, y, on = until_exit(f, t, y, end, exit_angle, tolerance)
+        rates[here], roller = y[ROLLER], roller + 1
+    return y
+
+
+def measure(rounds: int, ends: float = 2.0) -> dict:
+    """Error and median milliseconds along every ladder, and the times at equal error."""
+    reference = ready(bare_wheel(1e-5, end=ends, method="dopri5")).go().run.y[MOTION]
+    peers = {"LSODA, odeint": until_exit_odeint, "LSODA, solve_ivp": until_exit_solve_ivp}
+    contestants, finals = {}, {}
+    for name, until_exit in peers.items():
+        for tolerance in TOLERANCES:
+            fresh = ready(bare_wheel(1e-3, end=ends))
+            key = name, tolerance
+            contestants[key] = lambda key=key, fresh=fresh, until_exit=until_exit: (
+                lambda: finals.__setitem__(key, integrate(fresh, key[1], until_exit))
+            )
+    for method in ("rk4", "dopri5"):
+        for step in STEPS:
+            key, scene = (f"omnisim, {method}", step), bare_wheel(step, end=ends, method=method)
+            contestants[key] = lambda key=key, scene=scene: marched(ready(scene), finals, key)
+    seconds = interleaved(contestants, rounds)
+    curves: dict[str, list] = {}
+    for (name, knob), values in seconds.items():
+        error = float(np.abs(finals[name, knob] - reference)[PLACES].max())
+        curves.setdefault(name, []).append((knob, error, statistics.median(values) * 1e3))
+    at_error = {f"{error:.0e}": {name: time_at(error, points) for name, points in curves.items()} for error in ERRORS}
+    return {"curves": curves, "ms_at_error": at_error, "ratios": ratios(at_error)}
+
+
+def marched(march: March, finals: dict, key: tuple) -> Callable:
+    def go():
+        finals[key] = march.go().run.y[MOTION]
+
+    return go
+
+
+def time_at(error: float, points: list[tuple[float, float, float]]) -> float | None:
+    """Milliseconds at an error, linear in the logarithms between the two points beside it; None outside."""
+    for (_, rough, fast), (_, fine, slow) in zip(points, points[1:], strict=False):
+        if fine <= error <= rough:
+            share = math.log(rough / error) / math.log(rough / fine)
+            return fast * (slow / fast) ** share
+    return None
+
+
+def ratios(at_error: dict[str, dict[str, float | None]]) -> dict[str, float]:
+    """Fastest LSODA over fastest march at each error that both reach."""
+    found = {}
+    for error, times in at_error.items():
+        ours = [time for name, time in times.items() if time and name.startswith("omnisim")]
+        theirs = [time for name, time in times.items() if time and name.startswith("LSODA")]
+        if ours and theirs:
+            found[error] = min(theirs) / min(ours)
+    return found
+
+
+def report(result: dict) -> str:
+    names = list(result["curves"])
+    equal = [
+        [error, *(f"{times[name]:.2f}" if times[name] else "-" for name in names), f"{result['ratios'][error]:.0f}"]
+        for error, times in result["ms_at_error"].items()
+        if error in result["ratios"]
+    ]
+    points = [
+        [name, f"{knob:.0e}", f"{error:.1e}", f"{time:.2f}"]
+        for name, curve in result["curves"].items()
+        for knob, error, time in curve
+    ]
+    return (
+        table(["error", *(f"{name}, ms" for name in names), "fastest LSODA / fastest omnisim"], equal)
+        + "\n\n"
+        + table(["solver", "step or tolerance", "error", "ms"], points)
+    )

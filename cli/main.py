@@ -1,0 +1,67 @@
+"""The command line: its commands, and what becomes of their failures."""
+
+import sys
+
+import click
+
+from omnisim_cli.compare import compare
+from omnisim_cli.info import info
+from omnisim_cli.run import run
+from omnisim_cli.screen import BAD_INPUT, Failure
+from omnisim_cli.warmup import warmup
+
+
+class Commands(click.Group):
+    """A group that turns every failure into one message and an exit code; no traceback reaches a user."""
+
+    def invoke(self, ctx: click.Context):
+        try:
+            return super().invoke(ctx)
+        except (click.ClickException, click.exceptions.Exit, click.Abort, BrokenPipeError):
+            raise
+        except KeyboardInterrupt:
+            raise Failure("interrupted") from None
+        except Exception as error:
+            if sys.flags.dev_mode:
+                raise
+            raise explained(error) from None
+
+
+def explained(error: Exception) -> Failure:
+    """The message and exit code for an exception that no command expects."""
+    from omnisim.scene import SceneError  # here: --help answers without it
+
+    if isinstance(error, SceneError):
+        return Failure(str(error), BAD_INPUT)
+    if isinstance(error, MemoryError):
+        return Failure(f"not enough memory: {error}")
+    if isinstance(error, OSError):
+        return Failure(f"{error.filename or 'output'}: {error.strerror or error}")
+    what = f"{type(error).__name__}: {error}".replace("\n", " ")
+    return Failure(f"a bug in omnisim: {what}; PYTHONDEVMODE=1 shows where")
+
+
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.version_option(package_name="omnisim-engine", prog_name="omnisim", message="%(prog)s %(version)s")
+def cli() -> None:
+    """Simulate omni and mecanum wheels with real rollers.
+
+    SCENE is a TOML file, or else the name of a packaged scene.
+
+    \b
+    omnisim info authors_testbench          what a scene models, and why
+    omnisim run scene.toml                  writes scene.h5
+    omnisim info scene.h5                   what a trajectory holds
+    omnisim compare implicit explicit       the two contact trackings side by side
+
+    Exit codes: 0 done; 1 the run stopped early or was interrupted; 2 bad input, checked before anything runs.
+    """
+
+
+for command in (run, compare, info, warmup):
+    cli.add_command(command)
+
+
+def main() -> None:
+    """Entry point of the command `omnisim`."""
+    cli(prog_name="omnisim")

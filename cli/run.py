@@ -1,0 +1,97 @@
+"""`omnisim run`: from a scene to a trajectory file."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from omnisim_cli.screen import Failure, Progress, aligned, compilation_noted
+
+if TYPE_CHECKING:
+    from omnisim.scene import Scene
+    from omnisim.trajectory import Trajectory
+
+
+@click.command()
+@click.argument("scene")
+@click.option("-o", "output", metavar="FILE", help="Output file; by default STEM.h5 in the current directory.")
+@click.option("--set", "overrides", metavar="KEY=VALUE", multiple=True,
+              help="Change a key of the scene, such as time.step=1e-4 or wheels.NAME.spin_rate=3; repeatable.")  # fmt: skip
+@click.option("--force", is_flag=True, help="Replace an output file that exists.")
+@click.option("--quiet", is_flag=True, help="Print errors only.")
+def run(scene: str, output: str | None, overrides: tuple[str, ...], force: bool, quiet: bool) -> None:
+    """Simulate SCENE and write the trajectory to an HDF5 file.
+
+    Ctrl-C finishes the step and writes what was computed; a second one gives up.
+
+    \b
+    omnisim run scene.toml                                  writes scene.h5
+    omnisim run scene.toml -o fine.h5 --set time.step=1e-5
+    omnisim run six_rollers --set wheels.wheel.spin_rate=20 --set friction.coefficient=0.1
+    """
+    from omnisim.scene import load
+    from omnisim_cli.output import output_path
+
+    loaded = load(scene, overrides)
+    path = output_path(output or f"{loaded.name}.h5", scene, force)
+    trajectory = simulate_and_save(loaded, path, quiet)
+    if not quiet:
+        click.echo(report(trajectory, path))
+    if not trajectory.complete:
+        raise Failure(f"{trajectory.attributes['status']} ({path} holds what was computed)")
+
+
+def simulate_and_save(scene: Scene, path: Path, quiet: bool) -> Trajectory:
+    """The trajectory, which is then in the file. Failure if the user gives up or the file cannot be written."""
+    with Progress(quiet) as progress:
+        try:
+            from omnisim.simulation import simulate
+
+            with compilation_noted(quiet):
+                trajectory = simulate(scene, progress)
+            if trajectory.complete:
+                progress(1.0)
+            trajectory.save(path)
+        except KeyboardInterrupt:
+            raise Failure("interrupted: nothing was written") from None
+        except OSError as error:
+            if progress.given_up:  # HDF5 turns an interrupt within into an error of its own
+                raise Failure("interrupted: nothing was written") from None
+            raise Failure(f"{path}: cannot be written: {error.strerror or error}; the run is lost") from None
+    return trajectory
+
+
+def report(trajectory: Trajectory, path: Path) -> str:
+    """The summary of a run, for people."""
+    a, rows = trajectory.attributes, len(trajectory.time)
+    kinds = Counter(trajectory["events/kind"].tolist())
+    events = {"exchange": kinds.pop("exchange", 0)} | kinds
+    return aligned({
+        "scene": a["title"] or "(no title)",
+        "model": a["model"],
+        "method": f"{a['method']}, step {a['step']:g} s, {a['tracking']} tracking",
+        "speed": speed(a["stop_time"], a["wall_time"]),
+        "steps": f"{a['steps']}, with {a['rhs_evaluations']} right-hand sides",
+        "events": ", ".join(f"{count} {kind}{'s' * (count != 1)}" for kind, count in events.items()),
+        "energy": energy(trajectory),
+        "file": f"{path} ({rows} rows, {path.stat().st_size / 1e6:.2g} MB)",
+        "status": a["status"],
+    })  # fmt: skip
+
+
+def speed(simulated: float, wall_time: float) -> str:
+    """Real-time factor and wall time of the march."""
+    factor = f"{simulated / wall_time:.3g} times real time: " if wall_time > 0.0 else ""
+    return f"{factor}{simulated:g} s in {wall_time:.3g} s of wall time"
+
+
+def energy(trajectory: Trajectory) -> str:
+    """How well the energies balance, absolutely and relatively."""
+    from omnisim.analysis import energy_error
+
+    error = energy_error(trajectory)
+    relative = f", {error.relative:.2g} of {error.scale_name}" if error.scale else ""
+    return f"balanced to {error.absolute:.2g} J{relative}"

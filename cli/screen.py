@@ -1,0 +1,98 @@
+"""What a user sees besides results: messages, failures, the progress of a run."""
+
+import signal
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+
+import click
+
+STOPPED, BAD_INPUT = 1, 2  # exit codes
+BAR_LENGTH = 1000
+
+
+class Failure(click.ClickException):
+    """A message for the user, and the exit code."""
+
+    def __init__(self, message: str, exit_code: int = STOPPED):
+        super().__init__(message)
+        self.exit_code = exit_code
+
+    def format_message(self) -> str:
+        return self.message.replace("\n", "\n       ")  # below what follows "Error: "
+
+
+def note(text: str) -> None:
+    """A message on stderr, out of the way of results."""
+    click.echo(text, err=True)
+
+
+def aligned(facts: Mapping[str, str], indent: str = "") -> str:
+    """One line for each fact, the names in a column."""
+    width = max(len(name) for name in facts) + 2
+    return "\n".join(f"{indent}{name:<{width}}{text}" for name, text in facts.items())
+
+
+@contextmanager
+def compilation_noted(quiet: bool = False) -> Iterator[None]:
+    """Says so, once, when Numba begins to compile a kernel that its cache does not hold."""
+    from numba.core import event
+
+    class Announcement(event.Listener):
+        silent = quiet
+
+        def on_start(self, _: event.Event) -> None:
+            if not self.silent:
+                note("compiling kernels, once: this takes some seconds")
+            self.silent = True
+
+        def on_end(self, _: event.Event) -> None:
+            pass
+
+    with event.install_listener("numba:compile", Announcement()):
+        yield
+
+
+class Progress:
+    """Follows a run: shows a bar if stderr is a terminal, and takes Ctrl-C or SIGTERM as a wish to stop.
+
+    The signals are taken from the first call on, when the kernels are ready, to the end of the `with` block, which
+    includes saving. A second one gives up: KeyboardInterrupt.
+    """
+
+    def __init__(self, quiet: bool):
+        self.visible = sys.stderr.isatty() and not quiet
+        self.bar = None
+        self.begun = self.stop = self.given_up = False
+        self.handlers: dict[int, object] = {}
+
+    def __enter__(self) -> "Progress":
+        return self
+
+    def __call__(self, fraction: float) -> bool:
+        """Whether to stop; called by `simulate` with the fraction done."""
+        if not self.begun:
+            self._begin()
+        if self.bar:
+            self.bar.update(int(BAR_LENGTH * fraction) - self.bar.pos)
+        return self.stop
+
+    def __exit__(self, *_: object) -> None:
+        for number, handler in self.handlers.items():
+            signal.signal(number, handler)
+        if self.bar:
+            self.bar.render_finish()
+
+    def _begin(self) -> None:
+        self.begun = True
+        for number in (signal.SIGINT, signal.SIGTERM):
+            if signal.getsignal(number) != signal.SIG_IGN:  # a background job keeps ignoring Ctrl-C
+                self.handlers[number] = signal.signal(number, self._on_signal)
+        if self.visible:
+            self.bar = click.progressbar(length=BAR_LENGTH, file=sys.stderr)
+
+    def _on_signal(self, *_: object) -> None:
+        self.given_up = self.stop
+        self.stop = True
+        if self.given_up:
+            raise KeyboardInterrupt

@@ -1,0 +1,29 @@
+"""`omnisim warmup`: compiles every kernel, so that no later run has to wait."""
+
+import time
+
+import click
+
+from omnisim_cli.screen import note
+
+
+@click.command()
+def warmup() -> None:
+    """Compile every kernel now, so that the first run starts at once.
+
+    Compiled kernels stay on disk until omnisim, Numba or the processor change.
+    """
+    note("compiling kernels ...")
+    begun = time.perf_counter()
+    from omnisim import timing
+    from omnisim.kernel import CACHE_DIRECTORY
+    from omnisim.scene import load
+    from omnisim_cli.info import about_scene
+
+    for tracking in ("explicit", "implicit"):
+        overrides = ("time.end=0.01", "time.step=0.001", "time.output_interval=0.01", f"solver.tracking={tracking}")
+        scene = load("six_rollers", overrides)
+        timing.simulate(scene)
+        timing.tracking_cost(scene)
+        about_scene(scene)
+    click.echo(f"kernels ready after {time.perf_counter() - begun:.2g} s, in {CACHE_DIRECTORY}")

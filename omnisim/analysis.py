@@ -1,0 +1,98 @@
+"""What trajectories say: how well energy balances, and how far two of them lie apart."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from omnisim.trajectory import EVENT, ROLLER, TIME, Quantity, Trajectory, layout
+
+
+@dataclass(frozen=True)
+class EnergyError:
+    """Largest |balance| (J), and the energy it is measured by: the initial kinetic energy, or else all energy that
+    friction, drives and wrench turn over (0 J if nothing moves)."""
+
+    absolute: float
+    scale: float
+    scale_name: str
+
+    @property
+    def relative(self) -> float:
+        return self.absolute / self.scale if self.scale else 0.0
+
+
+def energy_error(trajectory: Trajectory) -> EnergyError:
+    """The numerical error of a run, as its energies tell it."""
+    kinetic = trajectory["energy/kinetic"]
+    error = float(np.abs(trajectory["energy/balance"]).max(initial=0.0))
+    if len(kinetic) and kinetic[0] > 0.0:
+        return EnergyError(error, float(kinetic[0]), "the initial kinetic energy")
+    works = (trajectory[f"energy/{name}"] for name in ("friction_loss", "drive_work", "wrench_work"))
+    return EnergyError(error, float(sum(np.abs(work).max(initial=0.0) for work in works)), "the energy turned over")
+
+
+@dataclass(frozen=True)
+class Difference:
+    """How far a dataset of two trajectories differs at most.
+
+    `largest` is the largest magnitude in the first, in `units`. Of rollers and words, `difference` of `largest` entries are
+    not the same.
+    """
+
+    path: str
+    units: str
+    largest: float
+    difference: float
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Two trajectories of one scene with equal output intervals.
+
+    rows      how many both have
+    apart     how many of them have different rollers in contact: they lie between the exchange times of the two,
+              where accelerations and contact points jump, and are left out of the differences
+    events    how many each has; differences are taken over the first ones, as many as both have
+    """
+
+    rows: int
+    apart: int
+    events: tuple[int, int]
+    differences: tuple[Difference, ...]
+    centre_height: tuple[Difference, ...]  # of the first wheel's roller 0: acceleration, velocity, position
+
+
+def compare(a: Trajectory, b: Trajectory) -> Comparison:
+    """Largest differences over all rows that both trajectories have."""
+    rows = min(len(a.time), len(b.time))
+    events = len(a["events/time"]), len(b["events/time"])
+    same = np.ones(rows, bool)
+    for wheel in a.wheels:
+        path = f"wheels/{wheel}/contact_roller"
+        same &= a[path][:rows] == b[path][:rows]
+    chosen = {TIME: np.flatnonzero(same), EVENT: np.arange(min(events))}
+    table = [row for row in layout(a.wheels).values() if not row.is_scale]
+    differences = tuple(difference(row, a[row.path], b[row.path], chosen) for row in table)
+    return Comparison(rows, rows - int(same.sum()), events, differences, centre_height(a, b, chosen[TIME]))
+
+
+def difference(quantity: Quantity, a: np.ndarray, b: np.ndarray, chosen: dict[str, np.ndarray]) -> Difference:
+    """Over the chosen rows or events of one dataset."""
+    first = quantity.axes[0]
+    a, b = a[chosen[first]], b[chosen[first]]
+    if quantity.dtype != "float64":
+        return Difference(quantity.path, "entries", float(a.size), float(np.sum(a != b)))
+    return largest_difference(quantity.path, quantity.units, a, b)
+
+
+def largest_difference(path: str, units: str, a: np.ndarray, b: np.ndarray) -> Difference:
+    return Difference(path, units, float(np.abs(a).max(initial=0.0)), float(np.abs(a - b).max(initial=0.0)))
+
+
+def centre_height(a: Trajectory, b: Trajectory, rows: np.ndarray) -> tuple[Difference, ...]:
+    """Height of the centre of the first wheel's roller 0: the quantity that the paper compares the trackings by."""
+    found = []
+    for name, units in (("acceleration", "m/s^2"), ("velocity", "m/s"), ("position", "m")):
+        path = f"wheels/{a.wheels[0]}/rollers/center_{name}"
+        found.append(largest_difference(name, units, a[path][rows, 0, 2], b[path][rows, 0, 2]))
+    return tuple(found)

@@ -1,0 +1,116 @@
+"""What runs cost: whole ones in turn, and contact tracking alone."""
+
+import math
+import time
+from collections.abc import Sequence
+from statistics import median
+
+import numpy as np
+
+from omnisim.contact.tracking import IMPLICIT, Heading, explicit_contact, implicit_contact, roller_axis
+from omnisim.dynamics import azimuth, rho_of, rho_rates
+from omnisim.kernel import kernel
+from omnisim.parameters import Parameters, pack
+from omnisim.scene import Scene
+from omnisim.simulation import simulate
+from omnisim.start import initial_state, roller_azimuths, roller_directions
+from omnisim.state import PER_WHEEL, SPIN_ANGLE, WHEELS, YAW
+from omnisim.trajectory import Trajectory
+
+REPEATS = 5
+PATIENCE = 15.0  # s for all repeats of all scenes of a race
+STATES, ROUNDS = 1000, 200
+
+
+def race(scenes: Sequence[Scene]) -> tuple[list[Trajectory], list[list[float]]]:
+    """Run scenes in turn (A B A B ...), so that a machine that slows down slows all of them.
+
+    Returns the trajectory of each, and its wall times (s, marching only): up to REPEATS, fewer of long runs.
+    """
+    begun = time.perf_counter()
+    trajectories = [simulate(scene) for scene in scenes]
+    repeats = min(REPEATS, max(1, int(PATIENCE / (time.perf_counter() - begun))))
+    times = [[trajectory.attributes["wall_time"]] for trajectory in trajectories]
+    for _ in range(repeats - 1):
+        for scene, spent in zip(scenes, times, strict=True):
+            spent.append(simulate(scene).attributes["wall_time"])
+    return trajectories, times
+
+
+def tracking_costs(scenes: Sequence[Scene]) -> list[float]:
+    """Seconds for one evaluation of the contact tracking of each scene: medians of REPEATS, taken in turn."""
+    costs = [[tracking_cost(scene) for scene in scenes] for _ in range(REPEATS)]
+    return [median(cost) for cost in zip(*costs, strict=True)]
+
+
+def tracking_cost(scene: Scene) -> float:
+    """Seconds for one evaluation of the scene's tracking, all wheels; states differ from one evaluation to the next."""
+    parameters = pack(scene.config)
+    states = states_in_contact(scene, parameters)
+    slopes = np.zeros_like(states)
+    track(parameters, states, slopes, 1)  # compiles, or loads from the cache
+    begun = time.perf_counter()
+    track(parameters, states, slopes, ROUNDS)
+    return (time.perf_counter() - begun) / (ROUNDS * STATES)
+
+
+@kernel
+def track(parameters, states, slopes, rounds):
+    """Evaluate the tracking in every state, `rounds` times, with roller 0 in contact. Returns a sum of the results.
+
+    Counted is all that the right-hand side does to know the contact point, and nothing else:
+
+        explicit    cosine and sine of the azimuth; the closed form
+        implicit    cosine and sine of yaw and azimuth, orientation of the roller, contact point from rho; then for
+                    every roller, in the air too, its orientation and rho', written to the slopes
+
+    Kinematics and friction, which need the yaw's cosine and sine with either tracking, are not.
+    """
+    total = 0.0
+    for _ in range(rounds):
+        for i in range(len(states)):
+            if parameters.machine.tracking == IMPLICIT:
+                total += track_implicitly(parameters, states[i], slopes[i])
+            else:
+                total += track_explicitly(parameters, states[i])
+    return total
+
+
+@kernel
+def track_explicitly(parameters, y):
+    total = 0.0
+    for w in range(len(parameters.wheels)):
+        wheel = parameters.wheels[w]
+        q = azimuth(wheel, 0, y[WHEELS + PER_WHEEL * w + SPIN_ANGLE])
+        contact = explicit_contact(wheel, math.cos(q), math.sin(q))
+        total += contact.l + contact.arm_h + contact.arm_k
+    return total
+
+
+@kernel
+def track_implicitly(parameters, y, slopes):
+    heading, total = Heading(math.cos(y[YAW]), math.sin(y[YAW])), 0.0
+    for w in range(len(parameters.wheels)):
+        wheel = parameters.wheels[w]
+        q = azimuth(wheel, 0, y[WHEELS + PER_WHEEL * w + SPIN_ANGLE])
+        axis = roller_axis(wheel, math.cos(q), math.sin(q))
+        contact = implicit_contact(wheel, heading, axis, rho_of(parameters, y, w, 0))
+        total += contact.l + contact.arm_h + contact.arm_k
+    rho_rates(parameters, heading, y, slopes)
+    return total
+
+
+def states_in_contact(scene: Scene, parameters: Parameters) -> np.ndarray:
+    """STATES states of the scene's machine, (STATES, n): each has another yaw, and roller 0 elsewhere in contact."""
+    first, _ = initial_state(scene.config, parameters)
+    states = np.tile(first, (STATES, 1))
+    states[:, YAW] = np.linspace(0.0, 2.0 * np.pi, STATES)
+    at_rho = WHEELS + PER_WHEEL * len(parameters.wheels)
+    for w, wheel in enumerate(parameters.wheels):
+        spin_angle = wheel.phase + wheel.alpha * np.linspace(-0.99, 0.99, STATES)
+        states[:, WHEELS + PER_WHEEL * w + SPIN_ANGLE] = spin_angle
+        if parameters.machine.tracking == IMPLICIT:
+            rho = -roller_directions(roller_azimuths(wheel, spin_angle), states[:, YAW])
+            at = at_rho + 3 * w * parameters.sector.shape[1]
+            states[:, at : at + 3 * wheel.rollers] = rho.reshape(STATES, -1)
+    return states

@@ -1,0 +1,80 @@
+"""The cache of compiled kernels never runs stale code."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numba
+import pytest
+
+import omnisim
+from omnisim import kernel
+
+PACKAGE = Path(omnisim.__file__).parent
+PROGRAM = """
+from omnisim.contact.kinematics import Slip
+from omnisim.kernel import kernel, CACHE_DIRECTORY
+from omnisim import caller
+print(caller.outer(2.0), CACHE_DIRECTORY.name)
+"""
+
+
+@pytest.fixture
+def package(tmp_path):
+    """A copy of the package with two kernels in two files, the one calling the other."""
+    copy = tmp_path / "omnisim"
+    shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    (copy / "callee.py").write_text("from omnisim.kernel import kernel\n@kernel\ndef inner(x):\n    return 3.0 * x\n")
+    (copy / "caller.py").write_text(
+        "from omnisim.kernel import kernel\nfrom omnisim.callee import inner\n"
+        "@kernel\ndef outer(x):\n    return inner(x) + 1.0\n"
+    )
+    return copy
+
+
+def run(package, **environment):
+    environment = {**os.environ, "PYTHONPATH": str(package.parent), "PYTHONDONTWRITEBYTECODE": "1", **environment}
+    result = subprocess.run(
+        [sys.executable, "-c", PROGRAM], cwd=package.parent, env=environment, capture_output=True, text=True, check=True
+    )
+    value, folder = result.stdout.split()
+    return float(value), folder
+
+
+def test_an_edit_in_a_called_file_changes_what_the_cached_caller_computes(package, tmp_path):
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    assert run(package, **cache)[0] == 7.0
+    (package / "callee.py").write_text((package / "callee.py").read_text().replace("3.0", "5.0"))
+    assert run(package, **cache)[0] == 11.0
+
+
+def test_the_same_sources_share_one_cache_and_others_do_not(package, tmp_path):
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    first, again = run(package, **cache)[1], run(package, **cache)[1]
+    assert first == again
+    assert list((tmp_path / "cache" / "omnisim" / first).rglob("*.nbi")), "the kernels are on disk"
+    (package / "status.py").write_text((package / "status.py").read_text() + "# edited\n")
+    assert run(package, **cache)[1] != first
+
+
+def test_only_the_latest_caches_of_other_sources_survive(package, tmp_path):
+    base = tmp_path / "cache" / "omnisim"
+    for age in range(10):
+        (base / f"old{age}").mkdir(parents=True)
+        os.utime(base / f"old{age}", (1e9 - age, 1e9 - age))
+    current = run(package, NUMBA_CACHE_DIR=str(tmp_path / "cache"))[1]
+    kept = {path.name for path in base.iterdir()}
+    assert kept == {current, *(f"old{age}" for age in range(kernel.KEPT_CACHES))}
+
+
+def test_without_a_writable_folder_kernels_compile_into_a_temporary_one(package, tmp_path):
+    (tmp_path / "file").write_text("")
+    value, _ = run(package, NUMBA_CACHE_DIR=str(tmp_path / "file" / "below"), TMPDIR=str(tmp_path))
+    assert value == 7.0
+    assert list(tmp_path.glob("omnisim-*/*/**/*.nbi"))
+
+
+def test_other_packages_keep_their_own_cache_setting():
+    assert numba.config.CACHE_DIR == os.environ.get("NUMBA_CACHE_DIR", "")

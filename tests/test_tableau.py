@@ -1,0 +1,42 @@
+"""Runge-Kutta methods as data."""
+
+import math
+
+import numpy as np
+import pytest
+
+from omnisim.tableau import TABLEAUX, rooted_trees, tableau
+
+
+@pytest.mark.parametrize("method", TABLEAUX.values(), ids=TABLEAUX)
+def test_the_amplification_is_the_exponential_up_to_the_order_and_not_beyond(method):
+    z = 0.01
+    error = method.amplification(z) - math.exp(z)
+    leading = z ** (method.order + 1) / math.factorial(method.order + 1)
+    assert abs(error) < 2.0 * leading
+    assert abs(error) > 0.1 * leading or method.stages > method.order  # more stages may do better on linear problems
+
+
+def test_the_stability_limits_are_the_known_ones():
+    assert TABLEAUX["heun"].stability_limit == pytest.approx(2.0, abs=1e-9)
+    assert TABLEAUX["rk4"].stability_limit == pytest.approx(2.785293563405282, abs=1e-9)
+    assert TABLEAUX["dopri5"].stability_limit == pytest.approx(3.306567892634, abs=1e-9)
+
+
+def test_there_are_as_many_rooted_trees_as_cayley_counted():
+    assert [len(rooted_trees(nodes)) for nodes in range(1, 8)] == [1, 1, 2, 4, 9, 20, 48]
+
+
+def test_a_mistyped_coefficient_cannot_be_imported():
+    with pytest.raises(AssertionError, match="order condition"):
+        tableau("typo", 4, [[], ["1/2"], ["0", "1/2"], ["0", "0", "1"]], ["1/6", "1/3", "1/3", "1/5"])
+    with pytest.raises(AssertionError, match="order condition"):
+        tableau("too proud", 5, [[], ["1/2"], ["0", "1/2"], ["0", "0", "1"]], ["1/6", "1/3", "1/3", "1/6"])
+    with pytest.raises(AssertionError, match="explicit"):
+        tableau("implicit", 2, [["1/2"]], ["1"])
+
+
+@pytest.mark.parametrize("method", TABLEAUX.values(), ids=TABLEAUX)
+def test_nodes_are_row_sums_and_weights_add_up_to_one(method):
+    np.testing.assert_allclose(method.a.sum(axis=1), method.c, rtol=0, atol=1e-14)
+    assert method.b.sum() == pytest.approx(1.0, abs=1e-15)
