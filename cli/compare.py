@@ -7,7 +7,6 @@ from statistics import median
 from typing import TYPE_CHECKING
 
 import click
-
 from omnisim_cli.screen import Failure, compilation_noted, note
 
 if TYPE_CHECKING:
@@ -28,8 +27,8 @@ PAPER_RATIO = 1.5  # time of the implicit tracking / time of the explicit one
 def compare(a: str, b: str, scene: str | None) -> None:
     """Run SCENE with contact tracking A and with B (each implicit or explicit): how far apart, how fast.
 
-    Without SCENE: the testbench of the paper's authors, and the same wheel sliding. Runs are repeated in turn, and
-    times are medians.
+    Without SCENE: the testbench of the paper's authors, and the same wheel sliding. Runs are repeated in
+    turn, and times are medians.
 
     \b
     omnisim compare implicit explicit
@@ -40,12 +39,15 @@ def compare(a: str, b: str, scene: str | None) -> None:
     names = (scene,) if scene else SCENES
     pairs = [[load(name, [f"solver.tracking={tracking}"]) for tracking in (a, b)] for name in names]
     stopped = []
-    for pair in pairs:
+    for name, pair in zip(names, pairs, strict=True):
         trajectories = compare_pair(pair)
-        stopped += [f"{pair[0].source}, {t.attributes['tracking']}: {t.attributes['status']}"
-                    for t in trajectories if not t.complete]  # fmt: skip
+        stopped += [early_stop(name, trajectory) for trajectory in trajectories if not trajectory.complete]
     if stopped:
-        raise Failure("\n".join(["compared up to an early stop", *stopped]))
+        raise Failure("\n".join(["compared up to where the first of both stopped early", *stopped]))
+
+
+def early_stop(name: str, trajectory: Trajectory) -> str:
+    return f"{name}, {trajectory.attributes['tracking']}: {trajectory.attributes['status']}"
 
 
 def compare_pair(pair: Sequence[Scene]) -> Sequence[Trajectory]:
@@ -57,17 +59,17 @@ def compare_pair(pair: Sequence[Scene]) -> Sequence[Trajectory]:
         trajectories, times = timing.race(pair)
         costs = timing.tracking_costs(pair)
     comparison = analysis.compare(*trajectories)
-    sections = (headline(trajectories, comparison), beside_the_paper(trajectories, comparison, times, costs),
-                everything(comparison))  # fmt: skip
-    click.echo("\n\n".join(sections) + "\n")
+    click.echo(headline(trajectories, comparison) + "\n")
+    click.echo(beside_the_paper(trajectories, comparison, times, costs) + "\n")
+    click.echo(everything(comparison) + "\n")
     return trajectories
 
 
 def headline(trajectories: Sequence[Trajectory], comparison: Comparison) -> str:
     """What was compared, and which rows and events."""
     a, b = (trajectory.attributes for trajectory in trajectories)
-    method = f"{a['method']}, step {a['step']:g} s, {a['steps']} steps"
-    lines = [a["title"] or "(no title)", f"{a['tracking']} against {b['tracking']}: {method}, {comparison.rows} rows"]
+    how = f"{a['method']}, step {a['step']:g} s, {a['steps']} steps, {comparison.rows} rows"
+    lines = [a["title"] or "(no title)", f"{a['tracking']} against {b['tracking']}: {how}"]
     if comparison.apart:
         lines.append(f"{comparison.apart} rows left out: they lie between the exchange times of the two")
     if comparison.events[0] != comparison.events[1]:
@@ -86,7 +88,7 @@ def beside_the_paper(
         lines.append(f"  {row.path:<34}{row.difference:<10.2g}{row.units:<6}{PAPER[row.path]:.0e}")
     lines.append(f"{f'time, {a} / {b}':<36}{'ratio':<16}paper")
     march_a, march_b = (median(spent) for spent in times)
-    seconds = f"{march_a:.3g} s / {march_b:.3g} s, medians of {len(times[0])}"
+    seconds = f"{march_a:.3g} s / {march_b:.3g} s, medians of {len(times[0])} runs"
     lines.append(f"  {'whole run':<34}{march_a / march_b:<16.2f}{ratio.get((a, b), '-'):<8}({seconds})")
     nanoseconds = f"{costs[0] * 1e9:.3g} ns / {costs[1] * 1e9:.3g} ns for one right-hand side"
     lines.append(f"  {'contact tracking alone':<34}{costs[0] / costs[1]:<16.2f}{'-':<8}({nanoseconds})")

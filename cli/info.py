@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
-
 from omnisim_cli.screen import BAD_INPUT, Failure, aligned, compilation_noted
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from omnisim.config import Config
     from omnisim.scene import Scene
 
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -60,9 +57,8 @@ def about_scene(scene: Scene) -> str:
     from omnisim.model import describe
     from omnisim.parameters import pack
 
-    config, sections = scene.config, []
-    sections.append(aligned({"scene": config.title or "(no title)", "source": scene.source} | run_facts(config)))
-    sections.append(describe(config).text)
+    config = scene.config
+    sections = [aligned(run_facts(scene)), describe(config).text]
     with compilation_noted():
         for wheel, record in zip(config.wheels, pack(config).wheels, strict=True):
             heading = f"wheel '{wheel.name}' of type '{wheel.type}'"
@@ -70,10 +66,13 @@ def about_scene(scene: Scene) -> str:
     return "\n\n".join(sections)
 
 
-def run_facts(config: Config) -> dict[str, str]:
-    time, solver = config.time, config.solver
+def run_facts(scene: Scene) -> dict[str, str]:
+    time, solver = scene.config.time, scene.config.solver
     return {
-        "run": f"{time.end:g} s in {time.steps} steps of {time.step:g} s, {solver.method}, {solver.tracking} tracking",
+        "scene": scene.config.title or "(no title)",
+        "source": scene.source,
+        "method": f"{solver.method}, {solver.tracking} tracking",
+        "run": f"{time.end:g} s in {time.steps} steps of {time.step:g} s",
         "output": f"{time.outputs + 1} rows, one every {time.output_interval:g} s",
     }
 
@@ -89,8 +88,8 @@ def wheel_facts(wheel: np.record) -> dict[str, str]:
         "wheel radius": f"{wheel.radius:g} m",
         "rollers": f"{wheel.rollers}, axes at {wheel.roller_distance:g} m, angle {psi:g} deg",
         "roller length": f"{length(wheel):.6g} m",
-        "roller radius": f"{profile_radius(wheel, 0.0):.6g} m in the middle, {tip_radius(wheel):.6g} m at the tips",
-        "feasible": f"{max(margin, 0.0):.6g} m left before the tips are points (R cos alpha - R1)",
-        "exchange": f"every {math.degrees(2.0 * wheel.alpha):g} deg; the contact jumps {jump:.6g} m along the axle",
-        "inertia": f"{wheel.axle_inertia:.6g} kg m^2 about the axle, {wheel.axial_inertia:.6g} of a roller about its axis",
+        "roller radius": f"{profile_radius(wheel, 0.0):.6g} m amid, {tip_radius(wheel):.6g} m at the tips",
+        "margin": f"{max(margin, 0.0):.6g} m until the tips are points (R cos alpha - R1)",
+        "exchange": f"every {math.degrees(2.0 * wheel.alpha):g} deg; the contact jumps {jump:.6g} m sideways",
+        "axle inertia": f"{wheel.axle_inertia:.6g} kg m^2 (J_k: disk and rollers about the axle)",
     }

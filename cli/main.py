@@ -1,13 +1,13 @@
 """The command line: its commands, and what becomes of their failures."""
 
+import signal
 import sys
 
 import click
-
 from omnisim_cli.compare import compare
 from omnisim_cli.info import info
 from omnisim_cli.run import run
-from omnisim_cli.screen import BAD_INPUT, Failure
+from omnisim_cli.screen import BAD_INPUT, Failure, leave_at_once
 from omnisim_cli.warmup import warmup
 
 
@@ -19,8 +19,6 @@ class Commands(click.Group):
             return super().invoke(ctx)
         except (click.ClickException, click.exceptions.Exit, click.Abort, BrokenPipeError):
             raise
-        except KeyboardInterrupt:
-            raise Failure("interrupted") from None
         except Exception as error:
             if sys.flags.dev_mode:
                 raise
@@ -64,4 +62,6 @@ for command in (run, compare, info, warmup):
 
 def main() -> None:
     """Entry point of the command `omnisim`."""
+    if signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
+        signal.signal(signal.SIGINT, leave_at_once)
     cli(prog_name="omnisim")

@@ -8,7 +8,7 @@ from omnisim_cli.screen import BAD_INPUT, Failure
 
 
 def output_path(text: str, scene: str, force: bool) -> Path:
-    """The output file, or Failure if the result of a run of `scene` could not or should not be written there."""
+    """The output file, or Failure if a run of `scene` could not or should not write there."""
     try:
         problem = obstacle(text, Path(os.path.realpath(text)), scene, force)
     except OSError as error:
@@ -19,7 +19,7 @@ def output_path(text: str, scene: str, force: bool) -> Path:
 
 
 def obstacle(text: str, target: Path, scene: str, force: bool) -> str:
-    """Why `target`, what `text` names, cannot be the output file; empty if it can. OSError says so as well."""
+    """Why `target`, which `text` names, cannot be the output file; empty if it can. Or OSError."""
     if text.endswith(("/", os.sep)) or target.is_dir():
         return "a folder; -o takes the name of a file"
     if not target.parent.is_dir():

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
-
 from omnisim_cli.screen import Failure, Progress, aligned, compilation_noted
 
 if TYPE_CHECKING:
@@ -17,9 +16,8 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("scene")
-@click.option("-o", "output", metavar="FILE", help="Output file; by default STEM.h5 in the current directory.")
-@click.option("--set", "overrides", metavar="KEY=VALUE", multiple=True,
-              help="Change a key of the scene, such as time.step=1e-4 or wheels.NAME.spin_rate=3; repeatable.")  # fmt: skip
+@click.option("-o", "output", metavar="FILE", help="Output file; else STEM.h5 in the current directory.")
+@click.option("--set", "overrides", metavar="KEY=VALUE", multiple=True, help="Change a key of the scene; repeatable.")
 @click.option("--force", is_flag=True, help="Replace an output file that exists.")
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 def run(scene: str, output: str | None, overrides: tuple[str, ...], force: bool, quiet: bool) -> None:
@@ -32,11 +30,12 @@ def run(scene: str, output: str | None, overrides: tuple[str, ...], force: bool,
     omnisim run scene.toml -o fine.h5 --set time.step=1e-5
     omnisim run six_rollers --set wheels.wheel.spin_rate=20 --set friction.coefficient=0.1
     """
-    from omnisim.scene import load
     from omnisim_cli.output import output_path
 
+    from omnisim.scene import load
+
     loaded = load(scene, overrides)
-    path = output_path(output or f"{loaded.name}.h5", scene, force)
+    path = output_path(f"{loaded.name}.h5" if output is None else output, scene, force)
     trajectory = simulate_and_save(loaded, path, quiet)
     if not quiet:
         click.echo(report(trajectory, path))
@@ -45,21 +44,17 @@ def run(scene: str, output: str | None, overrides: tuple[str, ...], force: bool,
 
 
 def simulate_and_save(scene: Scene, path: Path, quiet: bool) -> Trajectory:
-    """The trajectory, which is then in the file. Failure if the user gives up or the file cannot be written."""
-    with Progress(quiet) as progress:
-        try:
-            from omnisim.simulation import simulate
+    """The trajectory, which is then in the file; Failure if the user gives up or it cannot be written."""
+    from omnisim.simulation import simulate
 
-            with compilation_noted(quiet):
-                trajectory = simulate(scene, progress)
-            if trajectory.complete:
-                progress(1.0)
+    with Progress(quiet) as progress:
+        with compilation_noted(quiet):
+            trajectory = simulate(scene, progress)
+        if trajectory.complete:
+            progress(1.0)
+        try:
             trajectory.save(path)
-        except KeyboardInterrupt:
-            raise Failure("interrupted: nothing was written") from None
         except OSError as error:
-            if progress.given_up:  # HDF5 turns an interrupt within into an error of its own
-                raise Failure("interrupted: nothing was written") from None
             raise Failure(f"{path}: cannot be written: {error.strerror or error}; the run is lost") from None
     return trajectory
 
@@ -84,8 +79,9 @@ def report(trajectory: Trajectory, path: Path) -> str:
 
 def speed(simulated: float, wall_time: float) -> str:
     """Real-time factor and wall time of the march."""
-    factor = f"{simulated / wall_time:.3g} times real time: " if wall_time > 0.0 else ""
-    return f"{factor}{simulated:g} s in {wall_time:.3g} s of wall time"
+    factor = simulated / wall_time if wall_time > 0.0 else 0.0
+    shown = f"{factor:.0f}" if factor >= 100.0 else f"{factor:.3g}"
+    return f"{shown} times real time: {simulated:g} s in {wall_time:.3g} s of wall time"
 
 
 def energy(trajectory: Trajectory) -> str:

@@ -1,5 +1,6 @@
 """What a user sees besides results: messages, failures, the progress of a run."""
 
+import os
 import signal
 import sys
 from collections.abc import Iterator, Mapping
@@ -33,6 +34,15 @@ def aligned(facts: Mapping[str, str], indent: str = "") -> str:
     return "\n".join(f"{indent}{name:<{width}}{text}" for name, text in facts.items())
 
 
+def leave_at_once(*_: object) -> None:
+    """Handler of Ctrl-C while there is nothing to save.
+
+    The process ends here: KeyboardInterrupt would be lost in callbacks of the compiler, with a traceback.
+    """
+    os.write(2, b"Error: interrupted; nothing was written\n")
+    os._exit(STOPPED)
+
+
 @contextmanager
 def compilation_noted(quiet: bool = False) -> Iterator[None]:
     """Says so, once, when Numba begins to compile a kernel that its cache does not hold."""
@@ -56,12 +66,12 @@ def compilation_noted(quiet: bool = False) -> Iterator[None]:
 class Progress:
     """Follows a run: shows a bar if stderr is a terminal, and takes Ctrl-C or SIGTERM as a wish to stop.
 
-    The signals are taken from the first call on, when the kernels are ready, to the end of the `with` block, which
-    includes saving. A second one gives up: KeyboardInterrupt.
+    The signals are taken from the first call on, when the kernels are ready, to the end of the `with` block,
+    which includes saving. A second one gives up.
     """
 
     def __init__(self, quiet: bool):
-        self.visible = sys.stderr.isatty() and not quiet
+        self.quiet = quiet
         self.bar = None
         self.begun = self.stop = self.given_up = False
         self.handlers: dict[int, object] = {}
@@ -75,21 +85,31 @@ class Progress:
             self._begin()
         if self.bar:
             self.bar.update(int(BAR_LENGTH * fraction) - self.bar.pos)
+        if self.stop and fraction < 1.0:
+            self._end_bar()
+            if not self.quiet:
+                note("stopping, and writing what was computed; another Ctrl-C gives up")
         return self.stop
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, exception: type[BaseException] | None, *_: object) -> None:
         for number, handler in self.handlers.items():
             signal.signal(number, handler)
-        if self.bar:
-            self.bar.render_finish()
+        self._end_bar()
+        if self.given_up and exception:  # of any kind: HDF5 turns an interrupt within into an error of its own
+            raise Failure("interrupted; nothing was written") from None
 
     def _begin(self) -> None:
         self.begun = True
         for number in (signal.SIGINT, signal.SIGTERM):
             if signal.getsignal(number) != signal.SIG_IGN:  # a background job keeps ignoring Ctrl-C
                 self.handlers[number] = signal.signal(number, self._on_signal)
-        if self.visible:
+        if sys.stderr.isatty() and not self.quiet:
             self.bar = click.progressbar(length=BAR_LENGTH, file=sys.stderr)
+
+    def _end_bar(self) -> None:
+        if self.bar:
+            self.bar.render_finish()
+        self.bar = None
 
     def _on_signal(self, *_: object) -> None:
         self.given_up = self.stop

@@ -3,8 +3,9 @@
 import time
 
 import click
-
 from omnisim_cli.screen import note
+
+TINY = ("time.end=0.01", "time.step=0.001", "time.output_interval=0.01")
 
 
 @click.command()
@@ -15,14 +16,14 @@ def warmup() -> None:
     """
     note("compiling kernels ...")
     begun = time.perf_counter()
+    from omnisim_cli.info import about_scene
+
     from omnisim import timing
     from omnisim.kernel import CACHE_DIRECTORY
     from omnisim.scene import load
-    from omnisim_cli.info import about_scene
 
     for tracking in ("explicit", "implicit"):
-        overrides = ("time.end=0.01", "time.step=0.001", "time.output_interval=0.01", f"solver.tracking={tracking}")
-        scene = load("six_rollers", overrides)
+        scene = load("six_rollers", [*TINY, f"solver.tracking={tracking}"])
         timing.simulate(scene)
         timing.tracking_cost(scene)
         about_scene(scene)

@@ -4,13 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from omnisim.trajectory import EVENT, ROLLER, TIME, Quantity, Trajectory, layout
+from omnisim.trajectory import EVENT, TIME, Quantity, Trajectory, layout
 
 
 @dataclass(frozen=True)
 class EnergyError:
-    """Largest |balance| (J), and the energy it is measured by: the initial kinetic energy, or else all energy that
-    friction, drives and wrench turn over (0 J if nothing moves)."""
+    """Largest |balance| (J), and the energy that it is measured by.
+
+    That is the initial kinetic energy, or else what friction, drives and wrench turn over (0: nothing moves).
+    """
 
     absolute: float
     scale: float
@@ -28,15 +30,16 @@ def energy_error(trajectory: Trajectory) -> EnergyError:
     if len(kinetic) and kinetic[0] > 0.0:
         return EnergyError(error, float(kinetic[0]), "the initial kinetic energy")
     works = (trajectory[f"energy/{name}"] for name in ("friction_loss", "drive_work", "wrench_work"))
-    return EnergyError(error, float(sum(np.abs(work).max(initial=0.0) for work in works)), "the energy turned over")
+    turned_over = float(sum(np.abs(work).max(initial=0.0) for work in works))
+    return EnergyError(error, turned_over, "the energy turned over")
 
 
 @dataclass(frozen=True)
 class Difference:
     """How far a dataset of two trajectories differs at most.
 
-    `largest` is the largest magnitude in the first, in `units`. Of rollers and words, `difference` of `largest` entries are
-    not the same.
+    `largest` is the largest magnitude in the first, in `units`. Of rollers and words, `difference` of
+    `largest` entries are not the same.
     """
 
     path: str
@@ -50,8 +53,8 @@ class Comparison:
     """Two trajectories of one scene with equal output intervals.
 
     rows      how many both have
-    apart     how many of them have different rollers in contact: they lie between the exchange times of the two,
-              where accelerations and contact points jump, and are left out of the differences
+    apart     how many of them have different rollers in contact: they lie between the exchange times of the
+              two, where accelerations and contact points jump, and are left out of the differences
     events    how many each has; differences are taken over the first ones, as many as both have
     """
 
@@ -86,11 +89,13 @@ def difference(quantity: Quantity, a: np.ndarray, b: np.ndarray, chosen: dict[st
 
 
 def largest_difference(path: str, units: str, a: np.ndarray, b: np.ndarray) -> Difference:
-    return Difference(path, units, float(np.abs(a).max(initial=0.0)), float(np.abs(a - b).max(initial=0.0)))
+    """Over all entries of two arrays."""
+    largest, apart = (float(np.abs(values).max(initial=0.0)) for values in (a, a - b))
+    return Difference(path, units, largest, apart)
 
 
 def centre_height(a: Trajectory, b: Trajectory, rows: np.ndarray) -> tuple[Difference, ...]:
-    """Height of the centre of the first wheel's roller 0: the quantity that the paper compares the trackings by."""
+    """Of the height of the centre of the first wheel's roller 0: what the paper compares."""
     found = []
     for name, units in (("acceleration", "m/s^2"), ("velocity", "m/s"), ("position", "m")):
         path = f"wheels/{a.wheels[0]}/rollers/center_{name}"

@@ -174,7 +174,6 @@ def observe_contact(watch, reaction, normal):
     watch.normal_force = normal
     watch.slip_square = reaction.slip.h * reaction.slip.h + reaction.slip.k * reaction.slip.k
     watch.factor = reaction.factor
-    watch.axis_n = reaction.axis.n
 
 
 @kernel

@@ -8,6 +8,9 @@ tells what changes there.
     EXIT   the roller's end ahead is not passed yet       the neighbour takes over: an exchange
     KINK   |v| stays on its side of slip_speed            the other branch of the saturated law
     LOAD   N >= 0                                         the wheel leaves the floor: the march stops
+
+Both trackings pass a roller's end at the same spin angle: |q| = alpha is |c_beta| = c sin alpha. The guard is the angle,
+which is monotone over several turns as well; which rollers touch at the start each tracking tells by its own condition.
 """
 
 import math
@@ -46,9 +49,7 @@ def guard(parameters, mode, kind, w, y, watch):
     if kind == TURN:
         return direction * y[at + SPIN_RATE]
     if kind == EXIT:
-        if machine.tracking == EXPLICIT:
-            return direction * (roller_end(wheel, mode[w].roller, direction) - y[at + SPIN_ANGLE])
-        return wheel.cos_psi * wheel.sin_alpha - direction * watch[w].axis_n
+        return direction * (roller_end(wheel, mode[w].roller, direction) - y[at + SPIN_ANGLE])
     if kind == KINK:
         if machine.law != SATURATED:
             return 0.0

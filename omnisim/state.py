@@ -30,7 +30,6 @@ WATCH = np.dtype(
         ("normal_force", np.float64),  # N
         ("slip_square", np.float64),  # |v|^2, m^2/s^2
         ("factor", np.float64),  # g of the friction law F = -g v, N s/m
-        ("axis_n", np.float64),  # upward component of the contacting roller's axis: the paper's c_beta
     ]
 )
 

@@ -2,7 +2,7 @@
 
 EVENTS_PER_STEP = 4096  # more than this in one step is no progress of time
 
-RUNNING, COMPLETE, LOG_FULL, INTERRUPTED, NOT_FINITE, TOO_STIFF, ROCKING, CROWDED, LIFT_OFF = range(9)
+RUNNING, COMPLETE, LOG_FULL, INTERRUPTED, NOT_FINITE, TOO_STIFF, ROCKING, CROWDED, LIFT_OFF, LOST_TRACK = range(10)
 
 SENTENCES = {
     COMPLETE: "complete",
@@ -19,6 +19,10 @@ SENTENCES = {
     CROWDED: (
         "more than {events} events in one step at t = {time:.9g} s: time.step = {step:.3g} s is far too large for "
         "the spin rate of wheel '{wheel}'; try a smaller one"
+    ),
+    LOST_TRACK: (
+        "the implicit tracking lost track of wheel '{wheel}' at t = {time:.9g} s: rho is no unit vector any more with "
+        "time.step = {step:.3g} s; use a smaller one, or solver.tracking = 'explicit'"
     ),
     LIFT_OFF: (
         "wheel '{wheel}' leaves the floor at t = {time:.9g} s: the vertical force lifts more than the weight; "

@@ -11,15 +11,17 @@ import numpy as np
 
 from omnisim.contact.kinematics import Slip, inverse_mass
 from omnisim.contact.reaction import friction_factor
-from omnisim.contact.tracking import Heading
-from omnisim.dynamics import contact_reaction, rhs
+from omnisim.contact.tracking import IMPLICIT, Heading
+from omnisim.dynamics import contact_reaction, rho_of, rhs
 from omnisim.events import GUARDS, TURN, guard, release_roller, take_roller, touching, transition
 from omnisim.kernel import kernel
 from omnisim.state import PER_WHEEL, SPIN_RATE, WHEELS, YAW
-from omnisim.status import CROWDED, EVENTS_PER_STEP, LOG_FULL, NOT_FINITE, ROCKING, RUNNING, TOO_STIFF
+from omnisim.status import CROWDED, EVENTS_PER_STEP, LOG_FULL, LOST_TRACK, NOT_FINITE, ROCKING, RUNNING, TOO_STIFF
+from omnisim.vector import dot
 
 TURNS_PER_STEP = 100  # reversals of spin in one step: a Zeno sequence of ever shorter swings about an edge
 STIFF_STEPS = 8  # surplus of steps too large for the rate at which slip relaxes, before the run stops
+LOST = 1e-3  # |rho|^2 - 1 at which the implicit tracking is no longer worth its name
 ROUNDING = 1e-14
 EPSILON = 4.0 * 2.0**-52
 
@@ -284,6 +286,11 @@ def check(parameters, run):
         return
     stiff = False
     for w in range(len(run.mode)):
+        if parameters.machine.tracking == IMPLICIT:
+            rho = rho_of(parameters, run.y, w, run.mode[w].roller % parameters.wheels[w].rollers)
+            if abs(dot(rho, rho) - 1.0) > LOST:
+                clock.status, clock.wheel = LOST_TRACK, w
+                return
         if run.watch[w].factor * parameters.machine.slip_mobility * clock.dt > clock.stability_limit:
             now, at_rest = relaxation_rates(parameters, run, w)
             if now * clock.dt > clock.stability_limit:

@@ -27,11 +27,10 @@ def race(scenes: Sequence[Scene]) -> tuple[list[Trajectory], list[list[float]]]:
 
     Returns the trajectory of each, and its wall times (s, marching only): up to REPEATS, fewer of long runs.
     """
-    begun = time.perf_counter()
     trajectories = [simulate(scene) for scene in scenes]
-    repeats = min(REPEATS, max(1, int(PATIENCE / (time.perf_counter() - begun))))
     times = [[trajectory.attributes["wall_time"]] for trajectory in trajectories]
-    for _ in range(repeats - 1):
+    once = sum(spent[0] for spent in times)
+    while len(times[0]) < REPEATS and (len(times[0]) + 1) * once < PATIENCE:
         for scene, spent in zip(scenes, times, strict=True):
             spent.append(simulate(scene).attributes["wall_time"])
     return trajectories, times
@@ -44,7 +43,7 @@ def tracking_costs(scenes: Sequence[Scene]) -> list[float]:
 
 
 def tracking_cost(scene: Scene) -> float:
-    """Seconds for one evaluation of the scene's tracking, all wheels; states differ from one evaluation to the next."""
+    """Seconds for one evaluation of the scene's tracking, all wheels; every evaluation has another state."""
     parameters = pack(scene.config)
     states = states_in_contact(scene, parameters)
     slopes = np.zeros_like(states)
@@ -56,13 +55,13 @@ def tracking_cost(scene: Scene) -> float:
 
 @kernel
 def track(parameters, states, slopes, rounds):
-    """Evaluate the tracking in every state, `rounds` times, with roller 0 in contact. Returns a sum of the results.
+    """Evaluate the tracking in every state, `rounds` times, with roller 0 in contact; returns a sum of it all.
 
     Counted is all that the right-hand side does to know the contact point, and nothing else:
 
         explicit    cosine and sine of the azimuth; the closed form
-        implicit    cosine and sine of yaw and azimuth, orientation of the roller, contact point from rho; then for
-                    every roller, in the air too, its orientation and rho', written to the slopes
+        implicit    cosine and sine of yaw and azimuth, orientation of the roller, contact point from rho;
+                    then for every roller, in the air too, its orientation and rho', written to the slopes
 
     Kinematics and friction, which need the yaw's cosine and sine with either tracking, are not.
     """
@@ -101,7 +100,7 @@ def track_implicitly(parameters, y, slopes):
 
 
 def states_in_contact(scene: Scene, parameters: Parameters) -> np.ndarray:
-    """STATES states of the scene's machine, (STATES, n): each has another yaw, and roller 0 elsewhere in contact."""
+    """States of the scene's machine (STATES, n), of different yaw and spin angle, roller 0 in contact."""
     first, _ = initial_state(scene.config, parameters)
     states = np.tile(first, (STATES, 1))
     states[:, YAW] = np.linspace(0.0, 2.0 * np.pi, STATES)
