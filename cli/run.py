@@ -81,7 +81,8 @@ def speed(simulated: float, wall_time: float) -> str:
     """Real-time factor and wall time of the march."""
     factor = simulated / wall_time if wall_time > 0.0 else 0.0
     shown = f"{factor:.0f}" if factor >= 100.0 else f"{factor:.3g}"
-    return f"{shown} times real time: {simulated:g} s in {wall_time:.3g} s of wall time"
+    times = f"{shown} times real time: " if factor else ""
+    return f"{times}{simulated:g} s in {wall_time:.3g} s of wall time"
 
 
 def energy(trajectory: Trajectory) -> str:

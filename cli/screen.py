@@ -103,7 +103,7 @@ class Progress:
         for number in (signal.SIGINT, signal.SIGTERM):
             if signal.getsignal(number) != signal.SIG_IGN:  # a background job keeps ignoring Ctrl-C
                 self.handlers[number] = signal.signal(number, self._on_signal)
-        if sys.stderr.isatty() and not self.quiet:
+        if not self.quiet and sys.stderr and sys.stderr.isatty():
             self.bar = click.progressbar(length=BAR_LENGTH, file=sys.stderr)
 
     def _end_bar(self) -> None:

@@ -1,8 +1,8 @@
 """omnisim: simulation of omni and mecanum wheels with real rollers, exact contact geometry and rigid contact.
 
-    scene = omnisim.load("scene.toml")             a Scene; SceneError says what is wrong with the file
-    trajectory = omnisim.simulate(scene)           a Trajectory; its status says whether it reached the end
-    trajectory.save("run.h5");  omnisim.open_trajectory("run.h5")
+scene = omnisim.load("scene.toml")             a Scene; SceneError says what is wrong with the file
+trajectory = omnisim.simulate(scene)           a Trajectory; its status says whether it reached the end
+trajectory.save("run.h5");  omnisim.open_trajectory("run.h5")
 """
 
 from importlib import import_module

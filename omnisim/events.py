@@ -9,8 +9,8 @@ tells what changes there.
     KINK   |v| stays on its side of slip_speed            the other branch of the saturated law
     LOAD   N >= 0                                         the wheel leaves the floor: the march stops
 
-Both trackings pass a roller's end at the same spin angle: |q| = alpha is |c_beta| = c sin alpha. The guard is the angle,
-which is monotone over several turns as well; which rollers touch at the start each tracking tells by its own condition.
+Both trackings pass a roller's end at the same spin angle: |q| = alpha is |c_beta| = c sin alpha. The guard is the
+angle, monotone over several turns as well; which rollers touch at the start, each tracking tells by its own condition.
 """
 
 import math
@@ -116,7 +116,7 @@ def touching(parameters, w, y):
         else:
             touches = implicit_touches(wheel, roller_axis(wheel, cos_q, sin_q), rho_of(parameters, y, w, i))
         if touches:
-            roller = i + wheel.rollers * int(math.floor(0.5 - q / (2.0 * math.pi)))
+            roller = i + wheel.rollers * math.floor(0.5 - q / (2.0 * math.pi))
             ahead = max(ahead, roller) if found else roller
             behind = min(behind, roller) if found else roller
             found = True

@@ -37,7 +37,9 @@ class Model(NamedTuple):
         """Aligned lines: modelled, left out, keys that this scene does not use."""
         width = max(len(part.name) for part in self.parts)
         lines = [f"modelled: {self.states} states"]
-        lines += [f"  {part.name:<{width}}  {part.states or '-':>3}  {part.why}" for part in self.parts if part.modelled]
+        lines += [
+            f"  {part.name:<{width}}  {part.states or '-':>3}  {part.why}" for part in self.parts if part.modelled
+        ]
         lines += ["left out:"]
         lines += [f"  {part.name:<{width}}       {part.why}" for part in self.parts if not part.modelled]
         if self.unused:
@@ -91,7 +93,9 @@ def drive_reason(drive: Drive) -> str:
     if drive.kind == "free":
         return "the wheel spins freely"
     times, torques = drive.table
-    return f"torque {torques[0]:g} N m" if len(times) == 1 else f"torque table of {len(times)} points, knots are step ends"
+    return (
+        f"torque {torques[0]:g} N m" if len(times) == 1 else f"torque table of {len(times)} points, knots are step ends"
+    )
 
 
 def wrench_reason(config: Config) -> str:

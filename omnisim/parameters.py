@@ -156,4 +156,3 @@ def line(times: Sequence[float], values: Sequence[float], start: float, end: flo
     t0, t1, v0, v1 = times[after - 1], times[after], values[after - 1], values[after]
     slope = (v1 - v0) / (t1 - t0)
     return v0 + slope * (start - t0), slope
-

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from omnisim.config import Config, ConfigError, Problem, did_you_mean, is_name, validate
+from omnisim.config import Config, is_name
+from omnisim.problems import ConfigError, Problem, did_you_mean
 from omnisim.toml_text import (
     MISSING,
     KeyPath,
@@ -19,6 +20,7 @@ from omnisim.toml_text import (
     split_key,
     value_at,
 )
+from omnisim.validation import validate
 
 
 class SceneError(ValueError):

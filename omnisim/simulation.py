@@ -54,7 +54,9 @@ def simulate(scene: Scene, progress: Callable[[float], object] | None = None) ->
     return collect(scene, parameters, run, rows, log, wall_time)
 
 
-def collect(scene: Scene, parameters: Parameters, run: Run, rows: Rows, log: np.ndarray, wall_time: float) -> Trajectory:
+def collect(
+    scene: Scene, parameters: Parameters, run: Run, rows: Rows, log: np.ndarray, wall_time: float
+) -> Trajectory:
     """The Trajectory of a march that has ended."""
     config, clock, names = scene.config, run.clock, [wheel.name for wheel in scene.config.wheels]
     interval = config.time.output_interval

@@ -32,4 +32,3 @@ WATCH = np.dtype(
         ("factor", np.float64),  # g of the friction law F = -g v, N s/m
     ]
 )
-

@@ -7,10 +7,13 @@ RUNNING, COMPLETE, LOG_FULL, INTERRUPTED, NOT_FINITE, TOO_STIFF, ROCKING, CROWDE
 SENTENCES = {
     COMPLETE: "complete",
     INTERRUPTED: "interrupted by the user at t = {time:.9g} s",
-    NOT_FINITE: "the motion diverged at t = {time:.9g} s: a state is no longer finite; try a smaller time.step than {step:.3g} s",
+    NOT_FINITE: (
+        "the motion diverged at t = {time:.9g} s: a state is no longer finite; try a smaller time.step than {step:.3g} s"
+    ),
     TOO_STIFF: (
-        "unstable at t = {time:.9g} s: friction at wheel '{wheel}' relaxes slip at {rate:.3g} 1/s, too fast for {method} "
-        "with time.step = {step:.3g} s; use time.step < {limit:.2g} s or a larger friction.slip_speed (smaller viscosity)"
+        "unstable at t = {time:.9g} s: friction at wheel '{wheel}' relaxes slip at {rate:.3g} 1/s, too fast for "
+        "{method} with time.step = {step:.3g} s; use time.step < {limit:.2g} s or a softer law (a larger "
+        "friction.slip_speed, a smaller viscosity)"
     ),
     ROCKING: (
         "wheel '{wheel}' rocks about the edge between two rollers without progress at t = {time:.9g} s: both carry "

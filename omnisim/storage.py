@@ -118,9 +118,7 @@ def _check_format(file: h5py.File, path: str | PathLike[str]) -> None:
         raise TrajectoryError(f"{path}: HDF5, but no omnisim trajectory (attribute format is not {FORMAT!r})")
     version = int(file.attrs["format_version"])
     if version > FORMAT_VERSION:
-        raise TrajectoryError(
-            f"{path}: format version {version}, but this omnisim reads up to {FORMAT_VERSION}"
-        )
+        raise TrajectoryError(f"{path}: format version {version}, but this omnisim reads up to {FORMAT_VERSION}")
 
 
 def _load(file: h5py.File) -> Trajectory:

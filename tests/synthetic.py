@@ -30,9 +30,7 @@ def synthetic_data(rows=11, rollers=6, events=3, wheels=("wheel",), seed=0):
 
 
 def synthetic_trajectory(rows=11, rollers=6, events=3, wheels=("wheel",), **attributes):
-    return Trajectory(
-        synthetic_attributes(wheels=wheels, **attributes), synthetic_data(rows, rollers, events, wheels)
-    )
+    return Trajectory(synthetic_attributes(wheels=wheels, **attributes), synthetic_data(rows, rollers, events, wheels))
 
 
 def _wheel(random, rows, rollers):

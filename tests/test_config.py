@@ -7,8 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from omnisim.config import Config, ConfigError, unused_keys, validate
+from omnisim.config import Config, unused_keys
+from omnisim.problems import ConfigError
 from omnisim.scene import SceneError, parse
+from omnisim.validation import validate
+
+pytestmark = pytest.mark.short
 
 REFERENCE = Path(__file__).parent / "reference"
 GOOD = """\
@@ -245,9 +249,7 @@ def test_a_roller_may_be_a_flat_disc():
     config_of("inertia_axial = 6e-6", "inertia_axial = 18e-6")
 
 
-@pytest.mark.parametrize(
-    "word", ["position = [0, 0]", "position = [-0.0, 0.0]\nheading_deg = 0", "heading_deg = 0.0"]
-)
+@pytest.mark.parametrize("word", ["position = [0, 0]", "position = [-0.0, 0.0]\nheading_deg = 0", "heading_deg = 0.0"])
 def test_a_bare_wheel_may_say_that_it_stands_at_the_origin(word):
     config_of(SPIN, word)
 
@@ -259,8 +261,8 @@ def test_a_bare_wheel_may_say_that_it_stands_at_the_origin(word):
         (1.0, 0.001, 100),
         (6.5, 0.001, 100),
         (0.007, 0.001, 7),
-        (10_007, 1, 1),  # a prime: 1 and 10007 rows, and 1 is a little nearer
-        (9_973, 1, 9_973),  # a prime whose own number of rows is nearer
+        (10_007, 1, 10_007),  # a prime: rather all rows than one
+        (1_000_003, 1, 1),  # a prime so large that all rows would be far too many
         (338, 1, 169),  # 26, 169: the second is nearer in the logarithm
         (1e4, 1e-6, 100),
     ],
@@ -275,8 +277,7 @@ def test_default_output_is_about_100_intervals_that_divide_the_steps(end, step, 
 def test_without_an_output_interval_the_end_must_lie_on_the_steps():
     text = message(MINIMAL.replace("step = 0.001", "step = 0.0003"))
     assert (
-        text
-        == "s.toml:2: time.step = 0.0003: end / step = 1.0 / 0.0003 = 3333.33333333; must be an integer (to 1e-9)"
+        text == "s.toml:2: time.step = 0.0003: end / step = 1.0 / 0.0003 = 3333.33333333; must be an integer (to 1e-9)"
     )
 
 

@@ -10,6 +10,8 @@ from omnisim.start import blank_rows
 from omnisim.state import DRIVE_WORK, FRICTION_LOSS, PER_WHEEL, ROLLER_RATE, SPIN_ANGLE, SPIN_RATE, WHEELS, WRENCH_WORK
 from omnisim.stepper import settle, write_row
 
+pytestmark = pytest.mark.short
+
 PUSHED = (
     "wheels.wheel.drive={kind='torque', torque=0.7}",
     "wrench.frame='body'",
@@ -57,7 +59,9 @@ def test_the_power_of_all_forces_is_the_rate_of_kinetic_energy(psi, law):
 
 
 def test_both_trackings_have_the_same_right_hand_side():
-    for explicit, implicit in zip(random_runs(30.0, "regularized"), random_runs(30.0, "regularized", "implicit"), strict=True):
+    for explicit, implicit in zip(
+        random_runs(30.0, "regularized"), random_runs(30.0, "regularized", "implicit"), strict=True
+    ):
         n = WHEELS + PER_WHEEL
         np.testing.assert_allclose(implicit[1].slopes[0, :n], explicit[1].slopes[0, :n], rtol=1e-11, atol=1e-11)
 
@@ -94,7 +98,11 @@ def test_the_servo_torque_balances_the_moment_of_momentum_about_the_heading():
 
         def momentum(y, wheel=wheel, parameters=parameters, roller=roller, rates=rates):
             yaw, phi = y[2], y[WHEELS + SPIN_ANGLE]
-            h, k, n = np.array([np.cos(yaw), np.sin(yaw), 0]), np.array([-np.sin(yaw), np.cos(yaw), 0]), np.array([0, 0, 1.0])
+            h, k, n = (
+                np.array([np.cos(yaw), np.sin(yaw), 0]),
+                np.array([-np.sin(yaw), np.cos(yaw), 0]),
+                np.array([0, 0, 1.0]),
+            )
             p = rates.copy()
             p[roller] = y[WHEELS + ROLLER_RATE]
             q = wheel.phase + 2 * wheel.alpha * np.arange(4) - phi

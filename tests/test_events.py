@@ -1,5 +1,6 @@
 """Events: exchanges, turns and edges. No roller ever carries the wheel beyond its end."""
 
+import itertools
 import math
 
 import numpy as np
@@ -22,7 +23,7 @@ def assert_no_roller_overruns(run, alpha):
     assert np.abs(run["wheels/wheel/contact_angle"]).max() <= alpha + 1e-12
     exchanges = run["events/kind"] == "exchange"
     pairs = list(zip(run["events/roller_from"][exchanges], run["events/roller_to"][exchanges], strict=True))
-    for (_, to), (back, _) in zip(pairs[:-1], pairs[1:], strict=True):
+    for (_, to), (back, _) in itertools.pairwise(pairs):
         assert to == back, "an exchange starts from the roller that the last one left in contact"
 
 
@@ -41,6 +42,7 @@ def test_a_wheel_that_runs_backwards_exchanges_backwards():
     assert np.abs(9.0 * run["events/time"] - edges).max() < 1e-11  # measured 1.8e-12
 
 
+@pytest.mark.short
 def test_several_exchanges_in_one_step_are_all_found_in_order():
     """500 rad/s at a step of 1e-2: about three exchanges in every step; without friction the times are known."""
     run = simulate(
@@ -52,6 +54,7 @@ def test_several_exchanges_in_one_step_are_all_found_in_order():
     assert np.abs(run["events/time"] - expected).max() < 1e-12  # measured 1.1e-15
 
 
+@pytest.mark.short
 def test_the_implicit_tracking_stops_when_the_step_is_too_large_to_integrate_rho():
     run = omnisim.simulate(
         reference_scene("testbench_psi30", "wheels.wheel.spin_rate=500.0", "time.step=1e-2", "solver.tracking=implicit")
@@ -60,6 +63,7 @@ def test_the_implicit_tracking_stops_when_the_step_is_too_large_to_integrate_rho
     assert run.attributes["stop_wheel"] == "wheel"
 
 
+@pytest.mark.short
 def test_a_wheel_that_leaves_the_edge_and_returns_within_a_step_is_caught_at_the_return():
     """Started on an edge with a small spin against a constant torque: it leaves, turns, and is back at 2 phi'/|phi''|.
 
@@ -79,6 +83,7 @@ def test_a_wheel_that_leaves_the_edge_and_returns_within_a_step_is_caught_at_the
     assert_no_roller_overruns(run, math.pi / 4)
 
 
+@pytest.mark.short
 def test_a_wheel_that_goes_over_the_edge_and_comes_back_within_a_step_exchanges_twice():
     inertia = 0.008 + 4 * (0.15 * 0.068**2 + 0.00012 * 0.75)
     gap, spin, pull = 1e-5, 0.05, -0.5  # rad before the edge, rad/s, N m
@@ -87,7 +92,7 @@ def test_a_wheel_that_goes_over_the_edge_and_comes_back_within_a_step_exchanges_
     times = [(spin - root) / decel, (spin + root) / decel]
     step = 2.0 * times[1]
     run = simulate(
-        "testbench_psi30", *STILL, "friction.law=none", f"wheels.wheel.spin_angle_deg={math.degrees(math.pi / 4 - gap)!r}",
+        "testbench_psi30", *STILL, "friction.law=none", f"wheels.wheel.spin_angle_deg={math.degrees(math.pi / 4 - gap)}",
         f"wheels.wheel.spin_rate={spin}", torque([0.0], [pull]),
         f"time.step={step!r}", f"time.end={step!r}", f"time.output_interval={step!r}",
     )  # fmt: skip
@@ -96,6 +101,7 @@ def test_a_wheel_that_goes_over_the_edge_and_comes_back_within_a_step_exchanges_
     assert run["wheels/wheel/contact_roller"][-1] == 0
 
 
+@pytest.mark.short
 @pytest.mark.parametrize(("spin", "roller", "angle"), [(3.0, 1, 45.0), (-3.0, 0, -45.0)])
 def test_on_an_edge_at_the_start_the_sense_of_spin_tells_the_roller(spin, roller, angle):
     run = simulate("testbench_psi30", *STILL, EDGE, f"wheels.wheel.spin_rate={spin}", "time.end=0.1")
@@ -104,16 +110,33 @@ def test_on_an_edge_at_the_start_the_sense_of_spin_tells_the_roller(spin, roller
     assert len(run["events/time"]) == 0 or run["events/time"][0] > 0.0
 
 
+@pytest.mark.short
 @pytest.mark.parametrize(("pull", "roller"), [(0.5, 1), (-0.5, 0)])
 def test_on_an_edge_at_rest_the_spin_acceleration_tells_the_roller(pull, roller):
-    run = simulate("testbench_psi30", *STILL, EDGE, "friction.law=none", "wheels.wheel.spin_rate=0", torque([0.0], [pull]), "time.end=0.1")
+    run = simulate(
+        "testbench_psi30",
+        *STILL,
+        EDGE,
+        "friction.law=none",
+        "wheels.wheel.spin_rate=0",
+        torque([0.0], [pull]),
+        "time.end=0.1",
+    )
     assert run["wheels/wheel/contact_roller"][0] == roller
     assert len(run["events/time"]) == 0
 
 
 def test_a_torque_that_rises_from_zero_takes_the_wheel_off_an_edge_to_either_side():
     for pull, roller in ((0.5, 1), (-0.5, 0)):
-        run = simulate("testbench_psi30", *STILL, EDGE, "friction.law=none", "wheels.wheel.spin_rate=0", torque([0.0, 1.0], [0.0, pull]), "time.end=0.1")
+        run = simulate(
+            "testbench_psi30",
+            *STILL,
+            EDGE,
+            "friction.law=none",
+            "wheels.wheel.spin_rate=0",
+            torque([0.0, 1.0], [0.0, pull]),
+            "time.end=0.1",
+        )
         assert run["wheels/wheel/contact_roller"][-1] == roller
         assert_no_roller_overruns(run, math.pi / 4)
 
@@ -138,7 +161,9 @@ def test_rocking_about_an_edge_without_progress_ends_with_a_clear_status_and_kee
 
 def test_an_oscillating_wheel_never_overruns_a_roller():
     swing = torque([0.0, 0.3, 0.3, 0.9, 0.9, 1.5, 1.5, 2.1], [0.4, 0.4, -0.4, -0.4, 0.4, 0.4, -0.4, -0.4])
-    run = simulate("testbench_psi30", *STILL, swing, "wheels.wheel.spin_rate=0", "time.end=2.0", "time.output_interval=0.002")
+    run = simulate(
+        "testbench_psi30", *STILL, swing, "wheels.wheel.spin_rate=0", "time.end=2.0", "time.output_interval=0.002"
+    )
     assert_no_roller_overruns(run, math.pi / 4)
     turns = np.diff(np.sign(run["wheels/wheel/spin_rate"][1:]))
     assert np.count_nonzero(turns) >= 3
@@ -146,8 +171,17 @@ def test_an_oscillating_wheel_never_overruns_a_roller():
 
 @pytest.mark.parametrize("tracking", ["explicit", "implicit"])
 def test_the_rollers_that_touch_are_found_by_either_contact_condition(tracking):
-    for degrees, expected in ((0.0, (0, 0)), (45.0, (1, 0)), (44.0, (0, 0)), (46.0, (1, 1)), (720.0, (8, 8)), (-45.0, (0, -1))):
-        parameters, run = packed(reference_scene("testbench_psi30", f"wheels.wheel.spin_angle_deg={degrees}", f"solver.tracking={tracking}"))
+    for degrees, expected in (
+        (0.0, (0, 0)),
+        (45.0, (1, 0)),
+        (44.0, (0, 0)),
+        (46.0, (1, 1)),
+        (720.0, (8, 8)),
+        (-45.0, (0, -1)),
+    ):
+        parameters, run = packed(
+            reference_scene("testbench_psi30", f"wheels.wheel.spin_angle_deg={degrees}", f"solver.tracking={tracking}")
+        )
         assert touching(parameters, 0, run.y) == expected
         settle(parameters, run)
         assert run.mode[0].roller == expected[0]  # positive spin

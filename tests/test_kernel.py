@@ -77,4 +77,4 @@ def test_without_a_writable_folder_kernels_compile_into_a_temporary_one(package,
 
 
 def test_other_packages_keep_their_own_cache_setting():
-    assert numba.config.CACHE_DIR == os.environ.get("NUMBA_CACHE_DIR", "")
+    assert os.environ.get("NUMBA_CACHE_DIR", "") == numba.config.CACHE_DIR

@@ -7,6 +7,8 @@ from scenes import packed, reference_scene
 from omnisim.contact.kinematics import inverse_mass, joint_rate, slip_velocity
 from omnisim.contact.tracking import explicit_contact, roller_axis
 
+pytestmark = pytest.mark.short
+
 UP = np.array([0.0, 0.0, 1.0])
 H, K = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
 

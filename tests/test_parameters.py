@@ -8,6 +8,8 @@ from scenes import packed, reference_scene
 
 from omnisim.parameters import DRIVE, FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE, line
 
+pytestmark = pytest.mark.short
+
 
 def value(parameters, channel, t):
     piece = int(np.searchsorted(parameters.starts, t, side="right")) - 1
@@ -16,10 +18,15 @@ def value(parameters, channel, t):
 
 
 def test_inertias_are_those_of_disk_and_rollers_together():
-    machine, wheel = (packed(reference_scene("testbench_psi30"))[0].machine, packed(reference_scene("testbench_psi30"))[0].wheels[0])
+    machine, wheel = (
+        packed(reference_scene("testbench_psi30"))[0].machine,
+        packed(reference_scene("testbench_psi30"))[0].wheels[0],
+    )
     assert machine.mass == pytest.approx(2.0 + 4 * 0.15, rel=1e-15)
     assert wheel.axle_inertia == pytest.approx(0.008 + 4 * (0.15 * 0.068**2 + 0.00012 * 0.75), rel=1e-14)
-    assert machine.yaw_inertia == pytest.approx(0.0045 + 4 * (0.15 * 0.068**2 / 2 + 0.00012 * (1 - 0.75 / 2)), rel=1e-14)
+    assert machine.yaw_inertia == pytest.approx(
+        0.0045 + 4 * (0.15 * 0.068**2 / 2 + 0.00012 * (1 - 0.75 / 2)), rel=1e-14
+    )
 
 
 def test_the_inertias_equal_the_sum_over_the_rollers_one_by_one():
@@ -35,7 +42,9 @@ def test_the_inertias_equal_the_sum_over_the_rollers_one_by_one():
             a = wheel.cos_psi * t + wheel.sin_psi * np.array([0.0, 1.0, 0.0])
             across = 0.00012 * (np.eye(3) - np.outer(a, a))
             tensor += across + 0.15 * 0.068**2 * (np.eye(3) - np.outer(d, d))
-        np.testing.assert_allclose(np.diag(tensor)[[1, 2]], [wheel.axle_inertia, parameters.machine.yaw_inertia], rtol=1e-12)
+        np.testing.assert_allclose(
+            np.diag(tensor)[[1, 2]], [wheel.axle_inertia, parameters.machine.yaw_inertia], rtol=1e-12
+        )
         assert abs(tensor[1, 2]) < 1e-18
 
 

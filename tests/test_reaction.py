@@ -7,6 +7,8 @@ from scenes import packed, reference_scene
 from omnisim.contact.kinematics import Slip
 from omnisim.contact.reaction import friction_factor
 
+pytestmark = pytest.mark.short
+
 NORMAL = 7.0
 SLIPS = [(0.3, -0.4), (1e-3, 0.0), (0.0, -2e-2), (0.0, 0.0)]
 

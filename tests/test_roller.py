@@ -9,6 +9,8 @@ from scenes import wheel_record
 from omnisim.roller import axial_coordinate, length, profile_radius, support_parameter, support_point, tip_radius
 from omnisim.vector import Vec3
 
+pytestmark = pytest.mark.short
+
 WHEELS = {
     "figure 1, psi 30": {},
     "psi 0": {"psi_deg": 0.0, "rollers": 6},
@@ -81,7 +83,9 @@ def test_the_papers_length_holds_for_psi_0_and_for_pointed_tips_only():
     def paper(wheel):
         return 2.0 * wheel.radius * wheel.sin_alpha / wheel.cos_psi
 
-    straight, pointed, general = (wheel_record(**WHEELS[name]) for name in ("psi 0", "pointed tips", "figure 1, psi 30"))
+    straight, pointed, general = (
+        wheel_record(**WHEELS[name]) for name in ("psi 0", "pointed tips", "figure 1, psi 30")
+    )
     assert length(straight) == pytest.approx(paper(straight), rel=1e-14)
     assert length(pointed) == pytest.approx(paper(pointed), rel=1e-14)
     assert abs(length(general) / paper(general) - 1.0) > 0.005  # measured 0.0096

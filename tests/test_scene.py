@@ -11,6 +11,8 @@ import pytest
 
 from omnisim.scene import Scene, SceneError, load, packaged_scenes, parse
 
+pytestmark = pytest.mark.short
+
 FILE = Path(__file__).parent / "reference" / "testbench_psi0.toml"
 TEXT = FILE.read_text()
 # The same scene in other legal layouts, to set keys in.
@@ -67,15 +69,11 @@ def test_a_file_goes_before_a_packaged_scene_and_a_folder_does_not(tmp_path, mon
 def test_an_unknown_name_lists_the_packaged_scenes_and_the_nearest(monkeypatch):
     monkeypatch.setattr("omnisim.scene.packaged_scenes", lambda: ["authors_testbench", "sliding_wheel"])
     assert message("slidingwheel").startswith("slidingwheel: no file and no packaged scene has this name;")
-    assert "did you mean 'sliding_wheel'? Packaged scenes: authors_testbench, sliding" in message(
-        "slidingwheel"
-    )
+    assert "did you mean 'sliding_wheel'? Packaged scenes: authors_testbench, sliding" in message("slidingwheel")
     assert message("x") == (
         "x: no file and no packaged scene has this name. Packaged scenes: authors_testbench, sliding_wheel"
     )
-    assert message("sliding_wheel.toml").endswith(
-        "no such file; did you mean the packaged scene 'sliding_wheel'?"
-    )
+    assert message("sliding_wheel.toml").endswith("no such file; did you mean the packaged scene 'sliding_wheel'?")
 
 
 @pytest.mark.parametrize("source", ["missing.toml", os.path.join("some", "where"), "a\0b.toml"])
@@ -167,9 +165,7 @@ OVERRIDES = [
 ]
 
 
-@pytest.mark.parametrize(
-    "text", [TEXT, INLINE_WHEELS, SUB_TABLE, DOTTED], ids=["plain", "inline", "table", "dotted"]
-)
+@pytest.mark.parametrize("text", [TEXT, INLINE_WHEELS, SUB_TABLE, DOTTED], ids=["plain", "inline", "table", "dotted"])
 def test_loading_the_text_of_a_scene_with_overrides_repeats_it(text):
     scene = parse(text, "s.toml", OVERRIDES)
     assert parse(scene.text).config == scene.config

@@ -55,7 +55,9 @@ def test_a_run_too_stiff_for_its_step_stops_and_names_the_step_that_would_do():
     assert "unstable" in run.attributes["status"]
     advised = float(run.attributes["status"].split("time.step < ")[1].split()[0])
     assert 1e-6 < advised < 1e-5  # mu N A / slip_speed = 1e6 1/s
-    finer = omnisim.simulate(reference_scene("testbench_psi30", "friction.slip_speed=1e-4", f"time.step={1e-6!r}", "time.end=0.2"))
+    finer = omnisim.simulate(
+        reference_scene("testbench_psi30", "friction.slip_speed=1e-4", f"time.step={1e-6!r}", "time.end=0.2")
+    )
     assert finer.complete
 
 
@@ -75,7 +77,14 @@ def test_a_viscous_run_that_explodes_says_when_and_why_and_holds_no_nan():
     assert all(np.isfinite(values).all() for path, values in run.data.items() if values.dtype == float), "no NaN"
 
 
-@pytest.mark.parametrize("overrides", [("wheels.wheel.spin_rate=1e300",), ("initial.velocity=[1e153, 0]",), ("initial.velocity=[1e200, 0]", "friction.law=none")])
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        ("wheels.wheel.spin_rate=1e300",),
+        ("initial.velocity=[1e153, 0]",),
+        ("initial.velocity=[1e200, 0]", "friction.law=none"),
+    ],
+)
 def test_numbers_that_overflow_stop_the_run_without_a_nan(overrides):
     run = omnisim.simulate(reference_scene("testbench_psi30", *overrides))
     assert "diverged" in run.attributes["status"]
@@ -84,7 +93,9 @@ def test_numbers_that_overflow_stop_the_run_without_a_nan(overrides):
 
 def test_a_wheel_lifted_by_the_wrench_leaves_the_floor_when_the_force_equals_the_weight():
     weight = (2.0 + 4 * 0.15) * 9.81
-    run = omnisim.simulate(reference_scene("testbench_psi30", "wrench.times=[0, 1]", "wrench.force=[[0, 0, 0], [0, 0, 100]]"))
+    run = omnisim.simulate(
+        reference_scene("testbench_psi30", "wrench.times=[0, 1]", "wrench.force=[[0, 0, 0], [0, 0, 100]]")
+    )
     assert run.attributes["stop_time"] == pytest.approx(weight / 100.0, rel=1e-12)
     assert list(run["events/kind"][-2:]) == ["lift_off", "stop"]
     assert "leaves the floor" in run.attributes["status"]
@@ -102,7 +113,9 @@ def test_more_events_than_a_step_can_hold_are_reported():
 
 
 def test_many_events_outgrow_the_log_without_loss():
-    run = simulate("testbench_psi0", "friction.law=none", "initial.yaw_rate=0", "wheels.wheel.spin_rate=20000", "time.step=1e-3")
+    run = simulate(
+        "testbench_psi0", "friction.law=none", "initial.yaw_rate=0", "wheels.wheel.spin_rate=20000", "time.step=1e-3"
+    )
     assert len(run["events/time"]) == pytest.approx(20000 * 2.0 / (math.pi / 3), abs=1)
     assert np.all(np.diff(run["events/time"]) > 0.0)
 
@@ -114,13 +127,21 @@ def test_a_step_that_does_not_divide_the_interval_exactly_in_binary_keeps_the_gr
 
 
 def test_a_knot_on_a_row_gives_the_row_the_value_after_the_jump():
-    run = simulate("testbench_psi0", "wheels.wheel.drive={kind='torque', times=[0.0, 0.5, 0.5], torque=[0.1, 0.1, -0.2]}")
+    run = simulate(
+        "testbench_psi0", "wheels.wheel.drive={kind='torque', times=[0.0, 0.5, 0.5], torque=[0.1, 0.1, -0.2]}"
+    )
     assert run["wheels/wheel/drive_torque"][list(run.time).index(0.5)] == -0.2
     assert run["wheels/wheel/drive_torque"][list(run.time).index(0.45)] == 0.1
 
 
 def test_the_wrench_in_the_body_frame_turns_with_the_wheel():
-    still = ("friction.law=none", "initial.yaw_rate=0", "initial.yaw_deg=90", "wheels.wheel.roller_rates=0", "wrench.times=[0]")
+    still = (
+        "friction.law=none",
+        "initial.yaw_rate=0",
+        "initial.yaw_deg=90",
+        "wheels.wheel.roller_rates=0",
+        "wrench.times=[0]",
+    )
     world = simulate("testbench_psi0", *still, "wrench.force=[[0, 1, 0]]")
     body = simulate("testbench_psi0", *still, "wrench.force=[[1, 0, 0]]", "wrench.frame='body'")
     assert np.abs(world["body/velocity"] - body["body/velocity"]).max() < 1e-12
@@ -141,15 +162,21 @@ def test_the_datasets_of_a_row_belong_together():
     dt = 0.01
     numeric = (centres[2:] - centres[:-2]) / (2 * dt)
     smooth = run["wheels/wheel/rollers/center_velocity"][1:-1]
-    assert np.abs(numeric - smooth).max() < 2e-2  # m/s; differences over 0.02 s of an accelerated motion, exchanges included
+    assert (
+        np.abs(numeric - smooth).max() < 2e-2
+    )  # m/s; differences over 0.02 s of an accelerated motion, exchanges included
     assert np.all(run["wheels/wheel/contact_share"] == 1.0)
     assert np.all(run["wheels/wheel/contact_point"][:, 2] == 0.0)
 
 
 def test_center_velocity_and_acceleration_are_the_derivatives_of_position():
-    run = simulate("testbench_psi30", "friction.law=none", "time.step=1e-4", "time.output_interval=1e-3", "time.end=0.2")
+    run = simulate(
+        "testbench_psi30", "friction.law=none", "time.step=1e-4", "time.output_interval=1e-3", "time.end=0.2"
+    )
     dt, rollers = 1e-3, "wheels/wheel/rollers"
-    position, velocity, acceleration = (run[f"{rollers}/center_{name}"] for name in ("position", "velocity", "acceleration"))
+    position, velocity, acceleration = (
+        run[f"{rollers}/center_{name}"] for name in ("position", "velocity", "acceleration")
+    )
     for values, rates in ((position, velocity), (velocity, acceleration)):
         numeric = (values[:-4] - 8 * values[1:-3] + 8 * values[3:-1] - values[4:]) / (12 * dt)
         assert np.abs(numeric - rates[2:-2]).max() < 1e-8 * np.abs(rates).max()  # measured 2e-10

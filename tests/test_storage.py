@@ -277,9 +277,7 @@ def test_writing_to_a_link_replaces_the_file_behind_it(saved, tmp_path):
     assert len(storage.read(saved).time) == 5
 
 
-@pytest.mark.parametrize(
-    ("name", "reason"), [("missing/run.h5", "No such file"), (".", "not a regular file")]
-)
+@pytest.mark.parametrize(("name", "reason"), [("missing/run.h5", "No such file"), (".", "not a regular file")])
 def test_a_place_that_cannot_be_written_is_one_line_with_its_path(tmp_path, name, reason):
     with pytest.raises(OSError, match=reason) as caught:
         synthetic_trajectory().save(tmp_path / name)

@@ -7,6 +7,8 @@ import pytest
 
 from omnisim.tableau import TABLEAUX, rooted_trees, tableau
 
+pytestmark = pytest.mark.short
+
 
 @pytest.mark.parametrize("method", TABLEAUX.values(), ids=TABLEAUX)
 def test_the_amplification_is_the_exponential_up_to_the_order_and_not_beyond(method):

@@ -6,6 +6,8 @@ import pytest
 
 from omnisim.toml_text import MISSING, locate, rewrite, show_path, show_value, split_key, value_at
 
+pytestmark = pytest.mark.short
+
 TEXT = """\
 title = "a"              # line 1
 "quoted key" = 1
@@ -76,9 +78,7 @@ LINES = {
 def all_paths(value, path=()):
     """Paths of everything in a parsed document."""
     yield path
-    entries = (
-        value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
-    )
+    entries = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for key, entry in entries:
         yield from all_paths(entry, (*path, key))
 
@@ -93,9 +93,7 @@ def test_located_paths_are_exactly_those_of_the_parsed_document():
     assert set(locate(TEXT)) == set(all_paths(tomllib.loads(TEXT)))
 
 
-@pytest.mark.parametrize(
-    "text", ["", "\n# nothing\n", "a = 1", "[t]", 'a = """"quoted""""', "a = ''''b'''''"]
-)
+@pytest.mark.parametrize("text", ["", "\n# nothing\n", "a = 1", "[t]", 'a = """"quoted""""', "a = ''''b'''''"])
 def test_small_texts_locate_what_they_hold(text):
     assert set(locate(text)) == set(all_paths(tomllib.loads(text)))
 

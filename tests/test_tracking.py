@@ -19,6 +19,8 @@ from omnisim.contact.tracking import (
 from omnisim.roller import support_point
 from omnisim.vector import Vec3
 
+pytestmark = pytest.mark.short
+
 PSI = (0.0, 30.0, -45.0, 80.0)
 UP = np.array([0.0, 0.0, 1.0])
 

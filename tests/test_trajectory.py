@@ -9,6 +9,8 @@ from synthetic import synthetic_attributes, synthetic_data, synthetic_trajectory
 
 from omnisim.trajectory import TABLE, Trajectory, layout, summary
 
+pytestmark = pytest.mark.short
+
 
 def changed(path, array):
     return Trajectory(synthetic_attributes(), synthetic_data() | {path: array})

@@ -14,7 +14,6 @@ misprints mended: the contact point needs "- R j1" where the paper prints "- R1 
 |c_beta| < cos psi sin alpha, both of which the paper leaves open.
 """
 
-import math
 from typing import NamedTuple
 
 from omnisim.kernel import kernel
@@ -81,9 +80,7 @@ def implicit_contact(wheel, heading, axis, rho):
 @kernel
 def world_axis(heading, axis):
     """The roller axis in world components (Vec3)."""
-    return Vec3(
-        axis.h * heading.cos - axis.k * heading.sin, axis.h * heading.sin + axis.k * heading.cos, axis.n
-    )
+    return Vec3(axis.h * heading.cos - axis.k * heading.sin, axis.h * heading.sin + axis.k * heading.cos, axis.n)
 
 
 @kernel

@@ -81,6 +81,10 @@ def test_the_world_rotated_gives_the_motion_rotated():
     angle = 1.234
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     velocity = (turn @ [0.6, 0.15]).tolist()
-    turned = simulate("testbench_psi30", "time.end=2.0", f"initial.velocity={velocity}", f"initial.yaw_deg={float(np.degrees(angle))}")
-    assert np.abs(turned["body/position"][:, :2] - plain["body/position"][:, :2] @ turn.T).max() < 1e-12  # measured 5.4e-15
+    turned = simulate(
+        "testbench_psi30", "time.end=2.0", f"initial.velocity={velocity}", f"initial.yaw_deg={float(np.degrees(angle))}"
+    )
+    assert (
+        np.abs(turned["body/position"][:, :2] - plain["body/position"][:, :2] @ turn.T).max() < 1e-12
+    )  # measured 5.4e-15
     assert np.abs(turned["body/yaw"] - plain["body/yaw"] - angle).max() < 1e-12

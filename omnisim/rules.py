@@ -1,0 +1,129 @@
+"""The rules across the keys of a scene: each yields the problems that it finds."""
+
+import math
+from collections.abc import Iterator
+
+from omnisim.config import DRIVE_KEYS, FRICTION_KEYS, Config, Drive
+from omnisim.problems import Problem, allowed_at, did_you_mean
+from omnisim.toml_text import KeyPath
+
+MAX_STEPS = 10**10
+GRID_TOLERANCE = 1e-9  # relative, for ratios of times that must be integers
+DECIMAL_TOLERANCE = 1e-12  # relative, for limits that a scene reaches exactly but types in decimals
+
+
+def _time_rules(config: Config) -> Iterator[Problem]:
+    time = config.time
+    steps = time.end / time.step
+    if steps > MAX_STEPS * (1 + GRID_TOLERANCE):
+        yield Problem(("time", "step"), f"end / step = {steps:.6g} steps; must be at most {MAX_STEPS:.0e}")
+    elif time.interval is None:
+        if not _is_whole(steps):
+            ratio = f"end / step = {time.end!r} / {time.step!r} = {steps:.12g}"
+            yield Problem(("time", "step"), f"{ratio}; must be an integer (to 1e-9)")
+    else:
+        ratios = {
+            f"output_interval / step = {time.interval!r} / {time.step!r}": time.interval / time.step,
+            f"end / output_interval = {time.end!r} / {time.interval!r}": time.end / time.interval,
+        }
+        for name, ratio in ratios.items():
+            if not _is_whole(ratio):
+                yield Problem(("time", "output_interval"), f"{name} = {ratio:.12g}; must be an integer (to 1e-9)")
+                break  # one of the three times is wrong: one problem
+
+
+def _is_whole(ratio: float) -> bool:
+    return math.isfinite(ratio) and ratio > 0.5 and abs(ratio - round(ratio)) <= GRID_TOLERANCE * ratio
+
+
+def _friction_rules(config: Config) -> Iterator[Problem]:
+    law = config.friction.law
+    for key in FRICTION_KEYS[law]:
+        if key not in config.friction.model_fields_set:
+            allowed = allowed_at(("friction", key))
+            yield Problem(("friction", key), f"missing; law = '{law}' needs {allowed}")
+
+
+def _wheel_type_rules(config: Config) -> Iterator[Problem]:
+    """Tips with r(alpha) >= 0; rollers that a mass distribution can have (a flat disc is the limit)."""
+    for name, wheel_type in config.wheel_types.items():
+        path = ("wheel_types", name)
+        limit = wheel_type.radius * math.cos(math.pi / wheel_type.roller_count)
+        if wheel_type.roller_distance > limit * (1 + DECIMAL_TOLERANCE):
+            allowed = f"radius * cos(pi / roller_count) = {limit!r}: there the tips of the rollers are points"
+            yield Problem((*path, "roller_distance"), f"must be at most {allowed}")
+        roller = wheel_type.roller
+        limit = 2 * roller.inertia_transverse
+        if roller.inertia_axial > limit * (1 + DECIMAL_TOLERANCE):
+            allowed = f"2 * inertia_transverse = {limit!r}: no body has more"
+            yield Problem((*path, "roller", "inertia_axial"), f"must be at most {allowed}")
+
+
+def _wheel_rules(config: Config) -> Iterator[Problem]:
+    names = [wheel.name for wheel in config.wheels]
+    for index, wheel in enumerate(config.wheels):
+        path = ("wheels", index)
+        if wheel.name in names[:index]:
+            yield Problem((*path, "name"), "must be unique; another wheel has this name")
+        if wheel.type not in config.wheel_types:
+            known = ", ".join(config.wheel_types)
+            hint = did_you_mean(wheel.type, config.wheel_types)
+            yield Problem((*path, "type"), f"no such wheel type{hint or '.'} Wheel types: {known}")
+        elif isinstance(wheel.roller_rates, tuple):
+            count, given = config.type_of(wheel).roller_count, len(wheel.roller_rates)
+            if given != count:
+                allowed = f"one finite number, or a list of roller_count = {count} finite numbers"
+                yield Problem((*path, "roller_rates"), f"must be {allowed}, not {given}")
+        yield from _drive_rules((*path, "drive"), wheel.drive)
+
+
+def _bare_wheel_rules(config: Config) -> Iterator[Problem]:
+    """Without a chassis a wheel stands where [initial] puts it, and nowhere else."""
+    wheel = config.wheels[0]
+    for key, value, zero, instead in (
+        ("position", wheel.position, "[0, 0]", "position"),
+        ("heading_deg", wheel.heading_deg, "0", "yaw_deg"),
+    ):
+        if value not in (0.0, (0.0, 0.0)):
+            allowed = f"absent or {zero} for a wheel without a chassis; [initial] {instead} places it"
+            yield Problem(("wheels", 0, key), f"must be {allowed}")
+
+
+def _drive_rules(path: KeyPath, drive: Drive) -> Iterator[Problem]:
+    for key in sorted(drive.model_fields_set - {"kind", *DRIVE_KEYS[drive.kind]}):
+        yield Problem((*path, key), f"not a key of a drive with kind = '{drive.kind}'")
+    if drive.kind == "free":
+        return
+    if "torque" not in drive.model_fields_set:
+        yield Problem((*path, "torque"), f"missing; must be {allowed_at((*path, 'torque'))}")
+    elif isinstance(drive.torque, float) and drive.times:
+        allowed = f"a list of {len(drive.times)} finite numbers, as many as times"
+        yield Problem((*path, "torque"), f"must be {allowed}")
+    elif isinstance(drive.torque, tuple):
+        if not drive.times:
+            yield Problem((*path, "times"), "missing; a list of torques needs a list of as many times")
+        else:
+            yield from _table_rules(path, drive.times, torque=drive.torque)
+
+
+def _wrench_rules(config: Config) -> Iterator[Problem]:
+    wrench = config.wrench
+    if wrench.times:
+        yield from _table_rules(("wrench",), wrench.times, force=wrench.force, yaw_torque=wrench.yaw_torque)
+    elif "wrench" in config.model_fields_set:
+        yield Problem(("wrench", "times"), f"missing; must be {allowed_at(('wrench', 'times'))}")
+
+
+def _table_rules(path: KeyPath, times: tuple[float, ...], **columns: tuple) -> Iterator[Problem]:
+    for index in range(1, len(times)):
+        if times[index] < times[index - 1]:
+            allowed = f"at least {times[index - 1]!r}: times never decrease"
+            yield Problem((*path, "times", index), f"must be {allowed}")
+            break
+    for key, column in columns.items():
+        if column and len(column) != len(times):
+            allowed = f"a list as long as times ({len(times)}), not {len(column)}"
+            yield Problem((*path, key), f"must be {allowed}")
+
+
+RULES = (_time_rules, _friction_rules, _wheel_type_rules, _wheel_rules, _bare_wheel_rules, _wrench_rules)

@@ -1,0 +1,307 @@
+"""What a user of the command meets: output, messages, exit codes, files."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from omnisim_cli.main import cli
+from scenes import REFERENCE
+
+import omnisim
+
+SCENE = str(REFERENCE / "testbench_psi0.toml")
+START = """
+import signal
+from omnisim_cli import main, screen
+
+def begin(progress, original=screen.Progress._begin):
+    original(progress)
+    print("ready", flush=True)
+
+screen.Progress._begin = begin
+signal.signal(signal.SIGINT, signal.SIG_DFL)  # a test that runs in the background may ignore it
+main.main()
+"""  # as the entry point does, but says when the kernels are ready
+LONG = ("time.end=1e6", "time.output_interval=1.0")
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    """Every command runs in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def command(*arguments):
+    return CliRunner().invoke(cli, [str(argument) for argument in arguments], prog_name="omnisim")
+
+
+def process(*arguments, **options):
+    """The command in a process of its own, for signals, pipes and start-up time."""
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True} | options
+    return subprocess.Popen([sys.executable, "-c", START, *arguments], **pipes)
+
+
+def settings(*overrides):
+    return [part for override in overrides for part in ("--set", override)]
+
+
+# --- run ------------------------------------------------------------------------------------------
+
+
+def test_run_writes_stem_h5_here_and_sums_up_on_stdout(folder):
+    result = command("run", SCENE)
+    assert result.exit_code == 0, result.stderr
+    assert os.listdir(folder) == ["testbench_psi0.h5"]
+    for fact in ("Testbench, six rollers", "times real time", "2000, with 8257 right-hand sides", "15 exchanges",
+                 "of the initial kinetic energy", "testbench_psi0.h5 (41 rows", "complete"):  # fmt: skip
+        assert fact in result.stdout
+    assert omnisim.open_trajectory("testbench_psi0.h5").complete
+
+
+def test_run_with_overrides_writes_what_repeats_it(folder):
+    arguments = settings("wheels.wheel.spin_rate=3", "solver.method=heun")
+    assert command("run", SCENE, "-o", "slow.h5", *arguments).exit_code == 0
+    (folder / "again.toml").write_text(omnisim.open_trajectory("slow.h5").attributes["scene"])
+    assert command("run", "again.toml").exit_code == 0
+    first, second = (omnisim.open_trajectory(name) for name in ("slow.h5", "again.h5"))
+    assert first.attributes["method"] == "heun" and first["wheels/wheel/spin_rate"][0] == 3.0
+    assert all((first[path] == second[path]).all() for path in first)
+
+
+def test_a_packaged_scene_runs_by_name(folder):
+    assert command("run", "six_rollers", *settings("time.end=0.1")).exit_code == 0
+    assert os.listdir(folder) == ["six_rollers.h5"]
+
+
+def test_quiet_prints_nothing_on_success_and_the_reason_on_an_early_stop():
+    result = command("run", SCENE, "--quiet")
+    assert (result.exit_code, result.output) == (0, "")
+    result = command("run", SCENE, "--quiet", "--force", *settings("friction.slip_speed=1e-9"))
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert "unstable at t = " in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("overrides", "reason"),
+    [
+        (["friction.slip_speed=1e-9"], "unstable at t = "),
+        (["wrench.times=[0, 1]", "wrench.force=[[0, 0, 0], [0, 0, 20]]"], "wheel 'wheel' leaves the floor at t = 0."),
+    ],
+)
+def test_a_run_that_stops_early_says_why_and_writes_what_it_has(overrides, reason):
+    result = command("run", SCENE, "-o", "part.h5", *settings(*overrides))
+    assert result.exit_code == 1
+    assert result.stderr.startswith("Error: ") and reason in result.stderr and "part.h5" in result.stderr
+    part = omnisim.open_trajectory("part.h5")
+    assert not part.complete and part["events/kind"][-1] == "stop" and len(part.time) >= 1
+
+
+def test_an_existing_file_is_replaced_with_force_only(folder):
+    (folder / "out.h5").write_text("precious")
+    result = command("run", SCENE, "-o", "out.h5")
+    assert result.exit_code == 2 and "out.h5" in result.stderr and "--force" in result.stderr
+    assert (folder / "out.h5").read_text() == "precious"
+    assert command("run", SCENE, "-o", "out.h5", "--force").exit_code == 0
+    assert omnisim.open_trajectory("out.h5").complete
+
+
+def test_a_scene_is_not_overwritten_by_its_own_result(folder):
+    text = Path(SCENE).read_text()
+    (folder / "scene.toml").write_text(text)
+    result = command("run", "scene.toml", "-o", "scene.toml", "--force")
+    assert result.exit_code == 2 and "the scene itself" in result.stderr
+    assert (folder / "scene.toml").read_text() == text
+
+
+@pytest.mark.parametrize("broken", ["write", "replace"])
+def test_a_file_that_cannot_be_written_is_one_line(broken, monkeypatch, folder):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("omnisim.storage._replace" if broken == "write" else "omnisim.storage.os.replace", full)
+    result = command("run", SCENE)
+    assert result.exit_code == 1
+    last = result.stderr.splitlines()[-1]
+    assert last.startswith("Error: testbench_psi0.h5: cannot be written: No space left on device")
+    assert os.listdir(folder) == []
+
+
+# --- bad input ------------------------------------------------------------------------------------
+
+BAD = [
+    (["run", "nowhere.toml"], ["nowhere.toml", "no such file"]),
+    (["run", "six_roler"], ["six_roler", "did you mean 'six_rollers'"]),
+    (["run", "broken.toml"], ["broken.toml:3", "not valid TOML"]),
+    (["run", "wrong.toml"], ["wrong.toml:10", "time.step", "-0.001", "> 0"]),
+    (["run", "folder"], ["folder", "directory"]),
+    (["run", SCENE, "--set", "time.stp=1"], ["--set time.stp=1", "did you mean 'step'"]),
+    (["run", SCENE, "--set", "wheels.weel.spin_rate=1"], ["no wheel is called 'weel'", "did you mean 'wheel'"]),
+    (["run", SCENE, "--set", "time.step"], ["--set time.step", "KEY=VALUE"]),
+    (["run", SCENE, "--set", "time.step=3e-3"], ["time.output_interval", "must be an integer"]),
+    (["run", SCENE, "-o", "nowhere/out.h5"], ["nowhere/out.h5", "no folder"]),
+    (["run", SCENE, "-o", "folder"], ["folder", "the name of a file"]),
+    (["run", SCENE, "-o", "nowhere/"], ["nowhere/", "the name of a file"]),
+    (["run", SCENE, "-o", "folder", "--force"], ["folder", "the name of a file"]),
+    (["run", SCENE, "-o", ""], ["the name of a file"]),
+    (["run", SCENE, "-o", "x" * 300], ["cannot write there"]),
+    (["run", SCENE, "--forse"], ["--forse", "--force"]),
+    (["run"], ["SCENE"]),
+    (["compare", "implicit"], ["'B'"]),
+    (["compare", "implict", "explicit"], ["'implict'", "'implicit'"]),
+    (["compare", "implicit", "explicit", "six"], ["six", "Packaged scenes"]),
+    (["info", "nowhere.h5"], ["nowhere.h5"]),
+    (["info", "damaged.h5"], ["damaged.h5", "truncated or damaged"]),
+    (["rum", SCENE], ["'rum'", "'run'"]),
+]
+
+
+@pytest.fixture
+def traps(folder):
+    """Files and folders that BAD trips over."""
+    text = Path(SCENE).read_text()
+    (folder / "broken.toml").write_text(text.replace("[scene]", "[scene", 1).replace("\n\n", "\n", 1))
+    (folder / "wrong.toml").write_text(text.replace("step = 0.001", "step = -0.001"))
+    (folder / "damaged.h5").write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(500))
+    (folder / "folder").mkdir()
+    return sorted(os.listdir(folder))
+
+
+@pytest.mark.parametrize(("arguments", "parts"), BAD, ids=lambda value: " ".join(value)[:40])
+def test_bad_input_is_explained_and_touches_nothing(arguments, parts, traps):
+    result = command(*arguments)
+    assert result.exit_code == 2
+    assert result.stdout == "" and "Traceback" not in result.stderr
+    message = result.stderr[result.stderr.index("Error: ") :]
+    for part in parts:
+        assert part in message
+    assert message.count("Error: ") == 1
+    assert sorted(os.listdir()) == traps
+
+
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="root may write everywhere")
+def test_a_folder_that_may_not_be_written_is_found_before_the_run(folder):
+    (folder / "locked").mkdir(mode=0o500)
+    result = command("run", SCENE, "-o", "locked/out.h5")
+    assert result.exit_code == 2 and "Permission denied" in result.stderr
+
+
+def test_a_bug_is_one_line(monkeypatch):
+    monkeypatch.setattr("omnisim.simulation.simulate", lambda *_: 1 / 0)
+    result = command("run", SCENE)
+    assert result.exit_code == 1
+    assert result.stderr.startswith("Error: a bug in omnisim: ZeroDivisionError")
+    assert result.stderr.count("\n") == 1
+
+
+# --- signals and pipes ----------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_finishes_the_step_and_writes_the_file(number, folder):
+    child = process("run", SCENE, "-o", "part.h5", *settings(*LONG))
+    assert child.stdout.readline() == "ready\n"
+    time.sleep(0.3)
+    child.send_signal(number)
+    stdout, stderr = child.communicate(timeout=60)
+    assert child.returncode == 1
+    assert "interrupted by the user at t = " in stderr and "part.h5 (" in stdout
+    part = omnisim.open_trajectory("part.h5")
+    assert part.attributes["status"].startswith("interrupted") and part["events/kind"][-1] == "stop"
+    assert 1.0 < part.time[-1] <= part.attributes["stop_time"] < 1e6
+    assert os.listdir(folder) == ["part.h5"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals")
+def test_ctrl_c_during_compilation_ends_at_once(folder):
+    child = process("run", SCENE, env=os.environ | {"NUMBA_CACHE_DIR": str(folder / "cold")})
+    assert "compiling kernels, once" in child.stderr.readline()
+    time.sleep(1.0)
+    child.send_signal(signal.SIGINT)
+    stdout, stderr = child.communicate(timeout=10)
+    assert (child.returncode, stdout, stderr) == (1, "", "Error: interrupted; nothing was written\n")
+    assert not (folder / "testbench_psi0.h5").exists()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="a shell with pipes")
+@pytest.mark.parametrize("arguments", [["info", SCENE], ["run", SCENE, "--force"]])
+def test_a_reader_that_leaves_early_is_no_error(arguments):
+    child = process(*arguments)
+    child.stdout.close()
+    assert child.stderr.read().replace("compiling kernels, once: this takes some seconds\n", "") == ""
+    child.wait()
+
+
+# --- compare, info, warmup, help ------------------------------------------------------------------
+
+
+def test_compare_shows_both_trackings_beside_the_paper():
+    result = command("compare", "implicit", "explicit", SCENE)
+    assert result.exit_code == 0, result.stderr
+    for name, paper in (("acceleration", "1e-08"), ("velocity", "1e-07"), ("position", "1e-06")):
+        measured = float(re.search(rf"^  {name} +(\S+) +m\S* +{paper}$", result.stdout, re.MULTILINE)[1])
+        assert measured < 1e-8, name  # 2e-11 m, 3e-10 m/s, 1e-8 m/s^2 are the largest
+    whole, tracking = (float(re.search(rf"{row} +(\d\S+)", result.stdout)[1]) for row in ("whole run", "alone"))
+    assert 0.5 < whole < 10.0 and 1.0 < tracking < 50.0  # 1.8 and 6
+    yaw = float(re.search(r"^body/yaw +rad +\S+ +(\S+)$", result.stdout, re.MULTILINE)[1])
+    assert 0.0 < yaw < 1e-9
+    assert "equal to the last bit:" in result.stdout and "  events/kind" in result.stdout
+    assert "in turn" in result.stderr
+
+
+def test_a_tracking_does_not_differ_from_itself():
+    result = command("compare", "explicit", "explicit", SCENE)
+    assert result.exit_code == 0 and "largest difference" not in result.stdout
+
+
+def test_compare_of_a_scene_that_stops_early_says_so():
+    scene = Path("stiff.toml")
+    scene.write_text(Path(SCENE).read_text().replace("slip_speed = 0.05", "slip_speed = 1e-9"))
+    result = command("compare", "implicit", "explicit", scene)
+    assert result.exit_code == 1
+    assert "stiff.toml, implicit: unstable" in result.stderr and "stiff.toml, explicit: unstable" in result.stderr
+    assert "height of the centre" in result.stdout
+
+
+def test_info_of_a_scene_says_what_is_modelled_and_how_large_it_is():
+    result = command("info", SCENE)
+    assert result.exit_code == 0, result.stderr
+    for fact in ("2000 steps", "41 rows", "modelled", "left out", "roller length  0.05 m", "0.01 m amid",
+                 "0.00330127 m until the tips are points"):  # fmt: skip
+        assert fact in result.stdout
+
+
+def test_info_tells_scenes_from_trajectories_by_content(folder):
+    assert command("run", SCENE, "-o", "run.toml", "--quiet").exit_code == 0
+    (folder / "scene.h5").write_text(Path(SCENE).read_text())
+    assert "15 exchange" in command("info", "run.toml").stdout
+    assert "left out" in command("info", "scene.h5").stdout
+
+
+def test_warmup_compiles_and_says_where(folder):
+    result = command("warmup")
+    assert result.exit_code == 0, result.stderr
+    assert re.match(r"kernels ready after \S+ s, in \S+", result.stdout)
+    assert os.listdir(folder) == []
+
+
+@pytest.mark.parametrize("name", ["run", "compare", "info", "warmup"])
+def test_help_has_an_example(name):
+    result = command(name, "--help")
+    assert result.exit_code == 0
+    assert name == "warmup" or f"omnisim {name} " in result.stdout.partition("\n")[2]
+
+
+def test_help_and_version_do_not_wait_for_numpy():
+    code = "import sys; from omnisim_cli.main import cli; cli(sys.argv[1:], standalone_mode=False); "
+    code += "sys.exit('numpy' in sys.modules or 'pydantic' in sys.modules)"
+    for argument in ("--help", "--version"):
+        done = subprocess.run([sys.executable, "-c", code, argument], capture_output=True, text=True, check=False)
+        assert done.returncode == 0 and done.stdout.startswith(("Usage", "omnisim 0"))
