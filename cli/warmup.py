@@ -16,15 +16,16 @@ def warmup() -> None:
     """
     note("compiling kernels ...")
     begun = time.perf_counter()
-    from omnisim_cli.info import about_scene
+    from omnisim_cli.info import wheel_facts
 
     from omnisim import timing
     from omnisim.kernel import CACHE_DIRECTORY
+    from omnisim.parameters import pack
     from omnisim.scene import load
 
     for tracking in ("explicit", "implicit"):
         scene = load("six_rollers", [*TINY, f"solver.tracking={tracking}"])
         timing.simulate(scene)
         timing.tracking_cost(scene)
-        about_scene(scene)
+        wheel_facts(pack(scene.config).wheels[0])
     click.echo(f"kernels ready after {time.perf_counter() - begun:.2g} s, in {CACHE_DIRECTORY}")

@@ -77,7 +77,8 @@ def rhs(parameters, mode, piece, t, y, dy, watch):
     machine, wheels = parameters.machine, parameters.wheels
     heading = Heading(math.cos(y[YAW]), math.sin(y[YAW]))
     wrench = external_wrench(parameters, piece, t, heading)
-    normal = normal_force(machine, len(wheels), wrench.z)
+    lift = normal_force(machine, len(wheels), wrench.z)
+    normal = max(lift, 0.0)  # a wheel that is lifted has no friction; the march stops there
     force_x, force_y, moment, loss, drive_power = wrench.x, wrench.y, wrench.yaw, 0.0, 0.0
     for w in range(len(wheels)):
         at = WHEELS + PER_WHEEL * w
@@ -91,7 +92,7 @@ def rhs(parameters, mode, piece, t, y, dy, watch):
         moment += yaw_moment(reaction, y[at + SPIN_RATE])
         loss -= reaction.force_h * reaction.slip.h + reaction.force_k * reaction.slip.k
         drive_power += torque * y[at + SPIN_RATE]
-        observe_contact(watch[w], reaction, normal)
+        observe_contact(watch[w], reaction, lift)
     dy[X], dy[Y], dy[YAW] = y[V_X], y[V_Y], y[YAW_RATE]
     dy[V_X], dy[V_Y] = force_x / machine.mass, force_y / machine.mass
     dy[YAW_RATE] = moment / machine.yaw_inertia

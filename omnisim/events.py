@@ -13,27 +13,24 @@ Both trackings pass a roller's end at the same spin angle: |q| = alpha is |c_bet
 angle, monotone over several turns as well; which rollers touch at the start, each tracking tells by its own condition.
 """
 
-import math
-
 import numpy as np
 
 from omnisim.contact.reaction import SATURATED
-from omnisim.contact.tracking import EXPLICIT, explicit_touches, implicit_touches, roller_axis
-from omnisim.dynamics import azimuth, rho_of
+from omnisim.exchange import hand_over, release_roller
 from omnisim.kernel import kernel
-from omnisim.state import PER_WHEEL, ROLLER_RATE, SPIN_ANGLE, SPIN_RATE, WHEELS
+from omnisim.runge_kutta import refresh
+from omnisim.state import PER_WHEEL, SPIN_ANGLE, SPIN_RATE, WHEELS
 from omnisim.status import LIFT_OFF
+from omnisim.trajectory import EVENT_KINDS
 
 TURN, EXIT, KINK, LOAD = range(4)
 GUARDS = 4
-KINDS = ("exchange", "stick", "slip", "lift_off", "touch_down", "share_begin", "share_end", "stop")
-EXCHANGE, STOP = KINDS.index("exchange"), KINDS.index("stop")
-LIFT = KINDS.index("lift_off")
+EXCHANGE, LIFT, STOP = (EVENT_KINDS.index(kind) for kind in ("exchange", "lift_off", "stop"))
 
 EVENT = np.dtype(
     [
         ("time", np.float64),  # s
-        ("kind", np.int64),  # index into KINDS
+        ("kind", np.int64),  # index into EVENT_KINDS
         ("wheel", np.int64),
         ("roller_from", np.int64),  # -1 where not meant
         ("roller_to", np.int64),
@@ -66,68 +63,21 @@ def roller_end(wheel, roller, direction):
 
 @kernel
 def transition(parameters, run, log, kind, w, time):
-    """Change the mode after a guard of wheel w fired at `time`."""
-    mode, clock = run.mode[w], run.clock
+    """Change the mode after a guard of wheel w fired at `time`, and the derivative with it."""
+    mode, clock, rollers = run.mode[w], run.clock, parameters.wheels[w].rollers
     if kind == TURN:
         mode.direction = -mode.direction
     elif kind == EXIT:
-        roller_from = mode.roller % parameters.wheels[w].rollers
+        roller = mode.roller + mode.direction
+        record(clock, log, time, EXCHANGE, w, mode.roller % rollers, roller % rollers)
         release_roller(parameters, run, w)
-        take_roller(parameters, run, w, mode.roller + mode.direction)
-        record(clock, log, time, EXCHANGE, w, roller_from, mode.roller % parameters.wheels[w].rollers)
+        hand_over(parameters, run, w, roller, time)
     elif kind == KINK:
         mode.saturated = 1 - mode.saturated
+        refresh(parameters, run, time)
     else:
         record(clock, log, time, LIFT, w, -1, -1)
         clock.status, clock.wheel = LIFT_OFF, w
-
-
-@kernel
-def take_roller(parameters, run, w, roller):
-    """Make `roller` (counted on through every turn) the one in contact: its rate enters the state.
-
-    The sums of those in the air are taken anew each time, so they never drift.
-    """
-    mode, at, count = run.mode[w], WHEELS + PER_WHEEL * w, parameters.wheels[w].rollers
-    mode.roller = roller
-    here = roller % count
-    run.y[at + ROLLER_RATE] = run.rates[w, here]
-    mode.air_cos, mode.air_sin, mode.air_sum = 0.0, 0.0, 0.0
-    for i in range(count):
-        if i != here:
-            rate, sector = run.rates[w, i], parameters.sector[w, (i - here) % count]
-            mode.air_cos += rate * sector[0]
-            mode.air_sin += rate * sector[1]
-            mode.air_sum += rate
-
-
-@kernel
-def touching(parameters, w, y):
-    """The rollers of wheel w that touch the floor at state `y`, counted on through every turn: (ahead, behind).
-
-    Twice the same one, or at a common edge the one at q = +alpha, which positive spin takes, and the one at -alpha.
-    """
-    wheel, at, found, ahead, behind = parameters.wheels[w], WHEELS + PER_WHEEL * w, False, 0, 0
-    for i in range(wheel.rollers):
-        q = azimuth(wheel, i, y[at + SPIN_ANGLE])
-        cos_q, sin_q = math.cos(q), math.sin(q)
-        if parameters.machine.tracking == EXPLICIT:
-            touches = explicit_touches(wheel, cos_q)
-        else:
-            touches = implicit_touches(wheel, roller_axis(wheel, cos_q, sin_q), rho_of(parameters, y, w, i))
-        if touches:
-            roller = i + wheel.rollers * math.floor(0.5 - q / (2.0 * math.pi))
-            ahead = max(ahead, roller) if found else roller
-            behind = min(behind, roller) if found else roller
-            found = True
-    return ahead, behind
-
-
-@kernel
-def release_roller(parameters, run, w):
-    """Write the rate of the contacting roller back to `rates`, where those of all rollers stand."""
-    here = run.mode[w].roller % parameters.wheels[w].rollers
-    run.rates[w, here] = run.y[WHEELS + PER_WHEEL * w + ROLLER_RATE]
 
 
 @kernel

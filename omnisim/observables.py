@@ -23,10 +23,10 @@ from omnisim.state import (
     WRENCH_WORK,
     YAW,
     YAW_RATE,
+    Rows,
     X,
     Y,
 )
-from omnisim.stepper import Rows
 
 CONTACT = np.dtype(
     [
@@ -48,7 +48,7 @@ def observe(parameters, rows, times, watch, slopes, contacts):
         rhs(parameters, mode, piece, t, y, slopes[row], watch)
         heading = Heading(math.cos(y[YAW]), math.sin(y[YAW]))
         for w in range(len(parameters.wheels)):
-            contact, normal = contacts[row, w], watch[w].normal_force
+            contact, normal = contacts[row, w], max(watch[w].normal_force, 0.0)
             reaction = contact_reaction(parameters, mode[w], w, heading, normal, y)
             spin_rate = y[WHEELS + PER_WHEEL * w + SPIN_RATE]
             contact.normal_force = normal

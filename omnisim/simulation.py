@@ -7,16 +7,17 @@ from importlib.metadata import version
 import numpy as np
 
 from omnisim import status
-from omnisim.events import EVENT, KINDS, STOP
+from omnisim.events import EVENT, STOP
 from omnisim.model import describe
 from omnisim.observables import datasets
 from omnisim.parameters import Parameters, pack
 from omnisim.scene import Scene, SceneError
 from omnisim.start import begin, blank_rows
+from omnisim.state import Rows, Run
 from omnisim.status import EVENTS_PER_STEP
-from omnisim.stepper import Rows, Run, march
+from omnisim.stepper import march
 from omnisim.tableau import TABLEAUX
-from omnisim.trajectory import Trajectory
+from omnisim.trajectory import EVENT_KINDS, Trajectory
 
 CHUNK_SECONDS = 0.05  # between two calls of `progress`
 
@@ -103,7 +104,7 @@ def events(log: np.ndarray, names: list[str]) -> dict[str, np.ndarray]:
     log = log[np.lexsort((log["wheel"], log["time"]))]
     return {
         "events/time": log["time"],
-        "events/kind": np.array(KINDS)[log["kind"]],
+        "events/kind": np.array(EVENT_KINDS)[log["kind"]],
         "events/wheel": np.array(names)[log["wheel"]],
         "events/roller_from": log["roller_from"],
         "events/roller_to": log["roller_to"],
@@ -112,5 +113,5 @@ def events(log: np.ndarray, names: list[str]) -> dict[str, np.ndarray]:
 
 def with_stop(data: dict[str, np.ndarray], stop_time: float, stop_wheel: str) -> dict[str, np.ndarray]:
     """The event datasets with the final "stop" appended."""
-    last = {"time": stop_time, "kind": KINDS[STOP], "wheel": stop_wheel, "roller_from": -1, "roller_to": -1}
+    last = {"time": stop_time, "kind": EVENT_KINDS[STOP], "wheel": stop_wheel, "roller_from": -1, "roller_to": -1}
     return data | {f"events/{name}": np.append(data[f"events/{name}"], value) for name, value in last.items()}

@@ -8,6 +8,7 @@ from omnisim.config import Config
 from omnisim.contact.tracking import IMPLICIT
 from omnisim.parameters import Parameters
 from omnisim.state import (
+    CLOCK,
     MODE,
     PER_WHEEL,
     SPIN_ANGLE,
@@ -18,10 +19,11 @@ from omnisim.state import (
     WHEELS,
     YAW,
     YAW_RATE,
+    Rows,
+    Run,
     X,
     Y,
 )
-from omnisim.stepper import CLOCK, Rows, Run
 from omnisim.tableau import Tableau
 
 

@@ -1,4 +1,4 @@
-"""The order of the state vector, and the mode that is frozen within a step.
+"""The records of a march by lifetime: the state vector, the mode that is frozen within a step, the clock, the rows.
 
     y = [ body: x y yaw V_x V_y yaw_rate | works: friction_loss drive_work wrench_work |
           of each wheel: spin_angle spin_rate roller_rate | implicit tracking only: rho of every roller ]
@@ -6,6 +6,8 @@
 `roller_rate` is the absolute axial rate p of the roller in contact; the rollers in the air keep theirs exactly and
 stand in `rates`, outside the state. The works are integrated with the motion by the same tableau.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
@@ -32,3 +34,47 @@ WATCH = np.dtype(
         ("factor", np.float64),  # g of the friction law F = -g v, N s/m
     ]
 )
+CLOCK = np.dtype(
+    [
+        ("step", np.int64),  # grid steps done
+        ("row", np.int64),  # output rows written
+        ("piece", np.int64),  # of the tables
+        ("events", np.int64),  # in the log
+        ("rhs", np.int64),  # right-hand sides evaluated
+        ("stiff", np.int64),  # surplus of steps too large for the rate at which slip relaxes
+        ("status", np.int64),
+        ("wheel", np.int64),  # that caused the status, or -1
+        ("dt", np.float64),  # s
+        ("elapsed", np.float64),  # in the grid step under way, s
+        ("rate", np.float64),  # relaxation rate of slip when found too stiff, 1/s
+        ("stability_limit", np.float64),  # of the method on the negative real axis, 1
+    ]
+)
+
+
+class Run(NamedTuple):
+    """The mutable part of a march, n states, W wheels, N rollers, s stages.
+
+    y, trial, stage (n,); slopes (s + 1, n): stage derivatives, the first at the start of the step and the last at
+    its end; rates (W, N) absolute axial rate of every roller, rad/s (of the one in contact: as of its last exchange);
+    mode (W,) records MODE; watch, watch_end (W,) records WATCH at the start and end of the step; clock record CLOCK.
+    """
+
+    y: np.ndarray
+    trial: np.ndarray
+    stage: np.ndarray
+    slopes: np.ndarray
+    rates: np.ndarray
+    mode: np.recarray
+    watch: np.recarray
+    watch_end: np.recarray
+    clock: np.record
+
+
+class Rows(NamedTuple):
+    """What is recorded at the T output times: states (T, n), rates (T, W, N), mode (T, W) and piece (T,)."""
+
+    y: np.ndarray
+    rates: np.ndarray
+    mode: np.recarray
+    piece: np.ndarray

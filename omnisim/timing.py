@@ -18,7 +18,7 @@ from omnisim.state import PER_WHEEL, SPIN_ANGLE, WHEELS, YAW
 from omnisim.trajectory import Trajectory
 
 REPEATS = 5
-PATIENCE = 15.0  # s for all repeats of all scenes of a race
+PATIENCE = 8.0  # s for all repeats of all scenes of a race
 STATES, ROUNDS = 1000, 200
 
 

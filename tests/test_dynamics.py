@@ -5,10 +5,11 @@ import pytest
 from scenes import packed, reference_scene
 
 from omnisim.dynamics import rhs
+from omnisim.exchange import settle
 from omnisim.observables import datasets
 from omnisim.start import blank_rows
 from omnisim.state import DRIVE_WORK, FRICTION_LOSS, PER_WHEEL, ROLLER_RATE, SPIN_ANGLE, SPIN_RATE, WHEELS, WRENCH_WORK
-from omnisim.stepper import settle, write_row
+from omnisim.stepper import write_row
 
 pytestmark = pytest.mark.short
 

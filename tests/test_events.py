@@ -8,8 +8,7 @@ import pytest
 from scenes import packed, reference_scene, simulate
 
 import omnisim
-from omnisim.events import touching
-from omnisim.stepper import settle
+from omnisim.exchange import settle, touching
 
 STILL = ("initial.velocity=[0, 0]", "initial.yaw_rate=0", "wheels.wheel.roller_rates=0")
 EDGE = "wheels.wheel.spin_angle_deg=45"  # the common edge of rollers 0 and 1 of the four-roller wheel

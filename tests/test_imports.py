@@ -23,6 +23,8 @@ LAYERS = (
     ("contact.reaction",),
     ("parameters", "multipliers"),
     ("dynamics",),
+    ("runge_kutta", "checks"),
+    ("exchange",),
     ("events",),
     ("stepper",),
     ("start",),

@@ -1,0 +1,57 @@
+"""Is what was computed still a motion? Checked at every grid point."""
+
+import math
+
+from omnisim.contact.kinematics import Slip, inverse_mass
+from omnisim.contact.reaction import friction_factor
+from omnisim.contact.tracking import IMPLICIT, Heading
+from omnisim.dynamics import contact_reaction, rho_of
+from omnisim.kernel import kernel
+from omnisim.state import YAW
+from omnisim.status import LOST_TRACK, NOT_FINITE, TOO_STIFF
+from omnisim.vector import dot
+
+STIFF_STEPS = 8  # surplus of steps too large for the rate at which slip relaxes, before the run stops
+LOST = 1e-3  # |rho|^2 - 1 at which the implicit tracking is no longer worth its name
+
+
+@kernel
+def check(parameters, run):
+    """Status of the state at a grid point: finite, and no slip relaxing faster than the method can follow.
+
+    The friction force is bounded, so a step too large for it never overflows: slip chatters about zero with the
+    amplitude that one step gives. It shows in steps outside the method's stability region that outnumber those
+    inside; a slip that only passes through zero has one or two.
+    """
+    clock, total = run.clock, 0.0
+    for m in range(len(run.y)):
+        total += run.y[m] * run.y[m] + run.slopes[0, m] * run.slopes[0, m]
+    if not math.isfinite(total):
+        clock.status = TOO_STIFF if clock.stiff > 0 else NOT_FINITE
+        return
+    stiff = False
+    for w in range(len(run.mode)):
+        if parameters.machine.tracking == IMPLICIT:
+            rho = rho_of(parameters, run.y, w, run.mode[w].roller % parameters.wheels[w].rollers)
+            if abs(dot(rho, rho) - 1.0) > LOST:
+                clock.status, clock.wheel = LOST_TRACK, w
+                return
+        if run.watch[w].factor * parameters.machine.slip_mobility * clock.dt > clock.stability_limit:
+            now, at_rest = relaxation_rates(parameters, run, w)
+            if now * clock.dt > clock.stability_limit:
+                stiff = True
+                clock.rate, clock.wheel = at_rest, w
+    clock.stiff = clock.stiff + 1 if stiff else max(clock.stiff - 1, 0)
+    if clock.stiff >= STIFF_STEPS:
+        clock.status = TOO_STIFF
+
+
+@kernel
+def relaxation_rates(parameters, run, w):
+    """Rates at which friction relaxes the slip of wheel w, 1/s: at its slip now, and at zero slip."""
+    machine, normal = parameters.machine, run.watch[w].normal_force
+    heading = Heading(math.cos(run.y[YAW]), math.sin(run.y[YAW]))
+    reaction = contact_reaction(parameters, run.mode[w], w, heading, normal, run.y)
+    hh, hk, kk = inverse_mass(machine, parameters.wheels[w], reaction.axis, reaction.contact)
+    mobility = 0.5 * (hh + kk) + math.sqrt(0.25 * (hh - kk) ** 2 + hk * hk)
+    return reaction.factor * mobility, friction_factor(machine, 0, normal, Slip(0.0, 0.0)) * mobility

@@ -1,0 +1,53 @@
+"""One explicit Runge-Kutta step with a frozen mode, the tableau as data."""
+
+from omnisim.dynamics import rhs
+from omnisim.kernel import kernel
+
+
+@kernel
+def advance(parameters, tableau, run, t, h):
+    """One Runge-Kutta step of length h from run.y into run.trial, with the derivative and `watch` at its end."""
+    a, b, c = tableau
+    y, trial, stage, slopes = run.y, run.trial, run.stage, run.slopes
+    stages = len(b)
+    for i in range(1, stages):
+        combine(y, h, a[i], i, slopes, stage)
+        rhs(parameters, run.mode, run.clock.piece, t + c[i] * h, stage, slopes[i], run.watch_end)
+    combine(y, h, b, stages, slopes, trial)
+    rhs(parameters, run.mode, run.clock.piece, t + h, trial, slopes[stages], run.watch_end)
+    run.clock.rhs += stages
+
+
+@kernel
+def combine(y, h, weights, count, slopes, out):
+    """out = y + h (weights . slopes) over the first `count` slopes; the sum first, so y is rounded once."""
+    for m in range(len(y)):
+        out[m] = weights[0] * slopes[0, m]
+    for j in range(1, count):
+        if weights[j] != 0.0:
+            for m in range(len(y)):
+                out[m] += weights[j] * slopes[j, m]
+    for m in range(len(y)):
+        out[m] = y[m] + h * out[m]
+
+
+@kernel
+def accept(run):
+    """The trial becomes the state, and its derivative the first stage of the next step."""
+    copy(run.trial, run.y)
+    copy(run.slopes[-1], run.slopes[0])
+    for w in range(len(run.watch)):
+        run.watch[w] = run.watch_end[w]
+
+
+@kernel
+def refresh(parameters, run, t):
+    """Derivative at the state itself, after the mode has changed."""
+    rhs(parameters, run.mode, run.clock.piece, t, run.y, run.slopes[0], run.watch)
+    run.clock.rhs += 1
+
+
+@kernel
+def copy(source, target):
+    for m in range(len(source)):
+        target[m] = source[m]
