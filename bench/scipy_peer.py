@@ -1,6 +1,6 @@
 """The march against SciPy's LSODA on the same equations, at equal error: times read off work-precision curves.
 
-LSODA gets every help that is fair: plain Python scalars in the right-hand side (for nine states several times faster
+Compared are the position, the yaw and the spin angle at the end. LSODA gets every help that is fair: plain Python scalars in the right-hand side (for nine states several times faster
 than NumPy arrays), a closure with the constants of one roller, the nine states of the motion without the three energy
 integrals, and the leaner of SciPy's interfaces, `odeint`, driven from exchange to exchange by Newton's method.
 `solve_ivp` with a terminal event, the usual way, is measured beside it. For spin > 0 and constant drive.
@@ -9,6 +9,7 @@ integrals, and the leaner of SciPy's interfaces, `odeint`, driven from exchange 
 import math
 import statistics
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from common import March, bare_wheel, interleaved, ready, table
@@ -24,6 +25,7 @@ SPIN, RATE, ROLLER = 6, 7, 8
 TOLERANCES = [10.0**-k for k in range(4, 13)]
 STEPS = [2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5]
 ERRORS = [1e-5, 1e-6, 1e-7, 1e-8]
+METHODS = ("rk4", "dopri5")
 
 
 def right_hand_side(march: March, roller: int, air: complex) -> Callable:
@@ -85,6 +87,9 @@ def until_exit_solve_ivp(f, t, y, end, exit_angle, tolerance):
     return found.t[-1], found.y[:, -1], found.status == 1
 
 
+PEERS = {"LSODA, odeint": until_exit_odeint, "LSODA, solve_ivp": until_exit_solve_ivp}
+
+
 def integrate(march: March, tolerance: float, until_exit: Callable = until_exit_odeint) -> np.ndarray:
     """The nine states of the motion at the end of the scene of a fresh march."""
     wheel, rates, end = march.parameters.wheels[0], march.run.rates[0].copy(), march.steps * march.run.clock.dt
@@ -102,62 +107,78 @@ def integrate(march: March, tolerance: float, until_exit: Callable = until_exit_
     return y
 
 
-def measure(rounds: int, ends: float = 2.0) -> dict:
+def measure(rounds: int) -> dict:
     """Error and median milliseconds along every ladder, and the times at equal error."""
-    reference = ready(bare_wheel(1e-5, end=ends, method="dopri5")).go().run.y[MOTION]
-    peers = {"LSODA, odeint": until_exit_odeint, "LSODA, solve_ivp": until_exit_solve_ivp}
-    contestants, finals = {}, {}
-    for name, until_exit in peers.items():
+    reference = ready(bare_wheel(1e-5, method="dopri5")).go().run.y[MOTION]
+    finals: dict[tuple[str, float], np.ndarray] = {}
+    contestants = {}
+    for name, until_exit in PEERS.items():
         for tolerance in TOLERANCES:
-            fresh = ready(bare_wheel(1e-3, end=ends))
-            key = name, tolerance
-            contestants[key] = lambda key=key, fresh=fresh, until_exit=until_exit: (
-                lambda: finals.__setitem__(key, integrate(fresh, key[1], until_exit))
-            )
-    for method in ("rk4", "dopri5"):
+            contestants[name, tolerance] = partial(solving, finals, name, tolerance, until_exit)
+    for method in METHODS:
         for step in STEPS:
-            key, scene = (f"omnisim, {method}", step), bare_wheel(step, end=ends, method=method)
-            contestants[key] = lambda key=key, scene=scene: marched(ready(scene), finals, key)
-    seconds = interleaved(contestants, rounds)
+            contestants[f"omnisim, {method}", step] = partial(marching, finals, method, step)
     curves: dict[str, list] = {}
-    for (name, knob), values in seconds.items():
+    for (name, knob), values in interleaved(contestants, rounds).items():
         error = float(np.abs(finals[name, knob] - reference)[PLACES].max())
         curves.setdefault(name, []).append((knob, error, statistics.median(values) * 1e3))
     at_error = {f"{error:.0e}": {name: time_at(error, points) for name, points in curves.items()} for error in ERRORS}
     return {"curves": curves, "ms_at_error": at_error, "ratios": ratios(at_error)}
 
 
-def marched(march: March, finals: dict, key: tuple) -> Callable:
+def solving(finals: dict, name: str, tolerance: float, until_exit: Callable) -> Callable:
+    """Prepare an integration with LSODA, which leaves its final state in `finals`."""
+    fresh = ready(bare_wheel(1e-3))
+
     def go():
-        finals[key] = march.go().run.y[MOTION]
+        finals[name, tolerance] = integrate(fresh, tolerance, until_exit)
+
+    return go
+
+
+def marching(finals: dict, method: str, step: float) -> Callable:
+    """Prepare a march, which leaves its final state in `finals`."""
+    fresh = ready(bare_wheel(step, method=method))
+
+    def go():
+        finals[f"omnisim, {method}", step] = fresh.go().run.y[MOTION]
 
     return go
 
 
 def time_at(error: float, points: list[tuple[float, float, float]]) -> float | None:
-    """Milliseconds at an error, linear in the logarithms between the two points beside it; None outside."""
-    for (_, rough, fast), (_, fine, slow) in zip(points, points[1:], strict=False):
+    """Milliseconds for an error, between two points of a curve linear in the logarithms.
+
+    Where the first, cheapest point is already better, its time; None beyond the last point.
+    """
+    (_, rough, fast), rest = points[0], points[1:]
+    if rough <= error:
+        return fast
+    for _, fine, slow in rest:
         if fine <= error <= rough:
-            share = math.log(rough / error) / math.log(rough / fine)
-            return fast * (slow / fast) ** share
+            return fast * (slow / fast) ** (math.log(rough / error) / math.log(rough / fine))
+        rough, fast = fine, slow
     return None
 
 
-def ratios(at_error: dict[str, dict[str, float | None]]) -> dict[str, float]:
-    """Fastest LSODA over fastest march at each error that both reach."""
-    found = {}
+def ratios(at_error: dict[str, dict[str, float | None]]) -> dict[str, dict[str, float]]:
+    """Time of each LSODA over that of the fastest march, at each error that both reach."""
+    found: dict[str, dict[str, float]] = {}
     for error, times in at_error.items():
         ours = [time for name, time in times.items() if time and name.startswith("omnisim")]
-        theirs = [time for name, time in times.items() if time and name.startswith("LSODA")]
+        theirs = {name: time for name, time in times.items() if time and name.startswith("LSODA")}
         if ours and theirs:
-            found[error] = min(theirs) / min(ours)
+            found[error] = {name: time / min(ours) for name, time in theirs.items()}
     return found
 
 
 def report(result: dict) -> str:
     names = list(result["curves"])
+    peers = [name for name in names if name.startswith("LSODA")]
     equal = [
-        [error, *(f"{times[name]:.2f}" if times[name] else "-" for name in names), f"{result['ratios'][error]:.0f}"]
+        [error]
+        + [f"{times[name]:.2f}" if times[name] else "-" for name in names]
+        + [f"{result['ratios'][error][name]:.0f}" if times[name] else "-" for name in peers]
         for error, times in result["ms_at_error"].items()
         if error in result["ratios"]
     ]
@@ -167,7 +188,7 @@ def report(result: dict) -> str:
         for knob, error, time in curve
     ]
     return (
-        table(["error", *(f"{name}, ms" for name in names), "fastest LSODA / fastest omnisim"], equal)
+        table(["error", *(f"{name}, ms" for name in names), *(f"{name} / fastest omnisim" for name in peers)], equal)
         + "\n\n"
         + table(["solver", "step or tolerance", "error", "ms"], points)
     )

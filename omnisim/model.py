@@ -26,11 +26,10 @@ class Model(NamedTuple):
 
     @property
     def line(self) -> str:
-        """One line: the parts with their states, then what is left out."""
+        """One line: the parts with their states, then those that are algebra only."""
         counted = ", ".join(f"{part.name} {part.states}" for part in self.parts if part.states)
         others = ", ".join(part.name for part in self.parts if part.modelled and not part.states)
-        left_out = ", ".join(part.name for part in self.parts if not part.modelled)
-        return f"{self.states} states ({counted}); {others}; left out: {left_out}"
+        return f"{self.states} states ({counted}); {others}"
 
     @property
     def text(self) -> str:
@@ -66,7 +65,7 @@ def describe(config: Config) -> Model:
         Part("wrench", bool(config.wrench.times), 0, wrench_reason(config)),
         Part("rollers in the air", False, 0, f"{count - 1} keep their axial rates exactly: frictionless bearings"),
         Part("chassis", False, 0, "the scene has none"),
-        Part("heave, roll, pitch", False, 0, "the floor and the servo take them away"),
+        Part("heave, roll and pitch", False, 0, "the floor and the servo take them away"),
         Part("contact torque", False, 0, "zero about the normal, as in the paper"),
         Part("bearing friction", False, 0, "the scene asks for none"),
     )

@@ -8,7 +8,7 @@ SENTENCES = {
     COMPLETE: "complete",
     INTERRUPTED: "interrupted by the user at t = {time:.9g} s",
     NOT_FINITE: (
-        "the motion diverged at t = {time:.9g} s: a state is no longer finite; try a smaller time.step than {step:.3g} s"
+        "the motion diverged at t = {time:.9g} s: a state is no longer finite; try time.step below {step:.3g} s"
     ),
     TOO_STIFF: (
         "unstable at t = {time:.9g} s: friction at wheel '{wheel}' relaxes slip at {rate:.3g} 1/s, too fast for "

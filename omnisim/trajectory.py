@@ -185,17 +185,16 @@ def _facts(trajectory: Trajectory) -> dict[str, str]:
     a, time = trajectory.attributes, trajectory.time
     end = time[-1] if len(time) else 0.0
     interval = f", one every {end / (len(time) - 1):g} s" if len(time) > 1 else ""
-    speed = f", {end / a['wall_time']:.3g} times real time" if a["wall_time"] > 0 else ""
+    speed = f", {end / a['wall_time']:.3g} times real time" if end > 0 and a["wall_time"] > 0 else ""
     rollers = {wheel: len(trajectory[ROLLER.format(wheel=wheel)]) for wheel in trajectory.wheels}
     kinds = Counter(trajectory["events/kind"].tolist())
-    where = f", wheel {a['stop_wheel']}" if a["stop_wheel"] else ""
     return {
         "title": a["title"] or "(none)",
         "model": a["model"],
         "method": f"{a['method']}, step {a['step']:g} s, {a['tracking']} tracking",
         "run": f"{a['steps']} steps, {a['rhs_evaluations']} right-hand sides, {a['wall_time']:.3g} s{speed}",
         "duration": f"{end:g} s, {len(time)} rows{interval}",
-        "status": a["status"] if trajectory.complete else f"{a['status']} (at {a['stop_time']:.9g} s{where})",
+        "status": a["status"],
         "wheels": ", ".join(f"{wheel} ({n} rollers)" for wheel, n in rollers.items()),
         "events": ", ".join(f"{n} {kind}" for kind, n in kinds.most_common()) or "none",
         "energy": _energy(trajectory),

@@ -167,9 +167,9 @@ def test_summary_puts_wheels_together_and_shows_where_they_differ():
     assert text.count("axial_rate") == 1
 
 
-def test_summary_of_a_stopped_run_says_when_and_which_wheel():
-    text = summary(synthetic_trajectory(status="tipping", stop_time=0.25, stop_wheel="wheel"))
-    assert "tipping (at 0.25 s, wheel wheel)" in text
+def test_summary_of_a_stopped_run_gives_its_status():
+    text = summary(synthetic_trajectory(status="tipping at t = 0.25 s", stop_time=0.25, stop_wheel="wheel"))
+    assert "status    tipping at t = 0.25 s\n" in text
 
 
 @pytest.mark.parametrize(("rows", "events"), [(0, 0), (1, 0), (1, 1)])
