@@ -20,16 +20,27 @@ TARGET = 1.5  # times the C loop
 AGREEMENT = 1e-12  # of all states and rows, relative to the largest value of each state (at least 1)
 PLAIN = "gcc -O3"
 FLAGS = (PLAIN, "gcc -O3 -march=native", "gcc -O3 -fno-tree-vectorize")
-FIELDS = (
-    "mass yaw_inertia axle_inertia axial_inertia radius roller_distance cos_psi sin_psi tan_psi alpha phase "
-    "friction_limit slip_speed torque force_x force_y yaw_torque"
-).split()
+FROM_MACHINE = ("mass", "yaw_inertia", "slip_speed")
+FROM_WHEEL = (
+    "axle_inertia",
+    "axial_inertia",
+    "radius",
+    "roller_distance",
+    "cos_psi",
+    "sin_psi",
+    "tan_psi",
+    "alpha",
+    "phase",
+)
+FROM_SCENE = ("friction_limit", "torque", "force_x", "force_y", "yaw_torque")
 
 
 class Wheel(ctypes.Structure):
     """`Wheel` of wheel_rk4.c."""
 
-    _fields_ = [*((name, ctypes.c_double) for name in FIELDS), ("rollers", ctypes.c_long)]  # noqa: RUF012
+    _fields_ = [(name, ctypes.c_double) for name in FROM_MACHINE + FROM_WHEEL + FROM_SCENE] + [
+        ("rollers", ctypes.c_long)
+    ]
 
 
 def build(command: str = PLAIN) -> ctypes.CDLL | None:
@@ -50,16 +61,12 @@ def wheel_of(march: March) -> Wheel:
     machine, wheel, inputs = march.parameters.machine, march.parameters.wheels[0], march.parameters.inputs
     assert len(inputs) == 1 and not inputs[..., 1].any(), "the C loop knows constant drives and wrenches only"
     force_x, force_y, force_z, yaw_torque, torque = inputs[0, :, 0]
-    known = {
-        "friction_limit": machine.friction * (machine.mass * machine.gravity - force_z),
-        "force_x": force_x,
-        "force_y": force_y,
-        "yaw_torque": yaw_torque,
-        "torque": torque,
-    }
-    machine_or_wheel = {name: machine[name] for name in FIELDS if name in machine.dtype.names}
-    machine_or_wheel |= {name: wheel[name] for name in FIELDS if name in wheel.dtype.names}
-    return Wheel(**machine_or_wheel | known, rollers=int(wheel.rollers))
+    limit = machine.friction * (machine.mass * machine.gravity - force_z)
+    scene = zip(FROM_SCENE, (limit, torque, force_x, force_y, yaw_torque), strict=True)
+    constants = (
+        {name: machine[name] for name in FROM_MACHINE} | {name: wheel[name] for name in FROM_WHEEL} | dict(scene)
+    )
+    return Wheel(**constants, rollers=int(wheel.rollers))
 
 
 def prepare(library: ctypes.CDLL, march: March) -> Callable[[], tuple[np.ndarray, np.ndarray]]:

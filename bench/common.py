@@ -11,8 +11,9 @@ from omnisim.events import EVENT
 from omnisim.parameters import Parameters, pack
 from omnisim.scene import Scene, parse
 from omnisim.start import begin, blank_rows
+from omnisim.state import Rows, Run
 from omnisim.status import EVENTS_PER_STEP, RUNNING
-from omnisim.stepper import Rows, Run, march
+from omnisim.stepper import march
 from omnisim.tableau import TABLEAUX
 
 ROLLER_RATES = (3.0, -2.0, 5.0, 1.0, -4.0, 2.0)
@@ -83,9 +84,7 @@ def ready(scene: Scene) -> March:
     return March(parameters, tableau.arrays, run, rows, log, config.time.steps_per_output, config.time.steps)
 
 
-def interleaved(
-    contestants: dict[str, Callable[[], Callable[[], object]]], rounds: int
-) -> dict[str, list[float]]:
+def interleaved(contestants: dict[str, Callable[[], Callable[[], object]]], rounds: int) -> dict[str, list[float]]:
     """Seconds of every round of every contestant, round by round in turn, after one unmeasured round.
 
     A contestant is a function that prepares (not timed) and returns the function to time.

@@ -1,6 +1,6 @@
 """Run the benchmarks: Markdown on stdout, progress on stderr.
 
-    python bench/run.py [--quick] [--json FILE] [c_loop scipy_peer scaling kernels startup]
+python bench/run.py [--quick] [--json FILE] [c_loop scipy_peer scaling kernels startup]
 """
 
 import argparse
@@ -66,7 +66,8 @@ def verdict(results: dict) -> str:
     sentences = []
     if loops := results.get("c_loop"):
         ratio = loops[c_loop.PLAIN]["ratio"]
-        sentences.append(judge(f"A march takes {ratio:.2f} times the C loop ({c_loop.PLAIN})", c_loop.TARGET, ratio, "most"))
+        text = f"A march takes {ratio:.2f} times the C loop ({c_loop.PLAIN})"
+        sentences.append(judge(text, c_loop.TARGET, ratio, "most"))
         fastest = max(loops, key=lambda name: loops[name]["ratio"])
         if fastest != c_loop.PLAIN:
             sentences.append(f"The fastest build, {fastest}, makes it {loops[fastest]['ratio']:.2f} times.")

@@ -1,9 +1,10 @@
 """The march against SciPy's LSODA on the same equations, at equal error: times read off work-precision curves.
 
-Compared are the position, the yaw and the spin angle at the end. LSODA gets every help that is fair: plain Python scalars in the right-hand side (for nine states several times faster
-than NumPy arrays), a closure with the constants of one roller, the nine states of the motion without the three energy
-integrals, and the leaner of SciPy's interfaces, `odeint`, driven from exchange to exchange by Newton's method.
-`solve_ivp` with a terminal event, the usual way, is measured beside it. For spin > 0 and constant drive.
+Compared are the position, the yaw and the spin angle at the end. LSODA gets every help that is fair: plain Python
+scalars in the right-hand side (for nine states several times faster than NumPy arrays), a closure with the constants
+of one roller, the nine states of the motion without the three energy integrals, and the leaner of SciPy's interfaces,
+`odeint`, driven from exchange to exchange by Newton's method. `solve_ivp` with a terminal event, the usual way, is
+measured beside it. For spin > 0, constant drive and no wrench.
 """
 
 import math

@@ -10,11 +10,12 @@
 enum { X, Y, YAW, V_X, V_Y, YAW_RATE, FRICTION_LOSS, DRIVE_WORK, WRENCH_WORK, SPIN_ANGLE, SPIN_RATE, ROLLER_RATE, STATES };
 
 typedef struct {
-    double mass, yaw_inertia, axle_inertia, axial_inertia;               /* M, I_z, J_k, Ia */
-    double radius, roller_distance, cos_psi, sin_psi, tan_psi;           /* R, R1 */
-    double alpha, phase;                                                 /* half a roller's sector, azimuth of roller 0 */
-    double friction_limit, slip_speed;                                   /* mu N, eps */
-    double torque, force_x, force_y, yaw_torque;                         /* constant drive and wrench, world axes */
+    double mass, yaw_inertia, slip_speed;                        /* M, I_z, eps */
+    double axle_inertia, axial_inertia, radius, roller_distance; /* J_k, Ia, R, R1 */
+    double cos_psi, sin_psi, tan_psi;
+    double alpha, phase;                                         /* half a roller's sector, azimuth of roller 0 */
+    double friction_limit, torque;                               /* mu N, and what is constant of drive and wrench */
+    double force_x, force_y, yaw_torque;                         /* in world axes */
     long rollers;
 } Wheel;
 
