@@ -25,7 +25,7 @@ def test_c_loop_moves_as_the_march_does_across_exchanges(case):
     scene = bare_wheel(**{"step": 1e-3, "end": 0.5} | case)
     march = ready(scene).go()
     assert march.run.clock.events >= 3
-    assert c_loop.disagreement(march, *c_loop.prepare(library, ready(scene))()) < 1e-11  # measured: 4e-14
+    assert c_loop.disagreement(march, *c_loop.prepare(library, ready(scene))()) < 1e-11  # measured: 1.3e-13
 
 
 @pytest.mark.parametrize("name", ["LSODA, odeint", "LSODA, solve_ivp"])
@@ -34,7 +34,7 @@ def test_lsoda_agrees_with_the_march_to_its_tolerance(name, psi):
     peer = pytest.importorskip("scipy_peer", reason="needs SciPy")
     march = ready(bare_wheel(1e-4, end=0.5, psi=psi)).go()
     found = peer.integrate(ready(bare_wheel(1e-3, end=0.5, psi=psi)), 1e-10, peer.PEERS[name])
-    np.testing.assert_allclose(found, march.run.y[peer.MOTION], rtol=0, atol=2e-6)  # measured: MEASURED
+    np.testing.assert_allclose(found, march.run.y[peer.MOTION], rtol=0, atol=1e-7)  # measured: 2e-8, the roller rate
 
 
 def test_a_work_precision_curve_is_read_between_its_points():
