@@ -72,14 +72,22 @@ def verdict(results: dict) -> str:
         if fastest != c_loop.PLAIN:
             sentences.append(f"The fastest build, {fastest}, makes it {loops[fastest]['ratio']:.2f} times.")
     if peer := results.get("scipy_peer"):
-        worst = min(min(row.values()) for row in peer["ratios"].values())
-        usual = min(row["LSODA, solve_ivp"] for row in peer["ratios"].values())
-        text = f"At equal error it is at least {worst:.0f} times faster than LSODA ({usual:.0f} through solve_ivp)"
-        sentences.append(judge(text, scipy_peer.TARGET, worst, "least"))
+        usual, tuned = (min(pick(row) for row in peer["ratios"].values()) for pick in (usual_peer, best_peer))
+        text = f"At equal error it is at least {usual:.0f} times faster than LSODA with the right-hand side in NumPy"
+        sentences.append(judge(text, scipy_peer.TARGET, usual, "least"))
+        sentences.append(f"Against LSODA tuned by hand (Python scalars, odeint) it is {tuned:.0f} times.")
     if wheels := results.get("scaling"):
         worst = max(row["ratio"] for row in wheels.values())
         sentences.append(judge(f"64 rollers take {worst:.2f} times as long as 8", scaling.TARGET, worst, "most"))
     return " ".join(sentences)
+
+
+def usual_peer(row: dict[str, float]) -> float:
+    return row[scipy_peer.NUMPY]
+
+
+def best_peer(row: dict[str, float]) -> float:
+    return min(row.values())
 
 
 def judge(text: str, target: float, value: float, bound: str) -> str:

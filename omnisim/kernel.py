@@ -46,9 +46,12 @@ def cache_directory() -> Path:
 
 
 def prune(base: Path, current: Path) -> None:
-    """Remove all but the most recently used cache folders."""
-    others = [path for path in base.iterdir() if path.is_dir() and path != current]
-    others.sort(key=lambda path: path.stat().st_mtime, reverse=True)
+    """Remove all but the most recently used cache folders; another process may be doing the same."""
+    try:
+        others = [path for path in base.iterdir() if path.is_dir() and path != current]
+        others.sort(key=lambda path: path.stat().st_mtime, reverse=True)
+    except OSError:
+        return
     for path in others[KEPT_CACHES:]:
         shutil.rmtree(path, ignore_errors=True)
 

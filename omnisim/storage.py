@@ -124,7 +124,7 @@ def _check_format(file: h5py.File, path: str | PathLike[str]) -> None:
 def _load(file: h5py.File) -> Trajectory:
     """What the file holds of a trajectory; Trajectory itself finds what is missing or wrong."""
     attributes = {name: file.attrs[name] for name in ATTRIBUTES if name in file.attrs}
-    table = layout(attributes.get("wheels", ()))
+    table = layout(tuple(attributes.get("wheels", ())))
     data = {path: _array(file[path], row) for path, row in table.items() if path in file}
     return Trajectory(attributes, data)
 

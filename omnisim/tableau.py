@@ -9,7 +9,7 @@ J. Comput. Appl. Math. 6 (1980) 19-26 (the weights of order 5; fixed steps need 
 
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
+from functools import cache, cached_property
 from math import prod
 
 import numpy as np
@@ -39,7 +39,7 @@ class Tableau:
         ones = np.ones(self.stages)
         return float(1.0 + z * self.b @ np.linalg.solve(np.eye(self.stages) - z * self.a, ones))
 
-    @property
+    @cached_property
     def stability_limit(self) -> float:
         """Largest -z for which |R(z)| <= 1 all along the negative real axis."""
         inside, outside = 0.0, 1.0

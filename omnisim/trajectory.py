@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
+from functools import lru_cache
 from os import PathLike
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -96,10 +98,11 @@ TABLE = (
 )  # fmt: skip
 
 
-def layout(wheels: Sequence[str]) -> dict[str, Quantity]:
+@lru_cache(maxsize=8)
+def layout(wheels: tuple[str, ...]) -> Mapping[str, Quantity]:
     """Every dataset of a machine with these wheels, by path, in the order of the file."""
     rows = (row.of_wheel(wheel) for row in TABLE for wheel in wheels)
-    return {row.path: row for row in rows}
+    return MappingProxyType({row.path: row for row in rows})
 
 
 class Trajectory:

@@ -33,7 +33,7 @@ def test_c_loop_moves_as_the_march_does_across_exchanges(case):
 def test_lsoda_agrees_with_the_march_to_its_tolerance(name, psi):
     peer = pytest.importorskip("scipy_peer", reason="needs SciPy")
     march = ready(bare_wheel(1e-4, end=0.5, psi=psi)).go()
-    found = peer.integrate(ready(bare_wheel(1e-3, end=0.5, psi=psi)), 1e-10, peer.PEERS[name])
+    found = peer.integrate(ready(bare_wheel(1e-3, end=0.5, psi=psi)), 1e-10, name)
     np.testing.assert_allclose(found, march.run.y[peer.MOTION], rtol=0, atol=1e-7)  # measured: 2e-8, the roller rate
 
 
