@@ -15,21 +15,7 @@ from pathlib import Path
 import numpy as np
 from common import March, bare_wheel, interleaved, median_ratio, ready, table
 
-from omnisim.state import (
-    DRIVE_WORK,
-    FRICTION_LOSS,
-    ROLLER_RATE,
-    SPIN_ANGLE,
-    SPIN_RATE,
-    V_X,
-    V_Y,
-    WHEELS,
-    WRENCH_WORK,
-    YAW,
-    YAW_RATE,
-    X,
-    Y,
-)
+from omnisim.state import YAW, X, Y, places
 
 SOURCE = Path(__file__).with_name("wheel_rk4.c")
 TARGET = 1.5  # times the C loop
@@ -50,8 +36,9 @@ FROM_WHEEL = (
 )
 FROM_SCENE = ("friction_limit", "torque", "force_x", "force_y", "yaw_torque")
 
-ORDER = [X, Y, YAW, V_X, V_Y, YAW_RATE, FRICTION_LOSS, DRIVE_WORK, WRENCH_WORK]  # where the states of C stand in ours
-ORDER += [WHEELS + SPIN_ANGLE, WHEELS + SPIN_RATE, WHEELS + ROLLER_RATE]
+AT = places(1)
+ORDER = [X, Y, YAW, AT.velocity, AT.velocity + 1, AT.yaw_rate, AT.friction_loss, AT.drive_work, AT.wrench_work]
+ORDER += [AT.spin_angle, AT.spin_rate, AT.roller_rate]  # where the states of C stand in ours
 
 
 class Wheel(ctypes.Structure):

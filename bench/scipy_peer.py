@@ -17,10 +17,11 @@ from common import March, bare_wheel, interleaved, ready, table
 from scipy.integrate import odeint, solve_ivp
 
 from omnisim.parameters import DRIVE
-from omnisim.state import ROLLER_RATE, SPIN_ANGLE, SPIN_RATE, V_X, V_Y, WHEELS, YAW, YAW_RATE, X, Y
+from omnisim.state import YAW, X, Y, places
 
 TARGET = 100.0  # times faster than LSODA
-MOTION = [X, Y, YAW, V_X, V_Y, YAW_RATE, WHEELS + SPIN_ANGLE, WHEELS + SPIN_RATE, WHEELS + ROLLER_RATE]
+AT = places(1)
+MOTION = [X, Y, YAW, AT.velocity, AT.velocity + 1, AT.yaw_rate, AT.spin_angle, AT.spin_rate, AT.roller_rate]
 PLACES = [0, 1, 2, 6]  # of x, y, yaw and spin angle in MOTION
 SPIN, RATE, ROLLER = 6, 7, 8
 TOLERANCES = [10.0**-k for k in range(4, 13)]
@@ -224,7 +225,9 @@ def report(result: dict) -> str:
         for knob, error, time in curve
     ]
     return (
-        table(["error", *(f"{name}, ms" for name in names), *(f"{name[7:]} / fastest omnisim" for name in peers)], equal)
+        table(
+            ["error", *(f"{name}, ms" for name in names), *(f"{name[7:]} / fastest omnisim" for name in peers)], equal
+        )
         + "\n\n"
         + table(["solver", "step or tolerance", "error", "ms"], points)
     )

@@ -7,6 +7,7 @@ from statistics import median
 from typing import TYPE_CHECKING
 
 import click
+
 from omnisim_cli.screen import Failure, compilation_noted, note
 
 if TYPE_CHECKING:

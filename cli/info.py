@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 import click
+
 from omnisim_cli.screen import BAD_INPUT, Failure, aligned, compilation_noted
 
 if TYPE_CHECKING:

@@ -4,6 +4,7 @@ import signal
 import sys
 
 import click
+
 from omnisim_cli.compare import compare
 from omnisim_cli.info import info
 from omnisim_cli.run import run

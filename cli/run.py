@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
+
 from omnisim_cli.screen import Failure, Progress, aligned, compilation_noted
 
 if TYPE_CHECKING:
@@ -30,9 +31,8 @@ def run(scene: str, output: str | None, overrides: tuple[str, ...], force: bool,
     omnisim run scene.toml -o fine.h5 --set time.step=1e-5
     omnisim run six_rollers --set wheels.wheel.spin_rate=20 --set friction.coefficient=0.1
     """
-    from omnisim_cli.output import output_path
-
     from omnisim.scene import load
+    from omnisim_cli.output import output_path
 
     loaded = load(scene, overrides)
     path = output_path(f"{loaded.name}.h5" if output is None else output, scene, force)

@@ -3,6 +3,7 @@
 import time
 
 import click
+
 from omnisim_cli.screen import note
 
 TINY = ("time.end=0.01", "time.step=0.001", "time.output_interval=0.01")
@@ -16,12 +17,11 @@ def warmup() -> None:
     """
     note("compiling kernels ...")
     begun = time.perf_counter()
-    from omnisim_cli.info import wheel_facts
-
     from omnisim import timing
     from omnisim.kernel import CACHE_DIRECTORY
     from omnisim.parameters import pack
     from omnisim.scene import load
+    from omnisim_cli.info import wheel_facts
 
     for tracking in ("explicit", "implicit"):
         scene = load("six_rollers", [*TINY, f"solver.tracking={tracking}"])

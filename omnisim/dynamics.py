@@ -27,22 +27,7 @@ from omnisim.contact.tracking import (
 from omnisim.kernel import kernel
 from omnisim.multipliers import normal_force
 from omnisim.parameters import DRIVE, FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE
-from omnisim.state import (
-    DRIVE_WORK,
-    FRICTION_LOSS,
-    PER_WHEEL,
-    ROLLER_RATE,
-    SPIN_ANGLE,
-    SPIN_RATE,
-    V_X,
-    V_Y,
-    WHEELS,
-    WRENCH_WORK,
-    YAW,
-    YAW_RATE,
-    X,
-    Y,
-)
+from omnisim.state import YAW, X, Y, places
 from omnisim.vector import Vec3
 
 
@@ -75,29 +60,31 @@ class Reaction(NamedTuple):
 def rhs(parameters, mode, piece, t, y, dy, watch):
     """Write y' into `dy`, and what the events need to know of each contact into `watch`."""
     machine, wheels = parameters.machine, parameters.wheels
+    at = places(len(wheels))
+    # Rates of positions first: the sine and cosine of the next stage can then start while the forces are computed.
+    dy[X], dy[Y], dy[YAW] = y[at.velocity], y[at.velocity + 1], y[at.yaw_rate]
+    for w in range(len(wheels)):
+        dy[at.spin_angle + w] = y[at.spin_rate + w]
     heading = Heading(math.cos(y[YAW]), math.sin(y[YAW]))
     wrench = external_wrench(parameters, piece, t, heading)
     lift = normal_force(machine, len(wheels), wrench.z)
     normal = max(lift, 0.0)  # a wheel that is lifted has no friction; the march stops there
     force_x, force_y, moment, loss, drive_power = wrench.x, wrench.y, wrench.yaw, 0.0, 0.0
     for w in range(len(wheels)):
-        at = WHEELS + PER_WHEEL * w
         reaction = contact_reaction(parameters, mode[w], w, heading, normal, y)
         torque = drive_torque(parameters, piece, t, w)
-        dy[at + SPIN_ANGLE] = y[at + SPIN_RATE]
-        dy[at + SPIN_RATE] = spin_acceleration(wheels[w], reaction, torque, y[YAW_RATE])
-        dy[at + ROLLER_RATE] = reaction.roller_torque / wheels[w].axial_inertia
+        dy[at.spin_rate + w] = spin_acceleration(wheels[w], reaction, torque, y[at.yaw_rate])
+        dy[at.roller_rate + w] = reaction.roller_torque / wheels[w].axial_inertia
         force_x += reaction.force_h * heading.cos - reaction.force_k * heading.sin
         force_y += reaction.force_h * heading.sin + reaction.force_k * heading.cos
-        moment += yaw_moment(reaction, y[at + SPIN_RATE])
+        moment += yaw_moment(reaction, y[at.spin_rate + w])
         loss -= reaction.force_h * reaction.slip.h + reaction.force_k * reaction.slip.k
-        drive_power += torque * y[at + SPIN_RATE]
+        drive_power += torque * y[at.spin_rate + w]
         observe_contact(watch[w], reaction, lift)
-    dy[X], dy[Y], dy[YAW] = y[V_X], y[V_Y], y[YAW_RATE]
-    dy[V_X], dy[V_Y] = force_x / machine.mass, force_y / machine.mass
-    dy[YAW_RATE] = moment / machine.yaw_inertia
-    dy[FRICTION_LOSS], dy[DRIVE_WORK] = loss, drive_power
-    dy[WRENCH_WORK] = wrench.x * y[V_X] + wrench.y * y[V_Y] + wrench.yaw * y[YAW_RATE]
+    dy[at.velocity], dy[at.velocity + 1] = force_x / machine.mass, force_y / machine.mass
+    dy[at.yaw_rate] = moment / machine.yaw_inertia
+    dy[at.friction_loss], dy[at.drive_work] = loss, drive_power
+    dy[at.wrench_work] = wrench.x * y[at.velocity] + wrench.y * y[at.velocity + 1] + wrench.yaw * y[at.yaw_rate]
     if machine.tracking == IMPLICIT:
         rho_rates(parameters, heading, y, dy)
 
@@ -125,17 +112,17 @@ def drive_torque(parameters, piece, t, w):
 @kernel
 def contact_reaction(parameters, mode, w, heading, normal, y):
     """Tracking, kinematics, reaction of wheel w with normal force `normal` (N): a Reaction."""
-    machine, wheel, at = parameters.machine, parameters.wheels[w], WHEELS + PER_WHEEL * w
-    spin_rate, roller_rate, yaw_rate = y[at + SPIN_RATE], y[at + ROLLER_RATE], y[YAW_RATE]
-    q = azimuth(wheel, mode.roller, y[at + SPIN_ANGLE])
+    machine, wheel, at = parameters.machine, parameters.wheels[w], places(len(parameters.wheels))
+    spin_rate, roller_rate, yaw_rate = y[at.spin_rate + w], y[at.roller_rate + w], y[at.yaw_rate]
+    q = azimuth(wheel, mode.roller, y[at.spin_angle + w])
     cos_q, sin_q = math.cos(q), math.sin(q)
     axis = roller_axis(wheel, cos_q, sin_q)
     if machine.tracking == IMPLICIT:
         contact = implicit_contact(wheel, heading, axis, rho_of(parameters, y, w, mode.roller % wheel.rollers))
     else:
         contact = explicit_contact(wheel, cos_q, sin_q)
-    velocity_h = y[V_X] * heading.cos + y[V_Y] * heading.sin
-    velocity_k = y[V_Y] * heading.cos - y[V_X] * heading.sin
+    velocity_h = y[at.velocity] * heading.cos + y[at.velocity + 1] * heading.sin
+    velocity_k = y[at.velocity + 1] * heading.cos - y[at.velocity] * heading.sin
     joint = joint_rate(axis, roller_rate, spin_rate, yaw_rate)
     slip = slip_velocity(wheel, contact, velocity_h, velocity_k, spin_rate, yaw_rate, joint)
     factor = friction_factor(machine, mode.saturated, normal, slip)
@@ -186,21 +173,21 @@ def rho_of(parameters, y, w, roller):
 
 @kernel
 def rho_index(parameters, w, roller):
-    """Where rho of a roller stands in the state: all rho follow the wheels."""
+    """Where rho of a roller stands in the state: all rho follow one another, wheel by wheel."""
     wheels, rollers = parameters.sector.shape[0], parameters.sector.shape[1]
-    return WHEELS + PER_WHEEL * wheels + 3 * (w * rollers + roller)
+    return places(wheels).rho + 3 * (w * rollers + roller)
 
 
 @kernel
 def rho_rates(parameters, heading, y, dy):
     """rho' of every roller: the implicit tracking integrates it for those in the air as well."""
     for w in range(len(parameters.wheels)):
-        wheel, at = parameters.wheels[w], WHEELS + PER_WHEEL * w
-        angle = wheel.phase - y[at + SPIN_ANGLE]
+        wheel, at = parameters.wheels[w], places(len(parameters.wheels))
+        angle = wheel.phase - y[at.spin_angle + w]
         cos_0, sin_0 = math.cos(angle), math.sin(angle)
         for i in range(wheel.rollers):
             cos_i, sin_i = parameters.sector[w, i, 0], parameters.sector[w, i, 1]
             axis = roller_axis(wheel, cos_0 * cos_i - sin_0 * sin_i, sin_0 * cos_i + cos_0 * sin_i)
-            rate = rho_rate(heading, axis, y[at + SPIN_RATE], y[YAW_RATE], rho_of(parameters, y, w, i))
+            rate = rho_rate(heading, axis, y[at.spin_rate + w], y[at.yaw_rate], rho_of(parameters, y, w, i))
             j = rho_index(parameters, w, i)
             dy[j], dy[j + 1], dy[j + 2] = rate.x, rate.y, rate.z

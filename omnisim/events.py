@@ -19,7 +19,7 @@ from omnisim.contact.reaction import SATURATED
 from omnisim.exchange import hand_over, release_roller
 from omnisim.kernel import kernel
 from omnisim.runge_kutta import refresh
-from omnisim.state import PER_WHEEL, SPIN_ANGLE, SPIN_RATE, WHEELS
+from omnisim.state import places
 from omnisim.status import LIFT_OFF
 from omnisim.trajectory import EVENT_KINDS
 
@@ -41,12 +41,12 @@ EVENT = np.dtype(
 @kernel
 def guard(parameters, mode, kind, w, y, watch):
     """Value of a guard of wheel w at state `y` with by-products `watch`: >= 0 while the mode holds."""
-    machine, wheel, at = parameters.machine, parameters.wheels[w], WHEELS + PER_WHEEL * w
+    machine, wheel, at = parameters.machine, parameters.wheels[w], places(len(parameters.wheels))
     direction = mode[w].direction
     if kind == TURN:
-        return direction * y[at + SPIN_RATE]
+        return direction * y[at.spin_rate + w]
     if kind == EXIT:
-        return direction * (roller_end(wheel, mode[w].roller, direction) - y[at + SPIN_ANGLE])
+        return direction * (roller_end(wheel, mode[w].roller, direction) - y[at.spin_angle + w])
     if kind == KINK:
         if machine.law != SATURATED:
             return 0.0

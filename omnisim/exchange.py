@@ -7,7 +7,7 @@ from omnisim.contact.tracking import EXPLICIT, explicit_touches, implicit_touche
 from omnisim.dynamics import azimuth, rho_of
 from omnisim.kernel import kernel
 from omnisim.runge_kutta import refresh
-from omnisim.state import PER_WHEEL, ROLLER_RATE, SPIN_ANGLE, SPIN_RATE, WHEELS
+from omnisim.state import places
 from omnisim.status import ROCKING
 
 
@@ -15,15 +15,15 @@ from omnisim.status import ROCKING
 def settle(parameters, run):
     """The mode at t = 0. On an edge the sense of spin tells the roller, and without spin its acceleration."""
     for w in range(len(run.mode)):
-        at, mode = WHEELS + PER_WHEEL * w, run.mode[w]
+        at, mode = places(len(parameters.wheels)), run.mode[w]
         ahead, behind = touching(parameters, w, run.y)
-        spin = run.y[at + SPIN_RATE]
+        spin = run.y[at.spin_rate + w]
         mode.direction = -1 if spin < 0.0 else 1
         hand_over(parameters, run, w, behind if spin < 0.0 else ahead, 0.0)
-        if spin == 0.0 and run.slopes[0, at + SPIN_RATE] < 0.0:
+        if spin == 0.0 and run.slopes[0, at.spin_rate + w] < 0.0:
             mode.direction = -1
             hand_over(parameters, run, w, behind, 0.0)
-            if ahead != behind and run.slopes[0, at + SPIN_RATE] > 0.0:
+            if ahead != behind and run.slopes[0, at.spin_rate + w] > 0.0:
                 run.clock.status, run.clock.wheel = ROCKING, w
 
 
@@ -44,9 +44,9 @@ def touching(parameters, w, y):
 
     Twice the same one, or at a common edge the one at q = +alpha, which positive spin takes, and the one at -alpha.
     """
-    wheel, at, found, ahead, behind = parameters.wheels[w], WHEELS + PER_WHEEL * w, False, 0, 0
+    wheel, at, found, ahead, behind = parameters.wheels[w], places(len(parameters.wheels)), False, 0, 0
     for i in range(wheel.rollers):
-        q = azimuth(wheel, i, y[at + SPIN_ANGLE])
+        q = azimuth(wheel, i, y[at.spin_angle + w])
         cos_q, sin_q = math.cos(q), math.sin(q)
         if parameters.machine.tracking == EXPLICIT:
             touches = explicit_touches(wheel, cos_q)
@@ -66,10 +66,10 @@ def take_roller(parameters, run, w, roller):
 
     The sums of those in the air are taken anew each time, so they never drift.
     """
-    mode, at, count = run.mode[w], WHEELS + PER_WHEEL * w, parameters.wheels[w].rollers
+    mode, at, count = run.mode[w], places(len(parameters.wheels)), parameters.wheels[w].rollers
     mode.roller = roller
     here = roller % count
-    run.y[at + ROLLER_RATE] = run.rates[w, here]
+    run.y[at.roller_rate + w] = run.rates[w, here]
     mode.air_cos, mode.air_sin, mode.air_sum = 0.0, 0.0, 0.0
     for i in range(count):
         if i != here:
@@ -83,4 +83,4 @@ def take_roller(parameters, run, w, roller):
 def release_roller(parameters, run, w):
     """Write the rate of the contacting roller back to `rates`, where those of all rollers stand."""
     here = run.mode[w].roller % parameters.wheels[w].rollers
-    run.rates[w, here] = run.y[WHEELS + PER_WHEEL * w + ROLLER_RATE]
+    run.rates[w, here] = run.y[places(len(run.mode)).roller_rate + w]

@@ -10,23 +10,7 @@ from omnisim.kernel import kernel
 from omnisim.multipliers import servo_torque
 from omnisim.parameters import Parameters
 from omnisim.start import roller_azimuths, roller_directions
-from omnisim.state import (
-    DRIVE_WORK,
-    FRICTION_LOSS,
-    PER_WHEEL,
-    SPIN_ANGLE,
-    SPIN_RATE,
-    V_X,
-    V_Y,
-    WATCH,
-    WHEELS,
-    WRENCH_WORK,
-    YAW,
-    YAW_RATE,
-    Rows,
-    X,
-    Y,
-)
+from omnisim.state import WATCH, YAW, Rows, X, Y, places
 
 CONTACT = np.dtype(
     [
@@ -43,6 +27,7 @@ CONTACT = np.dtype(
 @kernel
 def observe(parameters, rows, times, watch, slopes, contacts):
     """Evaluate every row: y' into `slopes` (T, n), and records CONTACT of each wheel into `contacts` (T, W)."""
+    at = places(len(parameters.wheels))
     for row in range(len(times)):
         t, piece, y, mode = times[row], rows.piece[row], rows.y[row], rows.mode[row]
         rhs(parameters, mode, piece, t, y, slopes[row], watch)
@@ -50,10 +35,10 @@ def observe(parameters, rows, times, watch, slopes, contacts):
         for w in range(len(parameters.wheels)):
             contact, normal = contacts[row, w], max(watch[w].normal_force, 0.0)
             reaction = contact_reaction(parameters, mode[w], w, heading, normal, y)
-            spin_rate = y[WHEELS + PER_WHEEL * w + SPIN_RATE]
+            spin_rate = y[at.spin_rate + w]
             contact.normal_force = normal
             contact.drive_torque = drive_torque(parameters, piece, t, w)
-            contact.servo_torque = servo_torque(parameters.wheels[w], reaction, normal, spin_rate, y[YAW_RATE])
+            contact.servo_torque = servo_torque(parameters.wheels[w], reaction, normal, spin_rate, y[at.yaw_rate])
             contact.along_axle = reaction.contact.l
             contact.slip_velocity[0], contact.slip_velocity[1] = reaction.slip.h, reaction.slip.k
             contact.friction_force[0], contact.friction_force[1] = reaction.force_h, reaction.force_k
@@ -76,26 +61,28 @@ def datasets(parameters: Parameters, rows: Rows, interval: float, names: list[st
 
 def body(parameters: Parameters, y: np.ndarray, slopes: np.ndarray) -> dict[str, np.ndarray]:
     """Motion of the wheel centre, at the constant height R."""
+    at = places(len(parameters.wheels))
     height, flat = np.full(len(y), parameters.wheels[0].radius), np.zeros(len(y))
     return {
         "body/position": np.column_stack([y[:, X], y[:, Y], height]),
-        "body/velocity": np.column_stack([y[:, V_X], y[:, V_Y], flat]),
-        "body/acceleration": np.column_stack([slopes[:, V_X], slopes[:, V_Y], flat]),
+        "body/velocity": np.column_stack([y[:, at.velocity], y[:, at.velocity + 1], flat]),
+        "body/acceleration": np.column_stack([slopes[:, at.velocity], slopes[:, at.velocity + 1], flat]),
         "body/yaw": y[:, YAW],
-        "body/yaw_rate": y[:, YAW_RATE],
-        "body/yaw_acceleration": slopes[:, YAW_RATE],
+        "body/yaw_rate": y[:, at.yaw_rate],
+        "body/yaw_acceleration": slopes[:, at.yaw_rate],
     }
 
 
 def energy(parameters: Parameters, rows: Rows) -> dict[str, np.ndarray]:
     """Kinetic energy, the works since t = 0, and what is missing between them."""
-    machine, y = parameters.machine, rows.y
-    doubled = machine.mass * (y[:, V_X] ** 2 + y[:, V_Y] ** 2) + machine.yaw_inertia * y[:, YAW_RATE] ** 2
+    machine, y, at = parameters.machine, rows.y, places(len(parameters.wheels))
+    doubled = machine.mass * (y[:, at.velocity] ** 2 + y[:, at.velocity + 1] ** 2)
+    doubled += machine.yaw_inertia * y[:, at.yaw_rate] ** 2
     for w, wheel in enumerate(parameters.wheels):
-        doubled += wheel.axle_inertia * y[:, WHEELS + PER_WHEEL * w + SPIN_RATE] ** 2
+        doubled += wheel.axle_inertia * y[:, at.spin_rate + w] ** 2
         doubled += wheel.axial_inertia * np.sum(rows.rates[:, w, : wheel.rollers] ** 2, axis=1)
     kinetic = 0.5 * doubled
-    loss, drive, wrench = y[:, FRICTION_LOSS], y[:, DRIVE_WORK], y[:, WRENCH_WORK]
+    loss, drive, wrench = y[:, at.friction_loss], y[:, at.drive_work], y[:, at.wrench_work]
     return {
         "energy/kinetic": kinetic,
         "energy/friction_loss": loss,
@@ -109,16 +96,16 @@ def wheel(
     parameters: Parameters, w: int, rows: Rows, slopes: np.ndarray, contacts: np.recarray
 ) -> dict[str, np.ndarray]:
     """Datasets of one wheel, by path below its group."""
-    record, y, at = parameters.wheels[w], rows.y, WHEELS + PER_WHEEL * w
+    record, y, at = parameters.wheels[w], rows.y, places(len(parameters.wheels))
     to_rollers = tracked_directions(parameters, w, y)  # d of every roller
     here = rows.mode[:, w].roller % record.rollers
     cos_yaw, sin_yaw = np.cos(y[:, YAW]), np.sin(y[:, YAW])
     contact_d = to_rollers[np.arange(len(y)), here]
     along_axle = contacts.along_axle[:, None] * np.column_stack([-sin_yaw, cos_yaw])
     return {
-        "spin_angle": y[:, at + SPIN_ANGLE],
-        "spin_rate": y[:, at + SPIN_RATE],
-        "spin_acceleration": slopes[:, at + SPIN_RATE],
+        "spin_angle": y[:, at.spin_angle + w],
+        "spin_rate": y[:, at.spin_rate + w],
+        "spin_acceleration": slopes[:, at.spin_rate + w],
         "drive_torque": contacts.drive_torque,
         "normal_force": contacts.normal_force,
         "contact_angle": np.arctan2(contact_d[:, 0] * cos_yaw + contact_d[:, 1] * sin_yaw, -contact_d[:, 2]),
@@ -136,29 +123,29 @@ def tracked_directions(parameters: Parameters, w: int, y: np.ndarray) -> np.ndar
 
     The implicit tracking has them as -rho: what it integrated is what it shows.
     """
-    record, count = parameters.wheels[w], parameters.wheels[w].rollers
+    record, count, at = parameters.wheels[w], parameters.wheels[w].rollers, places(len(parameters.wheels))
     if parameters.machine.tracking == IMPLICIT:
-        first = WHEELS + PER_WHEEL * len(parameters.wheels) + 3 * parameters.sector.shape[1] * w
+        first = at.rho + 3 * parameters.sector.shape[1] * w
         return -y[:, first : first + 3 * count].reshape(len(y), count, 3)
-    return roller_directions(roller_azimuths(record, y[:, WHEELS + PER_WHEEL * w + SPIN_ANGLE]), y[:, YAW])
+    return roller_directions(roller_azimuths(record, y[:, at.spin_angle + w]), y[:, YAW])
 
 
 def rollers(
     parameters: Parameters, w: int, rows: Rows, slopes: np.ndarray, directions: np.ndarray
 ) -> dict[str, np.ndarray]:
     """Rates of every roller, and the rigid motion of its centre O + R1 d with the wheel."""
-    record, y, at = parameters.wheels[w], rows.y, WHEELS + PER_WHEEL * w
-    spin_rate, yaw_rate = y[:, at + SPIN_RATE], y[:, YAW_RATE]
+    record, y, at = parameters.wheels[w], rows.y, places(len(parameters.wheels))
+    spin_rate, yaw_rate = y[:, at.spin_rate + w], y[:, at.yaw_rate]
     axial_rate = rows.rates[:, w, : record.rollers].copy()
-    axis_n = -record.cos_psi * np.sin(roller_azimuths(record, y[:, at + SPIN_ANGLE]))
+    axis_n = -record.cos_psi * np.sin(roller_azimuths(record, y[:, at.spin_angle + w]))
     centre = np.column_stack([y[:, X], y[:, Y], np.full(len(y), record.radius)])
-    velocity = np.column_stack([y[:, V_X], y[:, V_Y], np.zeros(len(y))])
-    acceleration = np.column_stack([slopes[:, V_X], slopes[:, V_Y], np.zeros(len(y))])
+    velocity = np.column_stack([y[:, at.velocity], y[:, at.velocity + 1], np.zeros(len(y))])
+    acceleration = np.column_stack([slopes[:, at.velocity], slopes[:, at.velocity + 1], np.zeros(len(y))])
     k = np.column_stack([-np.sin(y[:, YAW]), np.cos(y[:, YAW]), np.zeros(len(y))])
     k_rate = -yaw_rate[:, None] * np.column_stack([k[:, 1], -k[:, 0], k[:, 2]])  # k' = -theta' h
     up = np.array([0.0, 0.0, 1.0])
     w_wheel = spin_rate[:, None] * k + yaw_rate[:, None] * up
-    w_rate = slopes[:, at + SPIN_RATE, None] * k + spin_rate[:, None] * k_rate + slopes[:, YAW_RATE, None] * up
+    w_rate = slopes[:, at.spin_rate + w, None] * k + spin_rate[:, None] * k_rate + slopes[:, at.yaw_rate, None] * up
     arms = record.roller_distance * directions
     around = np.cross(w_wheel[:, None], arms)
     return {

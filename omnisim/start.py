@@ -7,23 +7,7 @@ import numpy as np
 from omnisim.config import Config
 from omnisim.contact.tracking import IMPLICIT
 from omnisim.parameters import Parameters
-from omnisim.state import (
-    CLOCK,
-    MODE,
-    PER_WHEEL,
-    SPIN_ANGLE,
-    SPIN_RATE,
-    V_X,
-    V_Y,
-    WATCH,
-    WHEELS,
-    YAW,
-    YAW_RATE,
-    Rows,
-    Run,
-    X,
-    Y,
-)
+from omnisim.state import CLOCK, MODE, WATCH, YAW, Rows, Run, X, Y, places
 from omnisim.tableau import Tableau
 
 
@@ -62,19 +46,19 @@ def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, n
     """State y (n,) without the rates of the rollers in contact, and rates (W, N) of all rollers, rad/s."""
     wheels, rollers = parameters.sector.shape[:2]
     implicit = parameters.machine.tracking == IMPLICIT
-    first_rho = WHEELS + PER_WHEEL * wheels
-    y = np.zeros(first_rho + 3 * wheels * rollers * implicit)
+    at = places(wheels)
+    y = np.zeros(at.rho + 3 * wheels * rollers * implicit)
     rates = np.zeros((wheels, rollers))
-    y[[X, Y]], y[[V_X, V_Y]] = config.initial.position, config.initial.velocity
-    y[YAW], y[YAW_RATE] = math.radians(config.initial.yaw_deg), config.initial.yaw_rate
+    y[[X, Y]], y[at.velocity : at.yaw_rate] = config.initial.position, config.initial.velocity
+    y[YAW], y[at.yaw_rate] = math.radians(config.initial.yaw_deg), config.initial.yaw_rate
     for w, wheel in enumerate(config.wheels):
-        record, at = parameters.wheels[w], WHEELS + PER_WHEEL * w
-        y[at + SPIN_ANGLE], y[at + SPIN_RATE] = math.radians(wheel.spin_angle_deg), wheel.spin_rate
-        q = roller_azimuths(record, y[at + SPIN_ANGLE])
+        record = parameters.wheels[w]
+        y[at.spin_angle + w], y[at.spin_rate + w] = math.radians(wheel.spin_angle_deg), wheel.spin_rate
+        q = roller_azimuths(record, y[at.spin_angle + w])
         axis_n = -record.cos_psi * np.sin(q)  # p = chi' + w . a
-        rates[w, : record.rollers] = wheel.roller_rates + wheel.spin_rate * record.sin_psi + y[YAW_RATE] * axis_n
+        rates[w, : record.rollers] = wheel.roller_rates + wheel.spin_rate * record.sin_psi + y[at.yaw_rate] * axis_n
         if implicit:
-            rho = y[first_rho + 3 * rollers * w :][: 3 * record.rollers].reshape(-1, 3)
+            rho = y[at.rho + 3 * rollers * w :][: 3 * record.rollers].reshape(-1, 3)
             rho[:] = -roller_directions(q, y[YAW])
     return y, rates
 

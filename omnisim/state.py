@@ -1,7 +1,7 @@
 """The records of a march by lifetime: the state vector, the mode that is frozen within a step, the clock, the rows.
 
-    y = [ body: x y yaw V_x V_y yaw_rate | works: friction_loss drive_work wrench_work |
-          of each wheel: spin_angle spin_rate roller_rate | implicit tracking only: rho of every roller ]
+    y = [ positions: x y yaw, spin_angle of each wheel | their rates, in the same order |
+          roller_rate of each wheel | friction_loss drive_work wrench_work | rho of every roller (implicit tracking) ]
 
 `roller_rate` is the absolute axial rate p of the roller in contact; the rollers in the air keep theirs exactly and
 stand in `rates`, outside the state. The works are integrated with the motion by the same tableau.
@@ -11,11 +11,31 @@ from typing import NamedTuple
 
 import numpy as np
 
-X, Y, YAW, V_X, V_Y, YAW_RATE = range(6)
-FRICTION_LOSS, DRIVE_WORK, WRENCH_WORK = range(6, 9)
-WHEELS = 9
-SPIN_ANGLE, SPIN_RATE, ROLLER_RATE = range(3)
-PER_WHEEL = 3
+from omnisim.kernel import kernel
+
+X, Y, YAW = range(3)
+
+
+class Places(NamedTuple):
+    """Where each part of the state begins; of quantities that every wheel has, wheel w's stands w places further."""
+
+    spin_angle: int
+    velocity: int  # x, then y
+    yaw_rate: int
+    spin_rate: int
+    roller_rate: int
+    friction_loss: int
+    drive_work: int
+    wrench_work: int
+    rho: int
+
+
+@kernel
+def places(wheels):
+    """The Places of the state of a machine with so many wheels."""
+    rates, rollers, works = 3 + wheels, 6 + 2 * wheels, 6 + 3 * wheels
+    return Places(3, rates, rates + 2, rates + 3, rollers, works, works + 1, works + 2, works + 3)
+
 
 MODE = np.dtype(
     [

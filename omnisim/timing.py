@@ -14,7 +14,7 @@ from omnisim.parameters import Parameters, pack
 from omnisim.scene import Scene
 from omnisim.simulation import simulate
 from omnisim.start import initial_state, roller_azimuths, roller_directions
-from omnisim.state import PER_WHEEL, SPIN_ANGLE, WHEELS, YAW
+from omnisim.state import YAW, places
 from omnisim.trajectory import Trajectory
 
 REPEATS = 5
@@ -77,10 +77,10 @@ def track(parameters, states, slopes, rounds):
 
 @kernel
 def track_explicitly(parameters, y):
-    total = 0.0
+    at, total = places(len(parameters.wheels)), 0.0
     for w in range(len(parameters.wheels)):
         wheel = parameters.wheels[w]
-        q = azimuth(wheel, 0, y[WHEELS + PER_WHEEL * w + SPIN_ANGLE])
+        q = azimuth(wheel, 0, y[at.spin_angle + w])
         contact = explicit_contact(wheel, math.cos(q), math.sin(q))
         total += contact.l + contact.arm_h + contact.arm_k
     return total
@@ -88,10 +88,10 @@ def track_explicitly(parameters, y):
 
 @kernel
 def track_implicitly(parameters, y, slopes):
-    heading, total = Heading(math.cos(y[YAW]), math.sin(y[YAW])), 0.0
+    at, heading, total = places(len(parameters.wheels)), Heading(math.cos(y[YAW]), math.sin(y[YAW])), 0.0
     for w in range(len(parameters.wheels)):
         wheel = parameters.wheels[w]
-        q = azimuth(wheel, 0, y[WHEELS + PER_WHEEL * w + SPIN_ANGLE])
+        q = azimuth(wheel, 0, y[at.spin_angle + w])
         axis = roller_axis(wheel, math.cos(q), math.sin(q))
         contact = implicit_contact(wheel, heading, axis, rho_of(parameters, y, w, 0))
         total += contact.l + contact.arm_h + contact.arm_k
@@ -104,12 +104,12 @@ def states_in_contact(scene: Scene, parameters: Parameters) -> np.ndarray:
     first, _ = initial_state(scene.config, parameters)
     states = np.tile(first, (STATES, 1))
     states[:, YAW] = np.linspace(0.0, 2.0 * np.pi, STATES)
-    at_rho = WHEELS + PER_WHEEL * len(parameters.wheels)
+    at = places(len(parameters.wheels))
     for w, wheel in enumerate(parameters.wheels):
         spin_angle = wheel.phase + wheel.alpha * np.linspace(-0.99, 0.99, STATES)
-        states[:, WHEELS + PER_WHEEL * w + SPIN_ANGLE] = spin_angle
+        states[:, at.spin_angle + w] = spin_angle
         if parameters.machine.tracking == IMPLICIT:
             rho = -roller_directions(roller_azimuths(wheel, spin_angle), states[:, YAW])
-            at = at_rho + 3 * w * parameters.sector.shape[1]
-            states[:, at : at + 3 * wheel.rollers] = rho.reshape(STATES, -1)
+            first_rho = at.rho + 3 * w * parameters.sector.shape[1]
+            states[:, first_rho : first_rho + 3 * wheel.rollers] = rho.reshape(STATES, -1)
     return states

@@ -28,7 +28,9 @@ def test_c_loop_moves_as_the_march_does_across_exchanges(case):
     assert c_loop.disagreement(march, *c_loop.prepare(library, ready(scene))()) < 1e-11  # measured: 1.3e-13
 
 
-@pytest.mark.parametrize("name", ["LSODA, odeint", "LSODA, solve_ivp"])
+@pytest.mark.parametrize(
+    "name", [f"LSODA, {form}, {driver}" for form in ("NumPy", "scalars") for driver in ("solve_ivp", "odeint")]
+)
 @pytest.mark.parametrize("psi", [0.0, 30.0])
 def test_lsoda_agrees_with_the_march_to_its_tolerance(name, psi):
     peer = pytest.importorskip("scipy_peer", reason="needs SciPy")

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from omnisim_cli.main import cli
 from scenes import REFERENCE
 
 import omnisim
+from omnisim_cli.main import cli
 
 SCENE = str(REFERENCE / "testbench_psi0.toml")
 ENTRY = "from omnisim_cli.main import main; main()"

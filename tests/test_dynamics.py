@@ -8,11 +8,12 @@ from omnisim.dynamics import rhs
 from omnisim.exchange import settle
 from omnisim.observables import datasets
 from omnisim.start import blank_rows
-from omnisim.state import DRIVE_WORK, FRICTION_LOSS, PER_WHEEL, ROLLER_RATE, SPIN_ANGLE, SPIN_RATE, WHEELS, WRENCH_WORK
+from omnisim.state import YAW, places
 from omnisim.stepper import write_row
 
 pytestmark = pytest.mark.short
 
+AT = places(1)
 PUSHED = (
     "wheels.wheel.drive={kind='torque', torque=0.7}",
     "wrench.frame='body'",
@@ -42,9 +43,9 @@ def kinetic(parameters, y, rates, roller):
     """Energy of all bodies at a state, with the contacting roller's rate from the state."""
     wheel, machine = parameters.wheels[0], parameters.machine
     rates = rates[0].copy()
-    rates[roller] = y[WHEELS + ROLLER_RATE]
-    speeds = machine.mass * (y[3] ** 2 + y[4] ** 2) + machine.yaw_inertia * y[5] ** 2
-    return 0.5 * (speeds + wheel.axle_inertia * y[WHEELS + SPIN_RATE] ** 2 + wheel.axial_inertia * np.sum(rates**2))
+    rates[roller] = y[AT.roller_rate]
+    speeds = machine.mass * (y[AT.velocity] ** 2 + y[AT.velocity + 1] ** 2) + machine.yaw_inertia * y[AT.yaw_rate] ** 2
+    return 0.5 * (speeds + wheel.axle_inertia * y[AT.spin_rate] ** 2 + wheel.axial_inertia * np.sum(rates**2))
 
 
 @pytest.mark.parametrize("law", ["regularized", "saturated", "viscous", "none"])
@@ -54,8 +55,8 @@ def test_the_power_of_all_forces_is_the_rate_of_kinetic_energy(psi, law):
     for parameters, run in random_runs(psi, law):
         slope, roller = run.slopes[0], int(run.mode[0].roller % 4)
         ahead, back = (kinetic(parameters, run.y + h * slope, run.rates, roller) for h in (1e-3, -1e-3))
-        power = slope[DRIVE_WORK] + slope[WRENCH_WORK] - slope[FRICTION_LOSS]
-        scale = abs(slope[DRIVE_WORK]) + abs(slope[WRENCH_WORK]) + slope[FRICTION_LOSS] + 1.0
+        power = slope[AT.drive_work] + slope[AT.wrench_work] - slope[AT.friction_loss]
+        scale = abs(slope[AT.drive_work]) + abs(slope[AT.wrench_work]) + slope[AT.friction_loss] + 1.0
         assert abs((ahead - back) / 2e-3 - power) < 1e-10 * scale  # measured 1.1e-13
 
 
@@ -63,16 +64,16 @@ def test_both_trackings_have_the_same_right_hand_side():
     for explicit, implicit in zip(
         random_runs(30.0, "regularized"), random_runs(30.0, "regularized", "implicit"), strict=True
     ):
-        n = WHEELS + PER_WHEEL
+        n = AT.rho
         np.testing.assert_allclose(implicit[1].slopes[0, :n], explicit[1].slopes[0, :n], rtol=1e-11, atol=1e-11)
 
 
 def test_rho_turns_with_the_wheel():
     for parameters, run in random_runs(-45.0, "none", "implicit"):
         y, slope = run.y, run.slopes[0]
-        rho, rate = y[WHEELS + PER_WHEEL :].reshape(-1, 3), slope[WHEELS + PER_WHEEL :].reshape(-1, 3)
-        axle = np.array([-np.sin(y[2]), np.cos(y[2]), 0.0])
-        w = y[WHEELS + SPIN_RATE] * axle + y[5] * np.array([0.0, 0.0, 1.0])
+        rho, rate = y[AT.rho :].reshape(-1, 3), slope[AT.rho :].reshape(-1, 3)
+        axle = np.array([-np.sin(y[YAW]), np.cos(y[YAW]), 0.0])
+        w = y[AT.spin_rate] * axle + y[AT.yaw_rate] * np.array([0.0, 0.0, 1.0])
         np.testing.assert_allclose(rate, np.cross(w, rho), rtol=0, atol=1e-12)
         assert parameters.machine.tracking == 1
 
@@ -98,25 +99,25 @@ def test_the_servo_torque_balances_the_moment_of_momentum_about_the_heading():
         roller, rates = int(run.mode[0].roller % 4), run.rates[0].copy()
 
         def momentum(y, wheel=wheel, parameters=parameters, roller=roller, rates=rates):
-            yaw, phi = y[2], y[WHEELS + SPIN_ANGLE]
+            yaw, phi = y[YAW], y[AT.spin_angle]
             h, k, n = (
                 np.array([np.cos(yaw), np.sin(yaw), 0]),
                 np.array([-np.sin(yaw), np.cos(yaw), 0]),
                 np.array([0, 0, 1.0]),
             )
             p = rates.copy()
-            p[roller] = y[WHEELS + ROLLER_RATE]
+            p[roller] = y[AT.roller_rate]
             q = wheel.phase + 2 * wheel.alpha * np.arange(4) - phi
             axes = -wheel.cos_psi * (np.outer(np.cos(q), h) + np.outer(np.sin(q), n)) + wheel.sin_psi * k
             return (
-                parameters.machine.yaw_inertia * y[5] * n
-                + wheel.axle_inertia * y[WHEELS + SPIN_RATE] * k
+                parameters.machine.yaw_inertia * y[AT.yaw_rate] * n
+                + wheel.axle_inertia * y[AT.spin_rate] * k
                 + wheel.axial_inertia * p @ axes
             )
 
         step = 1e-5
         rate = (momentum(y + step * run.slopes[0]) - momentum(y - step * run.slopes[0])) / (2 * step)
-        h = np.array([np.cos(y[2]), np.sin(y[2]), 0.0])
+        h = np.array([np.cos(y[YAW]), np.sin(y[YAW]), 0.0])
         force_h, force_k = data["wheels/wheel/friction_force"][0]
         point = data["wheels/wheel/contact_point"][0] - data["body/position"][0]
         k = np.array([-h[1], h[0], 0.0])
