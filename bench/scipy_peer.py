@@ -117,7 +117,7 @@ def until_exit_solve_ivp(f, t, y, end, exit_angle, tolerance):
     return found.t[-1], found.y[:, -1], found.status == 1
 
 
-NUMPY = "LSODA, NumPy, solve_ivp"  # the one that the target is about
+NUMPY = "LSODA, NumPy, solve_ivp"  # the usual way
 PEERS = {
     NUMPY: (numpy_right_hand_side, until_exit_solve_ivp),
     "LSODA, NumPy, odeint": (numpy_right_hand_side, until_exit_odeint),

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from functools import cache
 from importlib.metadata import version
 
 import numpy as np
@@ -70,7 +71,7 @@ def collect(
         stop_time = config.time.end
     stop_wheel = names[clock.wheel] if stopped and clock.wheel >= 0 else ""
     attributes = {
-        "omnisim_version": version("omnisim-engine"),
+        "omnisim_version": installed_version(),
         "title": config.title,
         "scene": scene.text,
         "wheels": names,
@@ -89,6 +90,11 @@ def collect(
     if stopped:
         happened = with_stop(happened, stop_time, stop_wheel)
     return Trajectory(attributes, {path: values[:kept] for path, values in sampled.items()} | happened)
+
+
+@cache
+def installed_version() -> str:
+    return version("omnisim-engine")
 
 
 def finite_rows(sampled: dict[str, np.ndarray]) -> int:
