@@ -3,9 +3,9 @@
 import math
 
 from omnisim.contact.kinematics import Slip, inverse_mass
-from omnisim.contact.reaction import friction_factor
+from omnisim.contact.reaction import COULOMB, friction_factor
 from omnisim.contact.tracking import IMPLICIT, Heading
-from omnisim.dynamics import contact_reaction, rho_of
+from omnisim.dynamics import contact_state, rho_of
 from omnisim.kernel import kernel
 from omnisim.state import YAW
 from omnisim.status import LOST_TRACK, NOT_FINITE, TOO_STIFF
@@ -36,22 +36,22 @@ def check(parameters, run):
             if abs(dot(rho, rho) - 1.0) > LOST:
                 clock.status, clock.wheel = LOST_TRACK, w
                 return
-        if run.watch[w].factor * parameters.machine.slip_mobility * clock.dt > clock.stability_limit:
-            now, at_rest = relaxation_rates(parameters, run, w)
-            if now * clock.dt > clock.stability_limit:
+        factor, machine = run.watch[w].factor, parameters.machine
+        if machine.law != COULOMB and factor * machine.slip_mobility * clock.dt > clock.stability_limit:
+            mobility = slip_mobility(parameters, run, w)
+            if factor * mobility * clock.dt > clock.stability_limit:
+                at_rest = friction_factor(machine, 0, run.watch[w].normal_force, Slip(0.0, 0.0))
                 stiff = True
-                clock.rate, clock.wheel = at_rest, w
+                clock.rate, clock.wheel = at_rest * mobility, w
     clock.stiff = clock.stiff + 1 if stiff else max(clock.stiff - 1, 0)
     if clock.stiff >= STIFF_STEPS:
         clock.status = TOO_STIFF
 
 
 @kernel
-def relaxation_rates(parameters, run, w):
-    """Rates at which friction relaxes the slip of wheel w, 1/s: at its slip now, and at zero slip."""
-    machine, normal = parameters.machine, run.watch[w].normal_force
+def slip_mobility(parameters, run, w):
+    """Largest eigenvalue of the inverse mass of wheel w's contact, 1/kg: with the factor g, the rate of its slip."""
     heading = Heading(math.cos(run.y[YAW]), math.sin(run.y[YAW]))
-    reaction = contact_reaction(parameters, run.mode[w], w, heading, normal, run.y)
-    hh, hk, kk = inverse_mass(machine, parameters.wheels[w], reaction.axis, reaction.contact)
-    mobility = 0.5 * (hh + kk) + math.sqrt(0.25 * (hh - kk) ** 2 + hk * hk)
-    return reaction.factor * mobility, friction_factor(machine, 0, normal, Slip(0.0, 0.0)) * mobility
+    state = contact_state(parameters, run.mode[w], w, heading, run.y)
+    hh, hk, kk = inverse_mass(parameters.machine, parameters.wheels[w], state.axis, state.contact)
+    return 0.5 * (hh + kk) + math.sqrt(0.25 * (hh - kk) ** 2 + hk * hk)

@@ -29,6 +29,7 @@ def _join(words: Iterable[str]) -> str:
 FRICTION_KEYS = {
     "regularized": ("coefficient", "slip_speed"),
     "saturated": ("coefficient", "slip_speed"),
+    "coulomb": ("coefficient",),
     "viscous": ("viscosity",),
     "none": (),
 }

@@ -12,8 +12,9 @@ from the air is fixed in the wheel and known from three sums, so a step costs th
 import math
 from typing import NamedTuple
 
-from omnisim.contact.kinematics import Slip, joint_rate, slip_velocity
-from omnisim.contact.reaction import friction_factor
+from omnisim.contact.coulomb import SLIP, grip_force
+from omnisim.contact.kinematics import Free, Slip, inverse_mass, joint_rate, slip_bias, slip_velocity
+from omnisim.contact.reaction import COULOMB, friction_factor
 from omnisim.contact.tracking import (
     IMPLICIT,
     Axis,
@@ -40,20 +41,31 @@ class Wrench(NamedTuple):
     yaw: float
 
 
-class Reaction(NamedTuple):
-    """All about the contact of one wheel at an instant."""
+class ContactState(NamedTuple):
+    """Where the contact of a wheel is and how fast it moves."""
 
     axis: Axis
     contact: Contact
-    slip: Slip
+    cos_q: float
+    sin_q: float
+    velocity: Slip  # of the wheel centre
     joint: float  # chi', rad/s
-    factor: float  # g in F = -g v, N s/m
-    force_h: float  # friction on the roller, N
-    force_k: float
-    roller_torque: float  # Ia p', N m
+    slip: Slip
+    spin_rate: float
+    yaw_rate: float
     g_h: float  # momentum of all rollers about their axes, N m s
     g_k: float
     g_n: float
+
+
+class Reaction(NamedTuple):
+    """What the floor does to a wheel."""
+
+    state: ContactState
+    factor: float  # g in F = -g v, N s/m
+    force: Slip  # friction on the roller, N
+    margin: float  # coulomb: what is left of the cone while sticking, N; slip along its direction while creeping, m/s
+    roller_torque: float  # Ia p', N m
 
 
 @kernel
@@ -71,14 +83,14 @@ def rhs(parameters, mode, piece, t, y, dy, watch):
     normal = max(lift, 0.0)  # a wheel that is lifted has no friction; the march stops there
     force_x, force_y, moment, loss, drive_power = wrench.x, wrench.y, wrench.yaw, 0.0, 0.0
     for w in range(len(wheels)):
-        reaction = contact_reaction(parameters, mode[w], w, heading, normal, y)
         torque = drive_torque(parameters, piece, t, w)
+        reaction = contact_reaction(parameters, mode[w], w, heading, normal, wrench, torque, y)
         dy[at.spin_rate + w] = spin_acceleration(wheels[w], reaction, torque, y[at.yaw_rate])
         dy[at.roller_rate + w] = reaction.roller_torque / wheels[w].axial_inertia
-        force_x += reaction.force_h * heading.cos - reaction.force_k * heading.sin
-        force_y += reaction.force_h * heading.sin + reaction.force_k * heading.cos
+        force_x += reaction.force.h * heading.cos - reaction.force.k * heading.sin
+        force_y += reaction.force.h * heading.sin + reaction.force.k * heading.cos
         moment += yaw_moment(reaction, y[at.spin_rate + w])
-        loss -= reaction.force_h * reaction.slip.h + reaction.force_k * reaction.slip.k
+        loss -= reaction.force.h * reaction.state.slip.h + reaction.force.k * reaction.state.slip.k
         drive_power += torque * y[at.spin_rate + w]
         observe_contact(watch[w], reaction, lift)
     dy[at.velocity], dy[at.velocity + 1] = force_x / machine.mass, force_y / machine.mass
@@ -110,8 +122,8 @@ def drive_torque(parameters, piece, t, w):
 
 
 @kernel
-def contact_reaction(parameters, mode, w, heading, normal, y):
-    """Tracking, kinematics, reaction of wheel w with normal force `normal` (N): a Reaction."""
+def contact_state(parameters, mode, w, heading, y):
+    """Tracking and kinematics of wheel w: a ContactState."""
     machine, wheel, at = parameters.machine, parameters.wheels[w], places(len(parameters.wheels))
     spin_rate, roller_rate, yaw_rate = y[at.spin_rate + w], y[at.roller_rate + w], y[at.yaw_rate]
     q = azimuth(wheel, mode.roller, y[at.spin_angle + w])
@@ -121,19 +133,44 @@ def contact_reaction(parameters, mode, w, heading, normal, y):
         contact = implicit_contact(wheel, heading, axis, rho_of(parameters, y, w, mode.roller % wheel.rollers))
     else:
         contact = explicit_contact(wheel, cos_q, sin_q)
-    velocity_h = y[at.velocity] * heading.cos + y[at.velocity + 1] * heading.sin
-    velocity_k = y[at.velocity + 1] * heading.cos - y[at.velocity] * heading.sin
+    velocity = Slip(
+        y[at.velocity] * heading.cos + y[at.velocity + 1] * heading.sin,
+        y[at.velocity + 1] * heading.cos - y[at.velocity] * heading.sin,
+    )
     joint = joint_rate(axis, roller_rate, spin_rate, yaw_rate)
-    slip = slip_velocity(wheel, contact, velocity_h, velocity_k, spin_rate, yaw_rate, joint)
-    factor = friction_factor(machine, mode.saturated, normal, slip)
-    force_h, force_k = -factor * slip.h, -factor * slip.k
-    roller_torque = contact.arm_h * force_h + contact.arm_k * force_k
+    slip = slip_velocity(wheel, contact, velocity.h, velocity.k, spin_rate, yaw_rate, joint)
     cos_sum, sin_sum = mode.air_cos + roller_rate, mode.air_sin
     across = -wheel.cos_psi * wheel.axial_inertia
     g_h = across * (cos_q * cos_sum - sin_q * sin_sum)
     g_n = across * (sin_q * cos_sum + cos_q * sin_sum)
     g_k = wheel.axial_inertia * wheel.sin_psi * (mode.air_sum + roller_rate)
-    return Reaction(axis, contact, slip, joint, factor, force_h, force_k, roller_torque, g_h, g_k, g_n)
+    return ContactState(axis, contact, cos_q, sin_q, velocity, joint, slip, spin_rate, yaw_rate, g_h, g_k, g_n)
+
+
+@kernel
+def contact_equation(machine, wheel, state, heading, wrench, torque):
+    """A and b of the slip acceleration v' = A F + b, at a ContactState under an external wrench and drive torque."""
+    free = Free(
+        (wrench.x * heading.cos + wrench.y * heading.sin) / machine.mass,
+        (wrench.y * heading.cos - wrench.x * heading.sin) / machine.mass,
+        (torque - state.yaw_rate * state.g_h) / wheel.axle_inertia,
+        (wrench.yaw + state.spin_rate * state.g_h) / machine.yaw_inertia,
+    )
+    return inverse_mass(machine, wheel, state.axis, state.contact), slip_bias(wheel, state, free)
+
+
+@kernel
+def contact_reaction(parameters, mode, w, heading, normal, wrench, torque, y):
+    """What the floor does to wheel w with normal force `normal` (N) and drive `torque` (N m): a Reaction."""
+    machine, wheel = parameters.machine, parameters.wheels[w]
+    state = contact_state(parameters, mode, w, heading, y)
+    factor = friction_factor(machine, mode.saturated, normal, state.slip)
+    force, margin = Slip(-factor * state.slip.h, -factor * state.slip.k), 0.0
+    if machine.law == COULOMB and mode.grip != SLIP:
+        a, b = contact_equation(machine, wheel, state, heading, wrench, torque)
+        force, margin = grip_force(mode.grip, a, b, machine.friction * normal, state.slip)
+    roller_torque = state.contact.arm_h * force.h + state.contact.arm_k * force.k
+    return Reaction(state, factor, force, margin, roller_torque)
 
 
 @kernel
@@ -145,23 +182,26 @@ def azimuth(wheel, roller, spin_angle):
 @kernel
 def spin_acceleration(wheel, reaction, torque, yaw_rate):
     """phi'', rad/s^2."""
-    driven = torque - wheel.radius * reaction.force_h
-    return (driven - reaction.roller_torque * reaction.axis.k - yaw_rate * reaction.g_h) / wheel.axle_inertia
+    driven = torque - wheel.radius * reaction.force.h
+    return (
+        driven - reaction.roller_torque * reaction.state.axis.k - yaw_rate * reaction.state.g_h
+    ) / wheel.axle_inertia
 
 
 @kernel
 def yaw_moment(reaction, spin_rate):
     """Share of a wheel in I_z theta'', N m."""
-    gyroscopic = spin_rate * reaction.g_h - reaction.roller_torque * reaction.axis.n
-    return gyroscopic - reaction.contact.l * reaction.force_h
+    gyroscopic = spin_rate * reaction.state.g_h - reaction.roller_torque * reaction.state.axis.n
+    return gyroscopic - reaction.state.contact.l * reaction.force.h
 
 
 @kernel
 def observe_contact(watch, reaction, normal):
     """By-products of the right-hand side that events are decided on."""
     watch.normal_force = normal
-    watch.slip_square = reaction.slip.h * reaction.slip.h + reaction.slip.k * reaction.slip.k
+    watch.slip_square = reaction.state.slip.h * reaction.state.slip.h + reaction.state.slip.k * reaction.state.slip.k
     watch.factor = reaction.factor
+    watch.margin = reaction.margin
 
 
 @kernel

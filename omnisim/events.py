@@ -8,6 +8,9 @@ tells what changes there.
     EXIT   the roller's end ahead is not passed yet       the neighbour takes over: an exchange
     KINK   |v| stays on its side of slip_speed            the other branch of the saturated law
     LOAD   N >= 0                                         the wheel leaves the floor: the march stops
+    GRIP   a sticking force stays inside the cone         it creeps off
+           a creeping slip keeps its sense                it comes to rest
+    CREEPING  a creeping slip stays slow                  it slips in a direction of its own
 
 Both trackings pass a roller's end at the same spin angle: |q| = alpha is |c_beta| = c sin alpha. The guard is the
 angle, monotone over several turns as well; which rollers touch at the start, each tracking tells by its own condition.
@@ -15,17 +18,21 @@ angle, monotone over several turns as well; which rollers touch at the start, ea
 
 import numpy as np
 
+from omnisim.contact.coulomb import CREEP, SLIP, STICK
 from omnisim.contact.reaction import SATURATED
 from omnisim.exchange import hand_over, release_roller
+from omnisim.grip import CONE, CREEP_SPEED, come_to_rest, start_slip
 from omnisim.kernel import kernel
 from omnisim.runge_kutta import refresh
 from omnisim.state import places
 from omnisim.status import LIFT_OFF
 from omnisim.trajectory import EVENT_KINDS
 
-TURN, EXIT, KINK, LOAD = range(4)
-GUARDS = 4
-EXCHANGE, LIFT, STOP = (EVENT_KINDS.index(kind) for kind in ("exchange", "lift_off", "stop"))
+TURN, EXIT, KINK, LOAD, GRIP, CREEPING = range(6)
+SMOOTH_GUARDS, GUARDS = 4, 6  # the last two are of coulomb friction alone
+EXCHANGE, STUCK, SLIPS, LIFT, STOP = (
+    EVENT_KINDS.index(kind) for kind in ("exchange", "stick", "slip", "lift_off", "stop")
+)
 
 EVENT = np.dtype(
     [
@@ -52,7 +59,14 @@ def guard(parameters, mode, kind, w, y, watch):
             return 0.0
         excess = watch[w].slip_square - machine.slip_speed * machine.slip_speed
         return excess if mode[w].saturated else -excess
-    return watch[w].normal_force
+    if kind == LOAD:
+        return watch[w].normal_force
+    if mode[w].grip == SLIP:
+        return 0.0
+    if kind == GRIP:
+        rounding = CONE * machine.friction * watch[w].normal_force if mode[w].grip == STICK else 0.0
+        return watch[w].margin + rounding
+    return CREEP_SPEED * CREEP_SPEED - watch[w].slip_square if mode[w].grip == CREEP else 0.0
 
 
 @kernel
@@ -71,13 +85,31 @@ def transition(parameters, run, log, kind, w, time):
         roller = mode.roller + mode.direction
         record(clock, log, time, EXCHANGE, w, mode.roller % rollers, roller % rollers)
         release_roller(parameters, run, w)
+        held = mode.grip == STICK
         hand_over(parameters, run, w, roller, time)
+        if held != (mode.grip == STICK):
+            record(clock, log, time, SLIPS if held else STUCK, w, -1, -1)
     elif kind == KINK:
         mode.saturated = 1 - mode.saturated
         refresh(parameters, run, time)
+    elif kind == GRIP and mode.grip == STICK:
+        record(clock, log, time, SLIPS, w, -1, -1)
+        mode.grip = CREEP
+        refresh(parameters, run, time)
+    elif kind == GRIP:
+        settle_slip(parameters, run, log, w, time)
+    elif kind == CREEPING:
+        start_slip(parameters, run, w, time)
     else:
         record(clock, log, time, LIFT, w, -1, -1)
         clock.status, clock.wheel = LIFT_OFF, w
+
+
+@kernel
+def settle_slip(parameters, run, log, w, time):
+    """A slip that has come to its end: the contact sticks or creeps on."""
+    if come_to_rest(parameters, run, w, time):
+        record(run.clock, log, time, STUCK, w, -1, -1)
 
 
 @kernel

@@ -2,9 +2,11 @@
 
 import math
 
-from omnisim.contact.reaction import SATURATED
+from omnisim.contact.coulomb import SLIP
+from omnisim.contact.reaction import COULOMB, SATURATED
 from omnisim.contact.tracking import EXPLICIT, explicit_touches, implicit_touches, roller_axis
 from omnisim.dynamics import azimuth, rho_of
+from omnisim.grip import come_to_rest, rests
 from omnisim.kernel import kernel
 from omnisim.runge_kutta import refresh
 from omnisim.state import places
@@ -29,10 +31,15 @@ def settle(parameters, run):
 
 @kernel
 def hand_over(parameters, run, w, roller, t):
-    """Make `roller` carry wheel w from time t on: its rate, its side of the saturated law's kink, the derivative."""
+    """Make `roller` carry wheel w from time t on: its rate, the mode of its friction, the derivative."""
     take_roller(parameters, run, w, roller)
     refresh(parameters, run, t)
-    if parameters.machine.law == SATURATED:
+    if parameters.machine.law == COULOMB:
+        run.mode[w].grip = SLIP
+        refresh(parameters, run, t)
+        if rests(parameters, run, w):
+            come_to_rest(parameters, run, w, t)
+    elif parameters.machine.law == SATURATED:
         slip_speed = parameters.machine.slip_speed
         run.mode[w].saturated = run.watch[w].slip_square > slip_speed * slip_speed
         refresh(parameters, run, t)

@@ -81,6 +81,7 @@ def rho_reason(count: int, implicit: bool) -> str:
 def friction_reason(friction: Friction) -> str:
     mu, slip_speed = f"{friction.coefficient:g}", f"{friction.slip_speed:g} m/s"
     return {
+        "coulomb": f"F = -{mu} N v / |v| while slipping, a multiplier while sticking; every change is an event",
         "regularized": f"F = -{mu} N v / sqrt(|v|^2 + eps^2), eps = {slip_speed}",
         "saturated": f"F = -{mu} N v / max(|v|, eps), eps = {slip_speed}; the kink is an event",
         "viscous": f"F = -b v, b = {friction.viscosity:g} N s/m, whatever the normal force",

@@ -18,6 +18,8 @@ def servo_torque(wheel, reaction, normal, spin_rate, yaw_rate):
 
     lambda = -J_k phi' theta' + Ia p_c' a_h + phi' G_n - theta' G_k - l N - R F_k
     """
-    gyroscopic = -wheel.axle_inertia * spin_rate * yaw_rate + spin_rate * reaction.g_n - yaw_rate * reaction.g_k
-    load = -reaction.contact.l * normal - wheel.radius * reaction.force_k
-    return gyroscopic + reaction.roller_torque * reaction.axis.h + load
+    gyroscopic = (
+        -wheel.axle_inertia * spin_rate * yaw_rate + spin_rate * reaction.state.g_n - yaw_rate * reaction.state.g_k
+    )
+    load = -reaction.state.contact.l * normal - wheel.radius * reaction.force.k
+    return gyroscopic + reaction.roller_torque * reaction.state.axis.h + load

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from omnisim.contact.tracking import IMPLICIT, Heading
-from omnisim.dynamics import contact_reaction, drive_torque, rhs
+from omnisim.dynamics import contact_reaction, drive_torque, external_wrench, rhs
 from omnisim.kernel import kernel
 from omnisim.multipliers import servo_torque
 from omnisim.parameters import Parameters
@@ -32,16 +32,18 @@ def observe(parameters, rows, times, watch, slopes, contacts):
         t, piece, y, mode = times[row], rows.piece[row], rows.y[row], rows.mode[row]
         rhs(parameters, mode, piece, t, y, slopes[row], watch)
         heading = Heading(math.cos(y[YAW]), math.sin(y[YAW]))
+        wrench = external_wrench(parameters, piece, t, heading)
         for w in range(len(parameters.wheels)):
             contact, normal = contacts[row, w], max(watch[w].normal_force, 0.0)
-            reaction = contact_reaction(parameters, mode[w], w, heading, normal, y)
+            torque = drive_torque(parameters, piece, t, w)
+            reaction = contact_reaction(parameters, mode[w], w, heading, normal, wrench, torque, y)
             spin_rate = y[at.spin_rate + w]
             contact.normal_force = normal
-            contact.drive_torque = drive_torque(parameters, piece, t, w)
+            contact.drive_torque = torque
             contact.servo_torque = servo_torque(parameters.wheels[w], reaction, normal, spin_rate, y[at.yaw_rate])
-            contact.along_axle = reaction.contact.l
-            contact.slip_velocity[0], contact.slip_velocity[1] = reaction.slip.h, reaction.slip.k
-            contact.friction_force[0], contact.friction_force[1] = reaction.force_h, reaction.force_k
+            contact.along_axle = reaction.state.contact.l
+            contact.slip_velocity[0], contact.slip_velocity[1] = reaction.state.slip.h, reaction.state.slip.k
+            contact.friction_force[0], contact.friction_force[1] = reaction.force.h, reaction.force.k
 
 
 @np.errstate(over="ignore", invalid="ignore")  # the caller drops rows that are not finite

@@ -42,6 +42,7 @@ MODE = np.dtype(
         ("roller", np.int64),  # of the contact, counted on through every turn: its index is roller mod N_r
         ("direction", np.int64),  # +1 or -1: sense in which the spin angle runs throughout a step
         ("saturated", np.int64),  # branch of the saturated friction law
+        ("grip", np.int64),  # coulomb.SLIP, STICK or CREEP
         ("air_cos", np.float64),  # sums over the rollers in the air, D_i = gamma_i - gamma_contact:
         ("air_sin", np.float64),  # sum p_i cos D_i, sum p_i sin D_i and sum p_i, rad/s
         ("air_sum", np.float64),
@@ -51,6 +52,7 @@ WATCH = np.dtype(
     [
         ("normal_force", np.float64),  # N
         ("slip_square", np.float64),  # |v|^2, m^2/s^2
+        ("margin", np.float64),  # coulomb: mu N - |F| while sticking, v . u while creeping
         ("factor", np.float64),  # g of the friction law F = -g v, N s/m
     ]
 )

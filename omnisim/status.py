@@ -2,7 +2,9 @@
 
 EVENTS_PER_STEP = 4096  # more than this in one step is no progress of time
 
-RUNNING, COMPLETE, LOG_FULL, INTERRUPTED, NOT_FINITE, TOO_STIFF, ROCKING, CROWDED, LIFT_OFF, LOST_TRACK = range(10)
+RUNNING, COMPLETE, LOG_FULL, INTERRUPTED, NOT_FINITE, TOO_STIFF, ROCKING, CROWDED, LIFT_OFF, LOST_TRACK, SLOW_SLIP = (
+    range(11)
+)
 
 SENTENCES = {
     COMPLETE: "complete",
@@ -26,6 +28,10 @@ SENTENCES = {
     LOST_TRACK: (
         "the implicit tracking lost track of wheel '{wheel}' at t = {time:.9g} s: rho is no unit vector any more with "
         "time.step = {step:.3g} s; use a smaller one, or solver.tracking = 'explicit'"
+    ),
+    SLOW_SLIP: (
+        "wheel '{wheel}' slips too slowly for an explicit method at t = {time:.9g} s: coulomb friction turns the slip "
+        "faster than a million sub-steps of one step can follow; try law = 'regularized'"
     ),
     LIFT_OFF: (
         "wheel '{wheel}' leaves the floor at t = {time:.9g} s: the vertical force lifts more than the weight; "

@@ -5,13 +5,16 @@ is taken from there, each piece with the mode frozen, so the order of the method
 """
 
 from omnisim.checks import check
-from omnisim.events import GUARDS, TURN, guard, transition
+from omnisim.contact.reaction import COULOMB
+from omnisim.events import GUARDS, SMOOTH_GUARDS, TURN, guard, settle_slip, transition
 from omnisim.exchange import release_roller, settle
+from omnisim.grip import hold, rests, slip_step
 from omnisim.kernel import kernel
 from omnisim.runge_kutta import accept, advance, copy, refresh
-from omnisim.status import CROWDED, EVENTS_PER_STEP, LOG_FULL, ROCKING, RUNNING
+from omnisim.status import CROWDED, EVENTS_PER_STEP, LOG_FULL, ROCKING, RUNNING, SLOW_SLIP
 
 TURNS_PER_STEP = 100  # reversals of spin in one step: a Zeno sequence of ever shorter swings about an edge
+SLIPS_PER_STEP = 10**6  # sub-steps of slow slip in one step
 ROUNDING = 1e-14
 EPSILON = 4.0 * 2.0**-52
 
@@ -54,17 +57,31 @@ def write_row(parameters, run, rows):
 def grid_step(parameters, tableau, run, log):
     """One dt, with all its events and knots."""
     clock = run.clock
-    start, turns, first_event = clock.step * clock.dt, 0, clock.events
+    start, turns, slips, first_event = clock.step * clock.dt, 0, 0, clock.events
     clock.elapsed = 0.0
+    coulomb = parameters.machine.law == COULOMB
     while clock.elapsed < clock.dt:
+        t = start + clock.elapsed
         h, knot = piece_length(parameters, clock, start)
-        advance(parameters, tableau, run, start + clock.elapsed, h)
-        h, kind, w = cut_at_event(parameters, tableau, run, start + clock.elapsed, h)
+        whole = h
+        if coulomb:
+            for w in range(len(run.mode)):
+                if rests(parameters, run, w):
+                    settle_slip(parameters, run, log, w, t)
+            h = slip_step(parameters, run, t, h)
+        advance(parameters, tableau, run, t, h)
+        h, kind, w = cut_at_event(parameters, tableau, run, t, h)
         accept(run)
         clock.elapsed += h
+        if coulomb:
+            hold(parameters, run, start + clock.elapsed)
         if kind >= 0:
             transition(parameters, run, log, kind, w, start + clock.elapsed)
             turns += kind == TURN
+        elif h < whole:
+            slips += 1
+            if slips > SLIPS_PER_STEP:
+                clock.status, clock.wheel = SLOW_SLIP, 0
         elif knot:
             clock.piece += 1
             refresh(parameters, run, start + clock.elapsed)
@@ -97,7 +114,7 @@ def cut_at_event(parameters, tableau, run, t, h):
     step that leaves a roller's end and comes back is cut at the turn before it is searched.
     """
     fired, wheel = -1, -1
-    for kind in range(GUARDS):
+    for kind in range(GUARDS if parameters.machine.law == COULOMB else SMOOTH_GUARDS):
         for w in range(len(run.mode)):
             value = guard(parameters, run.mode, kind, w, run.trial, run.watch_end)
             if value < 0.0:

@@ -21,7 +21,6 @@ NOT_YET = (
     (("wheels", 1), (), ONE_BARE_WHEEL),
     (("scene", "upright"), ("contacts",), None),
     (("solver", "method"), ("radau5", "auto"), None),
-    (("friction", "law"), ("coulomb",), None),
 )
 
 

@@ -162,7 +162,6 @@ DEFECTS = {
     "unknown frame": (TABLE, "frame = 'boddy'\n" + TABLE, 30, "wrench.frame = 'boddy'", "did you mean 'body'?"),
     "chassis": ("[initial]", "[chassis]\n[initial]", 33, "chassis = {}", "not in this version; it simulates one wheel"),
     "two wheels": ("[wrench]", "[[wheels]]\nname='b'\ntype='omni'\n[wrench]", 29, "wheels.b = {", "not in this version"),
-    "coulomb": ('"regularized"', '"coulomb"', 14, "friction.law = 'coulomb'", 'not in this version; must be "reg'),
     "radau5": ('"rk4"', '"radau5"', 11, "solver.method = 'radau5'", 'version; must be "heun", "rk4" or "dopri5"'),
     "auto": ('"rk4"', '"auto"', 11, "solver.method = 'auto'", "not in this version"),
     "contacts": ('"servo"', '"contacts"', 5, "scene.upright = 'contacts'", 'not in this version; must be "servo"'),

@@ -91,7 +91,8 @@ def test_a_wheel_that_goes_over_the_edge_and_comes_back_within_a_step_exchanges_
     times = [(spin - root) / decel, (spin + root) / decel]
     step = 2.0 * times[1]
     run = simulate(
-        "testbench_psi30", *STILL, "friction.law=none", f"wheels.wheel.spin_angle_deg={math.degrees(math.pi / 4 - gap)}",
+        "testbench_psi30", *STILL, "friction.law=none",
+        f"wheels.wheel.spin_angle_deg={math.degrees(math.pi / 4 - gap)}",
         f"wheels.wheel.spin_rate={spin}", torque([0.0], [pull]),
         f"time.step={step!r}", f"time.end={step!r}", f"time.output_interval={step!r}",
     )  # fmt: skip

@@ -5,7 +5,10 @@ import pytest
 from scenes import packed, reference_scene
 
 from omnisim.contact.kinematics import inverse_mass, joint_rate, slip_velocity
-from omnisim.contact.tracking import explicit_contact, roller_axis
+from omnisim.contact.tracking import Heading, explicit_contact, roller_axis
+from omnisim.dynamics import contact_equation, contact_state, drive_torque, external_wrench
+from omnisim.exchange import settle
+from omnisim.state import YAW
 
 pytestmark = pytest.mark.short
 
@@ -57,3 +60,34 @@ def test_the_inverse_mass_is_the_slip_acceleration_of_a_unit_force(psi):
         hh, hk, kk = inverse_mass(machine, wheel, axis, contact)
         np.testing.assert_allclose([[hh, hk], [hk, kk]], expected, rtol=1e-12, atol=1e-13)
         assert hh + kk <= machine.slip_mobility  # the bound that the march uses first
+
+
+@pytest.mark.parametrize("psi", [0.0, 30.0, -45.0, 80.0])
+def test_the_slip_acceleration_is_a_f_plus_b(psi):
+    """A and b against differences of the slip velocity along the motion that the right-hand side gives."""
+    rng = np.random.default_rng(5)
+    for _ in range(10):
+        vx, vy, yaw_rate, spin_rate, yaw = rng.normal(size=5).round(6)
+        scene = reference_scene(
+            "testbench_psi30", f"wheel_types.omni.roller_angle_deg={psi!r}", f"initial.velocity=[{vx}, {vy}]",
+            f"initial.yaw_rate={yaw_rate}", f"initial.yaw_deg={100 * yaw}", f"wheels.wheel.spin_rate={5 * spin_rate}",
+            f"wheels.wheel.spin_angle_deg={rng.uniform(-44, 44)}", "wheels.wheel.roller_rates=[3.0, -2.0, 5.0, 1.0]",
+            "wheels.wheel.drive={kind='torque', torque=0.7}", "wrench.times=[0.0]", "wrench.force=[[0.4, -0.3, 2.0]]",
+            "wrench.yaw_torque=[0.06]", "friction.slip_speed=0.5",
+        )  # fmt: skip
+        parameters, run = packed(scene)
+        settle(parameters, run)
+
+        def state_at(y, parameters=parameters, run=run):
+            return contact_state(parameters, run.mode[0], 0, Heading(np.cos(y[YAW]), np.sin(y[YAW])), y)
+
+        step, slope = 1e-5, run.slopes[0]
+        ahead, back = (np.array(state_at(run.y + h * slope).slip) for h in (step, -step))
+        heading = Heading(np.cos(run.y[YAW]), np.sin(run.y[YAW]))
+        wrench, torque = external_wrench(parameters, 0, 0.0, heading), drive_torque(parameters, 0, 0.0, 0)
+        state = state_at(run.y)
+        (hh, hk, kk), b = contact_equation(parameters.machine, parameters.wheels[0], state, heading, wrench, torque)
+        force = -run.watch[0].factor * np.array(state.slip)
+        expected = np.array([[hh, hk], [hk, kk]]) @ force + np.array(b)
+        scale = 1.0 + np.abs(expected).max()
+        np.testing.assert_allclose((ahead - back) / (2 * step), expected, rtol=0, atol=1e-7 * scale)

@@ -12,6 +12,15 @@ class Slip(NamedTuple):
     k: float
 
 
+class Free(NamedTuple):
+    """Accelerations without friction: of the wheel centre along h and k (m/s^2), of spin and yaw (rad/s^2)."""
+
+    h: float
+    k: float
+    spin: float
+    yaw: float
+
+
 @kernel
 def joint_rate(axis, roller_rate, spin_rate, yaw_rate):
     """chi' = p - w . a, rad/s: rate of the roller relative to the wheel, from its absolute axial rate p."""
@@ -27,6 +36,30 @@ def slip_velocity(wheel, contact, velocity_h, velocity_k, spin_rate, yaw_rate, j
     return Slip(
         velocity_h - spin_rate * wheel.radius - yaw_rate * contact.l + joint * contact.arm_h,
         velocity_k + joint * contact.arm_k,
+    )
+
+
+@kernel
+def slip_bias(wheel, state, free):
+    """b (Slip, m/s^2): the slip acceleration without friction, at a ContactState, from the accelerations `free`.
+
+    The contact moves through the wheel with q' = -phi', so l, arm and axis have rates of their own, with either
+    tracking taken from the closed forms; h and k turn with the yaw.
+    """
+    axis, contact, cos_q, sin_q, joint = state.axis, state.contact, state.cos_q, state.sin_q, state.joint
+    spin_rate, yaw_rate = state.spin_rate, state.yaw_rate
+    h_q = wheel.radius - wheel.roller_distance / cos_q
+    h_rate = wheel.roller_distance * sin_q / (cos_q * cos_q) * spin_rate
+    l_rate = -wheel.roller_distance * wheel.tan_psi / (cos_q * cos_q) * spin_rate
+    arm_h_rate = -h_rate * wheel.sin_psi
+    arm_k_rate = -wheel.cos_psi * (h_rate * cos_q + h_q * sin_q * spin_rate)
+    axis_n_rate = wheel.cos_psi * cos_q * spin_rate
+    joint_acceleration = -free.spin * axis.k - free.yaw * axis.n - yaw_rate * axis_n_rate
+    along_h = free.h + yaw_rate * state.velocity.k - free.spin * wheel.radius - free.yaw * contact.l
+    along_k = free.k - yaw_rate * state.velocity.h
+    return Slip(
+        along_h - yaw_rate * l_rate + joint_acceleration * contact.arm_h + joint * arm_h_rate,
+        along_k + joint_acceleration * contact.arm_k + joint * arm_k_rate,
     )
 
 

@@ -8,9 +8,15 @@ import math
 
 from omnisim.kernel import kernel
 
-NONE, VISCOUS, REGULARIZED, SATURATED = 0, 1, 2, 3
-TINY_SPEED = 1e-300
-LAWS = {"none": NONE, "viscous": VISCOUS, "regularized": REGULARIZED, "saturated": SATURATED}
+NONE, VISCOUS, REGULARIZED, SATURATED, COULOMB = range(5)
+LAWS = {
+    "none": NONE,
+    "viscous": VISCOUS,
+    "regularized": REGULARIZED,
+    "saturated": SATURATED,
+    "coulomb": COULOMB,  # while slipping; at zero slip see coulomb.py
+}
+TINY_SPEED = 1e-300  # never divide by zero: a stage far off the step's end may hit v = 0 exactly
 
 
 @kernel
@@ -24,9 +30,11 @@ def friction_factor(machine, saturated, normal_force, slip):
         return machine.friction * normal_force / math.sqrt(square)
     if machine.law == SATURATED:
         speed = machine.slip_speed
-        if saturated:  # never divide by zero: a stage far off the step's end may hit v = 0 exactly
+        if saturated:
             speed = max(math.sqrt(slip.h * slip.h + slip.k * slip.k), TINY_SPEED)
         return machine.friction * normal_force / speed
+    if machine.law == COULOMB:
+        return machine.friction * normal_force / max(math.sqrt(slip.h * slip.h + slip.k * slip.k), TINY_SPEED)
     if machine.law == VISCOUS:
         return machine.viscosity
     return 0.0

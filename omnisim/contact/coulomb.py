@@ -1,0 +1,77 @@
+"""Stage 3, the set-valued law of Coulomb: |F| <= mu N, and F = -mu N v / |v| when slipping.
+
+At zero slip the force follows from the contact equation v' = b + A F, b the slip acceleration without friction and A
+the contact's inverse mass:
+
+    sticking    v' = 0: F = -A^-1 b, as long as it lies inside the cone
+    slipping    from rest in the direction u in which it goes on: F = -mu N u and v' = b - mu N A u = kappa u
+"""
+
+import math
+from typing import NamedTuple
+
+from omnisim.contact.kinematics import Slip
+from omnisim.kernel import kernel
+
+TINY = 1e-300
+SLIP, STICK, CREEP = 0, 1, 2  # creep: slip so young that its direction is still that of the contact equation
+
+
+class Direction(NamedTuple):
+    """Unit vector u along h and k, and kappa (m/s^2): the growth of slip along it."""
+
+    h: float
+    k: float
+    kappa: float
+
+
+@kernel
+def grip_force(grip, a, b, limit, slip):
+    """F (N) of a contact that sticks or creeps under the limit mu N (N), and the margin in which it may do so.
+
+    Sticking: what is left of the cone, N. Creeping: the slip (m/s) along the direction of the contact equation.
+    """
+    if grip == STICK:
+        force = sticking_force(a, b)
+        return force, limit - math.sqrt(force.h * force.h + force.k * force.k)
+    u = slip_direction(a, b, limit)
+    return Slip(-limit * u.h, -limit * u.k), slip.h * u.h + slip.k * u.k
+
+
+@kernel
+def sticking_force(a, b):
+    """F (h, k), N, that holds the slip: A F = -b for A (hh, hk, kk) in 1/kg and b (h, k) in m/s^2."""
+    hh, hk, kk = a
+    determinant = hh * kk - hk * hk
+    return Slip((hk * b.k - kk * b.h) / determinant, (hk * b.h - hh * b.k) / determinant)
+
+
+@kernel
+def slip_direction(a, b, limit):
+    """The attracting Direction of slip from rest under friction of magnitude `limit` = mu N, N.
+
+    (S + kappa I) u = b with S = limit A and |u| = 1: the largest root kappa, where the left side is positive definite.
+    In the eigenvectors of S it is the secular equation sum b_i^2 / (s_i + kappa)^2 = 1; Newton on 1 / |u| = 1, which
+    is nearly linear in kappa, from below.
+    """
+    hh, hk, kk = a
+    mean, half, off = 0.5 * limit * (hh + kk), 0.5 * limit * (hh - kk), limit * hk
+    spread = math.sqrt(half * half + off * off)
+    angle = 0.5 * math.atan2(off, half)
+    cos, sin = math.cos(angle), math.sin(angle)  # the eigenvector of the larger eigenvalue
+    s_1, s_2 = mean + spread, mean - spread
+    b_1, b_2 = b.h * cos + b.k * sin, b.k * cos - b.h * sin
+    kappa = max(abs(b_1) - s_1, abs(b_2) - s_2)
+    for _ in range(40):
+        u_1, u_2 = b_1 / max(s_1 + kappa, TINY), b_2 / max(s_2 + kappa, TINY)
+        square = u_1 * u_1 + u_2 * u_2
+        norm = math.sqrt(square)
+        descent = u_1 * u_1 / max(s_1 + kappa, TINY) + u_2 * u_2 / max(s_2 + kappa, TINY)
+        change = (norm - 1.0) * square / descent
+        kappa += change
+        if abs(change) <= 1e-15 * (mean + abs(kappa)):
+            break
+    u_1, u_2 = b_1 / max(s_1 + kappa, TINY), b_2 / max(s_2 + kappa, TINY)
+    norm = math.sqrt(u_1 * u_1 + u_2 * u_2)
+    u_1, u_2 = u_1 / norm, u_2 / norm
+    return Direction(u_1 * cos - u_2 * sin, u_1 * sin + u_2 * cos, kappa)

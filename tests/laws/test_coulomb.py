@@ -1,0 +1,144 @@
+"""Set-valued Coulomb friction: fourth order through stops and exchanges, and closed forms where there are any."""
+
+import numpy as np
+import pytest
+from scenes import final_state, reference_data, reference_scene, simulate
+
+import omnisim
+
+CASE = "coulomb_wheel"
+STILL = ("initial.velocity=[0, 0]", "wheels.wheel.spin_rate=0")
+MASS, RADIUS, AXIAL = 0.5 + 8 * 0.02, 0.05, 8.245564409760374e-07
+LIMIT = 0.5 * MASS * 9.81  # mu N
+AXLE = 0.0004 + 8 * (0.02 * 0.04**2 + 2.3234831200535613e-06)  # J_k
+ROLLING = 1 / MASS + RADIUS**2 / AXLE  # inverse mass of the contact along h
+
+
+def test_the_reference_is_reached_at_order_four_through_25_exchanges_and_26_stops():
+    reference = reference_data(CASE)
+    exact = np.array([*reference["position"][-1], reference["yaw"][-1], reference["spin_angle"][-1]])
+    steps, bounds = (1e-2, 5e-3, 2e-3, 1e-3), (2e-5, 1e-6, 5e-8, 5e-9)
+    errors = []
+    for step, bound in zip(steps, bounds, strict=True):
+        run = simulate(CASE, f"time.step={step}")
+        kinds = list(run["events/kind"])
+        assert (kinds.count("exchange"), kinds.count("stick"), kinds.count("slip")) == (25, 26, 25)
+        errors.append(np.abs(final_state(run) - exact).max())
+        assert errors[-1] < bound  # measured 1.0e-5, 9.4e-7, 3.0e-8, 2.1e-9
+        assert np.abs(run["body/position"][:, :2] - reference["position"]).max() < bound
+    assert np.log2(errors[2] / errors[3]) >= 3.8  # measured 3.86; from 1e-2 on it is 3.68, as the first error is small
+
+
+@pytest.mark.parametrize(
+    "overrides", [(), ("wheel_types.omni.roller_angle_deg=30", "initial.yaw_rate=1.0"), ("solver.tracking=implicit",)]
+)
+def test_every_row_obeys_the_law(overrides):
+    run = simulate(CASE, "time.step=2e-5", "time.output_interval=2e-5", "time.end=0.2", *overrides)
+    slip, force = run["wheels/wheel/slip_velocity"], run["wheels/wheel/friction_force"]
+    speed, size = np.linalg.norm(slip, axis=1), np.linalg.norm(force, axis=1)
+    limit = 0.5 * run["wheels/wheel/normal_force"]
+    sticks = speed < 1e-10
+    assert 100 < np.count_nonzero(sticks) < len(sticks) - 100
+    assert np.all(size <= limit * (1 + 1e-12))
+    assert np.abs(size - limit)[~sticks].max() < 1e-12 * LIMIT
+    along = np.sum(force * slip, axis=1)[~sticks]
+    assert np.abs(along / (speed * size)[~sticks] + 1.0).max() < 1e-12, "friction opposes the slip"
+    assert speed[sticks].max() < 1e-11  # m/s, measured 1e-12
+
+
+def test_the_energy_balance_holds_through_stick_and_slip():
+    run = simulate(CASE, "time.step=5e-4")
+    assert np.abs(run["energy/balance"]).max() < 1e-9 * run["energy/kinetic"][0]  # measured 1e-11
+    assert np.all(np.diff(run["energy/friction_loss"]) >= -1e-15)
+
+
+def test_a_wheel_pushed_sideways_spins_its_roller_up_in_the_time_of_pure_sliding():
+    run = simulate(
+        CASE, "initial.velocity=[0, 0.3]", "wheels.wheel.spin_rate=0", "time.end=0.1", "time.output_interval=0.1"
+    )
+    sideways = 1 / MASS + (0.05 - 0.04) ** 2 / AXIAL
+    stop = 0.3 / (LIMIT * sideways)
+    assert list(run["events/kind"]) == ["stick"]
+    assert abs(run["events/time"][0] - stop) < 1e-12  # s, of 7.5e-4
+    assert abs(run["body/velocity"][-1, 1] - (0.3 - LIMIT / MASS * stop)) < 1e-11
+
+
+def test_a_wheel_spun_up_on_the_spot_rolls_after_the_time_of_pure_sliding():
+    run = simulate(CASE, "initial.velocity=[0, 0]", "wheels.wheel.spin_rate=30", "time.step=1e-3", "time.end=0.5")
+    stop = RADIUS * 30.0 / (LIMIT * ROLLING)
+    sticks = run["events/time"][run["events/kind"] == "stick"]
+    assert len(sticks) == 1
+    assert abs(sticks[0] - stop) < 1e-9  # s, measured 7e-13
+    speed = LIMIT / MASS * stop
+    assert abs(run["body/velocity"][-1, 0] - speed) < 1e-10
+    assert abs(run["wheels/wheel/spin_rate"][-1] - speed / RADIUS) < 1e-8
+
+
+@pytest.mark.parametrize("step", [1e-2, 1e-3])
+def test_a_torque_ramp_lets_the_wheel_slip_when_the_rolling_force_reaches_the_cone(step):
+    ramp = 0.4  # N m/s
+    run = simulate(
+        CASE,
+        *STILL,
+        f"wheels.wheel.drive={{kind='torque', times=[0, 1], torque=[0, {ramp}]}}",
+        "time.end=1.0",
+        f"time.step={step}",
+    )
+    release = LIMIT * ROLLING * AXLE / (ramp * RADIUS)
+    slips = run["events/time"][run["events/kind"] == "slip"]
+    assert len(slips) == 1
+    assert abs(slips[0] - release) < 1e-8  # s, measured 1e-12
+    after = 1.0 - release  # then F_h = mu N, whatever the slip
+    assert (
+        abs(
+            run["body/velocity"][-1, 0]
+            - (LIMIT / MASS * after + ramp * release**2 / 2 * RADIUS / AXLE / ROLLING / MASS)
+        )
+        < 1e-7
+    )
+
+
+@pytest.mark.parametrize(("share", "slips"), [(0.999999, False), (1.0, False), (1.01, True)])
+def test_a_constant_torque_slips_above_the_limit_and_not_at_it(share, slips):
+    torque = share * LIMIT * ROLLING * AXLE / RADIUS
+    run = simulate(
+        CASE, *STILL, f"wheels.wheel.drive={{kind='torque', torque={torque!r}}}", "time.end=0.2", "time.step=1e-3"
+    )
+    moved = np.abs(run["wheels/wheel/slip_velocity"][-1, 0])
+    if slips:
+        expected = (share - 1.0) * LIMIT * ROLLING * 0.2
+        assert moved == pytest.approx(expected, rel=1e-4)
+    else:
+        assert moved < 1e-11
+
+
+def test_a_wheel_stuck_for_a_long_time_does_not_drift():
+    pushed = ("wheels.wheel.drive={kind='torque', torque=0.01}", "wrench.times=[0]", "wrench.force=[[-0.2, 0, 0]]")
+    run = simulate(CASE, *STILL, *pushed, "time.end=100.0", "time.step=1e-2", "time.output_interval=1.0")
+    assert np.abs(run["wheels/wheel/slip_velocity"]).max() < 1e-10
+    assert np.abs(run["body/velocity"][:, 0] - RADIUS * run["wheels/wheel/spin_rate"]).max() < 1e-10
+
+
+def test_without_friction_or_load_the_law_does_nothing():
+    for override in ("friction.coefficient=0", "scene.gravity=0"):
+        run = simulate(CASE, override)
+        assert np.all(run["body/velocity"] == run["body/velocity"][0])
+        assert set(run["events/kind"]) == {"exchange"}
+
+
+@pytest.mark.parametrize("psi", [0.0, 45.0, -30.0])
+def test_both_trackings_stick_and_slip_alike(psi):
+    runs = [
+        omnisim.simulate(
+            reference_scene(
+                CASE,
+                f"wheel_types.omni.roller_angle_deg={psi}",
+                "time.step=5e-4",
+                "initial.yaw_rate=0.5",
+                f"solver.tracking={name}",
+            )
+        )
+        for name in ("explicit", "implicit")
+    ]
+    assert list(runs[0]["events/kind"]) == list(runs[1]["events/kind"])
+    assert np.abs(runs[0]["body/position"] - runs[1]["body/position"]).max() < 1e-8
