@@ -7,8 +7,8 @@
     CREEP  ---- slip turns back ----------------------------->  STICK or CREEP again
 
 Near zero slip v / |v| turns ever faster towards a limit direction, so a slipping contact is stepped by a fraction of
-the time in which it could stop or turn: slip shrinks geometrically and never crosses zero. A contact that lets go starts
-in that limit direction, which the contact equation gives in closed form, until its slip is large enough for its own.
+the time in which it could stop or turn: slip shrinks geometrically and never crosses zero. A contact that lets go
+starts in that limit direction, which the contact equation gives in closed form, until its slip is large enough.
 """
 
 import math
@@ -22,7 +22,7 @@ from omnisim.runge_kutta import refresh
 from omnisim.state import YAW, places
 
 SLIP_FRACTION = 0.75  # of the time in which friction could stop the slip, that one sub-step may take
-TURN_FRACTION = 2.0  # of the time in which friction turns the slip around; stable up to 2.78 with rk4, 2 with heun
+TURN_FRACTION = 0.7  # of the largest stable step of the method for the turning of the slip's direction
 REST_SPEED = 1e-11  # m/s: slip that no longer matters
 CREEP_SPEED = 1e-7  # m/s: slip that has a direction of its own
 CONE = 1e-12  # of mu N, by which a sticking force may pass the cone in rounding
@@ -50,7 +50,9 @@ def slip_step(parameters, run, t, h):
             pull_h = b.h - watch.factor * (hh * state.slip.h + hk * state.slip.k)
             pull_k = b.k - watch.factor * (hk * state.slip.h + kk * state.slip.k)
             change = math.sqrt((pull_h * pull_h + pull_k * pull_k) / watch.slip_square)
-            h = min(h, min(SLIP_FRACTION / change, TURN_FRACTION / (watch.factor * mobility)))
+            h = min(
+                h, min(SLIP_FRACTION / change, TURN_FRACTION * run.clock.stability_limit / (watch.factor * mobility))
+            )
     return h
 
 
