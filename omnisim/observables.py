@@ -1,62 +1,127 @@
 """From recorded rows to the datasets of a trajectory: every quantity that the march itself does not need."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from omnisim.contact.tracking import IMPLICIT, Heading
-from omnisim.dynamics import contact_reaction, drive_torque, external_wrench, rhs
+from omnisim.contact.kinematics import joint_rate
+from omnisim.contact.tracking import IMPLICIT, Heading, roller_axis
+from omnisim.dynamics import azimuth, contact_reaction, drive_torque, external_wrench, rho_of, rhs
 from omnisim.kernel import kernel
 from omnisim.multipliers import servo_torque
 from omnisim.parameters import Parameters
-from omnisim.start import roller_azimuths, roller_directions
 from omnisim.state import WATCH, YAW, Rows, X, Y, places
+from omnisim.vector import Vec3, combine, cross
 
 CONTACT = np.dtype(
     [
         ("normal_force", np.float64),  # N
         ("drive_torque", np.float64),  # N m
         ("servo_torque", np.float64),  # N m
-        ("along_axle", np.float64),  # l, m
+        ("angle", np.float64),  # q of the roller in contact, rad
+        ("point", np.float64, (3,)),  # world, m
         ("slip_velocity", np.float64, (2,)),  # h, k, m/s
         ("friction_force", np.float64, (2,)),  # on the roller, N
     ]
 )
 
 
+class Observed(NamedTuple):
+    """What `observe` finds in T rows of W wheels of at most N rollers.
+
+    slopes (T, n): y'; contacts (T, W): records CONTACT; joint_rate (T, W, N), rad/s; motion (3, T, W, N, 3): position,
+    velocity and acceleration of every roller centre, world axes, SI.
+    """
+
+    slopes: np.ndarray
+    contacts: np.recarray
+    joint_rate: np.ndarray
+    motion: np.ndarray
+
+
 @kernel
-def observe(parameters, rows, times, watch, slopes, contacts):
-    """Evaluate every row: y' into `slopes` (T, n), and records CONTACT of each wheel into `contacts` (T, W)."""
+def observe(parameters, rows, times, watch, observed):
+    """Evaluate every row."""
     at = places(len(parameters.wheels))
     for row in range(len(times)):
         t, piece, y, mode = times[row], rows.piece[row], rows.y[row], rows.mode[row]
-        rhs(parameters, mode, piece, t, y, slopes[row], watch)
+        rhs(parameters, mode, piece, t, y, observed.slopes[row], watch)
         heading = Heading(math.cos(y[YAW]), math.sin(y[YAW]))
         wrench = external_wrench(parameters, piece, t, heading)
         for w in range(len(parameters.wheels)):
-            contact, normal = contacts[row, w], max(watch[w].normal_force, 0.0)
+            wheel, contact, normal = parameters.wheels[w], observed.contacts[row, w], max(watch[w].normal_force, 0.0)
             torque = drive_torque(parameters, piece, t, w)
             reaction = contact_reaction(parameters, mode[w], w, heading, normal, wrench, torque, y)
-            spin_rate = y[at.spin_rate + w]
-            contact.normal_force = normal
-            contact.drive_torque = torque
-            contact.servo_torque = servo_torque(parameters.wheels[w], reaction, normal, spin_rate, y[at.yaw_rate])
-            contact.along_axle = reaction.state.contact.l
+            contact.normal_force, contact.drive_torque = normal, torque
+            contact.servo_torque = servo_torque(wheel, reaction, normal, y[at.spin_rate + w], y[at.yaw_rate])
+            contact.angle = contact_angle(parameters, mode[w], w, heading, y)
+            contact.point[0] = y[X] - reaction.state.contact.l * heading.sin
+            contact.point[1] = y[Y] + reaction.state.contact.l * heading.cos
             contact.slip_velocity[0], contact.slip_velocity[1] = reaction.state.slip.h, reaction.state.slip.k
             contact.friction_force[0], contact.friction_force[1] = reaction.force.h, reaction.force.k
+            observe_rollers(parameters, rows, row, w, heading, observed)
+
+
+@kernel
+def contact_angle(parameters, mode, w, heading, y):
+    """q of the roller in contact, rad: from the spin angle, or from the rho that the implicit tracking integrated."""
+    wheel, at = parameters.wheels[w], places(len(parameters.wheels))
+    if parameters.machine.tracking == IMPLICIT:
+        rho = rho_of(parameters, y, w, mode.roller % wheel.rollers)
+        return math.atan2(-rho.x * heading.cos - rho.y * heading.sin, rho.z)
+    return azimuth(wheel, mode.roller, y[at.spin_angle + w])
+
+
+@kernel
+def observe_rollers(parameters, rows, row, w, heading, observed):
+    """Joint rates of the rollers of wheel w, and the rigid motion of their centres O + R1 d with the wheel."""
+    wheel, y, dy, at = parameters.wheels[w], rows.y[row], observed.slopes[row], places(len(parameters.wheels))
+    spin_rate, yaw_rate = y[at.spin_rate + w], y[at.yaw_rate]
+    spin_acceleration, turning = dy[at.spin_rate + w], spin_rate * yaw_rate
+    h, k = Vec3(heading.cos, heading.sin, 0.0), Vec3(-heading.sin, heading.cos, 0.0)
+    up = Vec3(0.0, 0.0, 1.0)
+    rate = combine(spin_rate, k, yaw_rate, up, 0.0, up)
+    rate_rate = combine(spin_acceleration, k, dy[at.yaw_rate], up, -turning, h)  # k' = -theta' h
+    centre = Vec3(y[X], y[Y], wheel.radius)
+    velocity = Vec3(y[at.velocity], y[at.velocity + 1], 0.0)
+    acceleration = Vec3(dy[at.velocity], dy[at.velocity + 1], 0.0)
+    for i in range(wheel.rollers):
+        q = azimuth(wheel, i, y[at.spin_angle + w])
+        axis = roller_axis(wheel, math.cos(q), math.sin(q))
+        observed.joint_rate[row, w, i] = joint_rate(axis, rows.rates[row, w, i], spin_rate, yaw_rate)
+        if parameters.machine.tracking == IMPLICIT:  # what it integrated is what it shows
+            d = combine(-1.0, rho_of(parameters, y, w, i), 0.0, up, 0.0, up)
+        else:
+            d = combine(math.sin(q), h, -math.cos(q), up, 0.0, up)
+        arm = combine(wheel.roller_distance, d, 0.0, up, 0.0, up)
+        around = cross(rate, arm)
+        store(observed.motion[0, row, w, i], combine(1.0, centre, 1.0, arm, 0.0, up))
+        store(observed.motion[1, row, w, i], combine(1.0, velocity, 1.0, around, 0.0, up))
+        curved = combine(1.0, cross(rate_rate, arm), 1.0, cross(rate, around), 1.0, acceleration)
+        store(observed.motion[2, row, w, i], curved)
+
+
+@kernel
+def store(target, vector):
+    target[0], target[1], target[2] = vector.x, vector.y, vector.z
 
 
 @np.errstate(over="ignore", invalid="ignore")  # the caller drops rows that are not finite
 def datasets(parameters: Parameters, rows: Rows, interval: float, names: list[str]) -> dict[str, np.ndarray]:
     """All datasets of T rows, `interval` seconds apart, but the events: by path in the trajectory file."""
-    times = np.arange(len(rows.y)) * interval
-    slopes = np.empty_like(rows.y)
-    contacts = np.zeros(rows.mode.shape, CONTACT).view(np.recarray)
-    watch = np.zeros(len(names), WATCH).view(np.recarray)
-    observe(parameters, rows, times, watch, slopes, contacts)
-    data = {"time": times} | body(parameters, rows.y, slopes) | energy(parameters, rows)
+    times, (count, wheels, rollers) = np.arange(len(rows.y)) * interval, rows.rates.shape
+    watch = np.zeros(wheels, WATCH).view(np.recarray)
+    observed = Observed(
+        slopes=np.empty_like(rows.y),
+        contacts=np.zeros((count, wheels), CONTACT).view(np.recarray),
+        joint_rate=np.empty((count, wheels, rollers)),
+        motion=np.empty((3, count, wheels, rollers, 3)),
+    )
+    observe(parameters, rows, times, watch, observed)
+    data = {"time": times} | body(parameters, rows.y, observed.slopes) | energy(parameters, rows)
     for w, name in enumerate(names):
-        group = wheel(parameters, w, rows, slopes, contacts[:, w])
+        group = wheel(parameters, w, rows, observed)
         data |= {f"wheels/{name}/{path}": values for path, values in group.items()}
     return data
 
@@ -94,68 +159,26 @@ def energy(parameters: Parameters, rows: Rows) -> dict[str, np.ndarray]:
     }
 
 
-def wheel(
-    parameters: Parameters, w: int, rows: Rows, slopes: np.ndarray, contacts: np.recarray
-) -> dict[str, np.ndarray]:
+def wheel(parameters: Parameters, w: int, rows: Rows, observed: Observed) -> dict[str, np.ndarray]:
     """Datasets of one wheel, by path below its group."""
-    record, y, at = parameters.wheels[w], rows.y, places(len(parameters.wheels))
-    to_rollers = tracked_directions(parameters, w, y)  # d of every roller
-    here = rows.mode[:, w].roller % record.rollers
-    cos_yaw, sin_yaw = np.cos(y[:, YAW]), np.sin(y[:, YAW])
-    contact_d = to_rollers[np.arange(len(y)), here]
-    along_axle = contacts.along_axle[:, None] * np.column_stack([-sin_yaw, cos_yaw])
+    count, at, contacts = parameters.wheels[w].rollers, places(len(parameters.wheels)), observed.contacts[:, w]
+    position, velocity, acceleration = observed.motion[:, :, w, :count]
     return {
-        "spin_angle": y[:, at.spin_angle + w],
-        "spin_rate": y[:, at.spin_rate + w],
-        "spin_acceleration": slopes[:, at.spin_rate + w],
+        "spin_angle": rows.y[:, at.spin_angle + w],
+        "spin_rate": rows.y[:, at.spin_rate + w],
+        "spin_acceleration": observed.slopes[:, at.spin_rate + w],
         "drive_torque": contacts.drive_torque,
         "normal_force": contacts.normal_force,
-        "contact_angle": np.arctan2(contact_d[:, 0] * cos_yaw + contact_d[:, 1] * sin_yaw, -contact_d[:, 2]),
-        "contact_roller": here,
-        "contact_point": np.column_stack([y[:, [X, Y]] + along_axle, np.zeros(len(y))]),
+        "contact_angle": contacts.angle,
+        "contact_roller": rows.mode[:, w].roller % count,
+        "contact_point": contacts.point,
         "slip_velocity": contacts.slip_velocity,
         "friction_force": contacts.friction_force,
-        "contact_share": np.ones(len(y)),
+        "contact_share": np.ones(len(rows.y)),
         "servo_torque": contacts.servo_torque,
-    } | {f"rollers/{path}": values for path, values in rollers(parameters, w, rows, slopes, to_rollers).items()}
-
-
-def tracked_directions(parameters: Parameters, w: int, y: np.ndarray) -> np.ndarray:
-    """Unit vectors d from the wheel centre to every roller centre, world axes, (T, N_r, 3).
-
-    The implicit tracking has them as -rho: what it integrated is what it shows.
-    """
-    record, count, at = parameters.wheels[w], parameters.wheels[w].rollers, places(len(parameters.wheels))
-    if parameters.machine.tracking == IMPLICIT:
-        first = at.rho + 3 * parameters.sector.shape[1] * w
-        return -y[:, first : first + 3 * count].reshape(len(y), count, 3)
-    return roller_directions(roller_azimuths(record, y[:, at.spin_angle + w]), y[:, YAW])
-
-
-def rollers(
-    parameters: Parameters, w: int, rows: Rows, slopes: np.ndarray, directions: np.ndarray
-) -> dict[str, np.ndarray]:
-    """Rates of every roller, and the rigid motion of its centre O + R1 d with the wheel."""
-    record, y, at = parameters.wheels[w], rows.y, places(len(parameters.wheels))
-    spin_rate, yaw_rate = y[:, at.spin_rate + w], y[:, at.yaw_rate]
-    axial_rate = rows.rates[:, w, : record.rollers].copy()
-    axis_n = -record.cos_psi * np.sin(roller_azimuths(record, y[:, at.spin_angle + w]))
-    centre = np.column_stack([y[:, X], y[:, Y], np.full(len(y), record.radius)])
-    velocity = np.column_stack([y[:, at.velocity], y[:, at.velocity + 1], np.zeros(len(y))])
-    acceleration = np.column_stack([slopes[:, at.velocity], slopes[:, at.velocity + 1], np.zeros(len(y))])
-    k = np.column_stack([-np.sin(y[:, YAW]), np.cos(y[:, YAW]), np.zeros(len(y))])
-    k_rate = -yaw_rate[:, None] * np.column_stack([k[:, 1], -k[:, 0], k[:, 2]])  # k' = -theta' h
-    up = np.array([0.0, 0.0, 1.0])
-    w_wheel = spin_rate[:, None] * k + yaw_rate[:, None] * up
-    w_rate = slopes[:, at.spin_rate + w, None] * k + spin_rate[:, None] * k_rate + slopes[:, at.yaw_rate, None] * up
-    arms = record.roller_distance * directions
-    around = np.cross(w_wheel[:, None], arms)
-    return {
-        "axial_rate": axial_rate,
-        "joint_rate": axial_rate - (spin_rate * record.sin_psi)[:, None] - yaw_rate[:, None] * axis_n,
-        "center_position": centre[:, None] + arms,
-        "center_velocity": velocity[:, None] + around,
-        "center_acceleration": acceleration[:, None]
-        + np.cross(w_rate[:, None], arms)
-        + np.cross(w_wheel[:, None], around),
+        "rollers/axial_rate": rows.rates[:, w, :count],
+        "rollers/joint_rate": observed.joint_rate[:, w, :count],
+        "rollers/center_position": position,
+        "rollers/center_velocity": velocity,
+        "rollers/center_acceleration": acceleration,
     }
