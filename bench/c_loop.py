@@ -19,7 +19,7 @@ from omnisim.state import YAW, X, Y, places
 
 SOURCE = Path(__file__).with_name("wheel_rk4.c")
 TARGET = 1.5  # times the C loop
-AGREEMENT = 1e-12  # of all states and rows, relative to the largest value of each state (at least 1)
+AGREEMENT = 1e-11  # of all states and rows, relative to the largest value of each state (at least 1); C sums plainly
 PLAIN = "gcc -O3"
 FLAGS = (PLAIN, "gcc -O3 -march=native", "gcc -O3 -fno-tree-vectorize")
 FROM_MACHINE = ("mass", "yaw_inertia", "slip_speed")

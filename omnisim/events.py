@@ -29,6 +29,7 @@ from omnisim.status import LIFT_OFF
 from omnisim.trajectory import EVENT_KINDS
 
 TURN, EXIT, KINK, LOAD, GRIP, CREEPING = range(6)
+ROUNDING = 4.0 * 2.0**-53
 SMOOTH_GUARDS, GUARDS = 4, 6  # the last two are of coulomb friction alone
 EXCHANGE, STUCK, SLIPS, LIFT, STOP = (
     EVENT_KINDS.index(kind) for kind in ("exchange", "stick", "slip", "lift_off", "stop")
@@ -53,7 +54,9 @@ def guard(parameters, mode, kind, w, y, watch):
     if kind == TURN:
         return direction * y[at.spin_rate + w]
     if kind == EXIT:
-        return direction * (roller_end(wheel, mode[w].roller, direction) - y[at.spin_angle + w])
+        spin_angle = y[at.spin_angle + w]
+        rounding = ROUNDING * (1.0 + abs(spin_angle))  # an edge reached to rounding is reached
+        return direction * (roller_end(wheel, mode[w].roller, direction) - spin_angle) - rounding
     if kind == KINK:
         if machine.law != SATURATED:
             return 0.0

@@ -76,7 +76,7 @@ def take_roller(parameters, run, w, roller):
     mode, at, count = run.mode[w], places(len(parameters.wheels)), parameters.wheels[w].rollers
     mode.roller = roller
     here = roller % count
-    run.y[at.roller_rate + w] = run.rates[w, here]
+    run.y[at.roller_rate + w], run.carry[at.roller_rate + w] = run.rates[w, here], 0.0
     mode.air_cos, mode.air_sin, mode.air_sum = 0.0, 0.0, 0.0
     for i in range(count):
         if i != here:

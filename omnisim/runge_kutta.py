@@ -13,7 +13,9 @@ def advance(parameters, tableau, run, t, h):
     for i in range(1, stages):
         combine(y, h, a[i], i, slopes, stage)
         rhs(parameters, run.mode, run.clock.piece, t + c[i] * h, stage, slopes[i], run.watch_end)
-    combine(y, h, b, stages, slopes, trial)
+    combine(run.carry, h, b, stages, slopes, run.increment)
+    for m in range(len(y)):
+        trial[m] = y[m] + run.increment[m]
     rhs(parameters, run.mode, run.clock.piece, t + h, trial, slopes[stages], run.watch_end)
     run.clock.rhs += stages
 
@@ -33,7 +35,13 @@ def combine(y, h, weights, count, slopes, out):
 
 @kernel
 def accept(run):
-    """The trial becomes the state, and its derivative the first stage of the next step."""
+    """The trial becomes the state, and its derivative the first stage of the next step.
+
+    What was lost in rounding y + increment is carried into the next increment (Kahan), so millions of steps add up to
+    the rounding of one.
+    """
+    for m in range(len(run.y)):
+        run.carry[m] = run.increment[m] - (run.trial[m] - run.y[m])
     copy(run.trial, run.y)
     copy(run.slopes[-1], run.slopes[0])
     for w in range(len(run.watch)):

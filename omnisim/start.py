@@ -22,6 +22,8 @@ def begin(config: Config, parameters: Parameters, tableau: Tableau) -> Run:
         y=y,
         trial=np.empty_like(y),
         stage=np.empty_like(y),
+        carry=np.zeros_like(y),
+        increment=np.zeros_like(y),
         slopes=np.zeros((tableau.stages + 1, len(y))),
         rates=rates,
         mode=np.zeros(count, MODE).view(np.recarray),

@@ -77,7 +77,7 @@ CLOCK = np.dtype(
 class Run(NamedTuple):
     """The mutable part of a march, n states, W wheels, N rollers, s stages.
 
-    y, trial, stage (n,); slopes (s + 1, n): stage derivatives, the first at the start of the step and the last at
+    y, trial, stage, carry, increment (n,), the last two of compensated summation; slopes (s + 1, n): stage derivatives, the first at the start of the step and the last at
     its end; rates (W, N) absolute axial rate of every roller, rad/s (of the one in contact: as of its last exchange);
     mode (W,) records MODE; watch, watch_end (W,) records WATCH at the start and end of the step; clock record CLOCK.
     """
@@ -85,6 +85,8 @@ class Run(NamedTuple):
     y: np.ndarray
     trial: np.ndarray
     stage: np.ndarray
+    carry: np.ndarray
+    increment: np.ndarray
     slopes: np.ndarray
     rates: np.ndarray
     mode: np.recarray

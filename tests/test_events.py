@@ -187,6 +187,14 @@ def test_the_rollers_that_touch_are_found_by_either_contact_condition(tracking):
         assert run.mode[0].roller == expected[0]  # positive spin
 
 
+def test_an_exchange_on_an_output_time_is_in_that_row_already():
+    """The authors' testbench rolls at pi / 2 rad/s: its exchanges fall on 0.5, 1.5, ... s after 80000 steps and more."""
+    run = omnisim.simulate(omnisim.load("authors_testbench", ["time.step=6.25e-6", "time.output_interval=0.5"]))
+    assert np.abs(run["events/time"] - np.arange(10) - 0.5).max() < 1e-13  # s, measured 5e-15: sums are compensated
+    assert list(run["wheels/wheel/contact_roller"][1::2]) == [1, 2, 3, 0, 1, 2, 3, 0, 1, 2]
+    assert np.degrees(run["wheels/wheel/contact_angle"][1::2]) == pytest.approx(45.0, abs=1e-10)
+
+
 def test_energy_does_not_change_at_an_exchange():
     """There is no impact: the contact point jumps along the axle, no velocity does."""
     run = simulate("testbench_psi30", "time.step=1e-5", "time.end=1.0")
