@@ -12,7 +12,7 @@ from omnisim.parameters import Parameters, pack
 from omnisim.scene import Scene, parse
 from omnisim.start import begin, blank_rows
 from omnisim.state import Rows, Run
-from omnisim.status import EVENTS_PER_STEP, RUNNING
+from omnisim.status import COMPLETE, EVENTS_PER_STEP
 from omnisim.stepper import march
 from omnisim.tableau import TABLEAUX
 
@@ -63,13 +63,20 @@ class March(NamedTuple):
     run: Run
     rows: Rows
     log: np.recarray
-    steps_per_row: int
-    steps: int
+
+    @property
+    def steps(self) -> int:
+        return int(self.run.clock.steps)
+
+    @property
+    def steps_per_row(self) -> int:
+        return int(self.run.clock.steps_per_row)
 
     def go(self) -> "March":
         """March to the end; the rows and the log are filled, the run is spent."""
+        self.run.clock.pause = np.iinfo(np.int64).max
         status = march(*self)
-        if status != RUNNING:
+        if status != COMPLETE:
             raise RuntimeError(f"the march stopped with status {status}")
         return self
 
@@ -81,7 +88,7 @@ def ready(scene: Scene) -> March:
     run = begin(config, parameters, tableau)
     rows = blank_rows(run, config.time.outputs + 1)
     log = np.zeros(4 * EVENTS_PER_STEP, EVENT).view(np.recarray)
-    return March(parameters, tableau.arrays, run, rows, log, config.time.steps_per_output, config.time.steps)
+    return March(parameters, tableau.arrays, run, rows, log)
 
 
 def interleaved(contestants: dict[str, Callable[[], Callable[[], object]]], rounds: int) -> dict[str, list[float]]:

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from omnisim_cli.screen import Failure, Progress, aligned, compilation_noted
+from omnisim_cli.screen import Failure, Progress, aligned, compilation_noted, note
 
 if TYPE_CHECKING:
     from omnisim.scene import Scene
     from omnisim.trajectory import Trajectory
+
+COARSE = 1e-3  # relative error of the energy balance beyond which a run is worth a warning
 
 
 @click.command()
@@ -39,6 +41,8 @@ def run(scene: str, output: str | None, overrides: tuple[str, ...], force: bool,
     trajectory = simulate_and_save(loaded, path, quiet)
     if not quiet:
         click.echo(report(trajectory, path))
+    if (warning := coarse(trajectory)) and not quiet:
+        note(warning)
     if not trajectory.complete:
         raise Failure(f"{trajectory.attributes['status']} ({path} holds what was computed)")
 
@@ -75,6 +79,17 @@ def report(trajectory: Trajectory, path: Path) -> str:
         "file": f"{path} ({rows} rows, {path.stat().st_size / 1e6:.2g} MB)",
         "status": a["status"],
     })  # fmt: skip
+
+
+def coarse(trajectory: Trajectory) -> str:
+    """What to say of a run whose energies do not balance; empty if they do."""
+    from omnisim.analysis import energy_error
+
+    most = trajectory["energy/kinetic"].max(initial=0.0)
+    missing = energy_error(trajectory).absolute / most if most > 0.0 else 0.0
+    if missing < COARSE:
+        return ""
+    return f"Warning: energy is unaccounted for, {missing:.1%} of the largest kinetic energy: time.step is too coarse"
 
 
 def speed(simulated: float, wall_time: float) -> str:

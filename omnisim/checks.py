@@ -2,16 +2,16 @@
 
 import math
 
-from omnisim.contact.kinematics import Slip, inverse_mass
+from omnisim.contact.kinematics import Slip, inverse_mass, largest
 from omnisim.contact.reaction import COULOMB, friction_factor
-from omnisim.contact.tracking import IMPLICIT, Heading
+from omnisim.contact.tracking import IMPLICIT, Heading, explicit_contact, roller_axis
 from omnisim.dynamics import contact_state, rho_of
 from omnisim.kernel import kernel
 from omnisim.state import YAW
-from omnisim.status import LOST_TRACK, NOT_FINITE, TOO_STIFF
+from omnisim.status import LOST_TRACK, NO_START, NOT_FINITE, TOO_STIFF
 from omnisim.vector import dot
 
-STIFF_STEPS = 8  # surplus of steps too large for the rate at which slip relaxes, before the run stops
+STIFF_STEPS = 3  # surplus of steps too large for the rate at which slip relaxes, before the run stops
 LOST = 1e-3  # |rho|^2 - 1 at which the implicit tracking is no longer worth its name
 
 
@@ -27,9 +27,12 @@ def check(parameters, run):
     for m in range(len(run.y)):
         total += run.y[m] * run.y[m] + run.slopes[0, m] * run.slopes[0, m]
     if not math.isfinite(total):
-        clock.status = TOO_STIFF if clock.stiff > 0 else NOT_FINITE
+        if clock.stiff > 0:
+            too_stiff(parameters, run, max(clock.wheel, 0))
+        else:
+            clock.status = NOT_FINITE if clock.row else NO_START
         return
-    stiff = False
+    stiff = -1
     for w in range(len(run.mode)):
         if parameters.machine.tracking == IMPLICIT:
             rho = rho_of(parameters, run.y, w, run.mode[w].roller % parameters.wheels[w].rollers)
@@ -37,15 +40,25 @@ def check(parameters, run):
                 clock.status, clock.wheel = LOST_TRACK, w
                 return
         factor, machine = run.watch[w].factor, parameters.machine
-        if machine.law != COULOMB and factor * machine.slip_mobility * clock.dt > clock.stability_limit:
-            mobility = slip_mobility(parameters, run, w)
-            if factor * mobility * clock.dt > clock.stability_limit:
-                at_rest = friction_factor(machine, 0, run.watch[w].normal_force, Slip(0.0, 0.0))
-                stiff = True
-                clock.rate, clock.wheel = at_rest * mobility, w
-    clock.stiff = clock.stiff + 1 if stiff else max(clock.stiff - 1, 0)
+        if machine.law == COULOMB or factor * machine.slip_mobility * clock.dt <= clock.stability_limit:
+            continue  # the bound of the mobility is cheap
+        if factor * slip_mobility(parameters, run, w) * clock.dt > clock.stability_limit:
+            stiff = w
+    clock.stiff = clock.stiff + 1 if stiff >= 0 else max(clock.stiff - 1, 0)
     if clock.stiff >= STIFF_STEPS:
-        clock.status = TOO_STIFF
+        too_stiff(parameters, run, stiff)
+
+
+@kernel
+def too_stiff(parameters, run, w):
+    """Stop for friction at wheel w, with the largest rate at which it relaxes slip anywhere on a roller."""
+    machine, wheel, mobility = parameters.machine, parameters.wheels[w], 0.0
+    for i in range(-32, 33):
+        cos_q, sin_q = math.cos(wheel.alpha * i / 32), math.sin(wheel.alpha * i / 32)
+        contact = explicit_contact(wheel, cos_q, sin_q)
+        mobility = max(mobility, largest(inverse_mass(machine, wheel, roller_axis(wheel, cos_q, sin_q), contact)))
+    at_rest = friction_factor(machine, 0, run.watch[w].normal_force, Slip(0.0, 0.0))
+    run.clock.rate, run.clock.wheel, run.clock.status = at_rest * mobility, w, TOO_STIFF
 
 
 @kernel
@@ -53,5 +66,4 @@ def slip_mobility(parameters, run, w):
     """Largest eigenvalue of the inverse mass of wheel w's contact, 1/kg: with the factor g, the rate of its slip."""
     heading = Heading(math.cos(run.y[YAW]), math.sin(run.y[YAW]))
     state = contact_state(parameters, run.mode[w], w, heading, run.y)
-    hh, hk, kk = inverse_mass(parameters.machine, parameters.wheels[w], state.axis, state.contact)
-    return 0.5 * (hh + kk) + math.sqrt(0.25 * (hh - kk) ** 2 + hk * hk)
+    return largest(inverse_mass(parameters.machine, parameters.wheels[w], state.axis, state.contact))

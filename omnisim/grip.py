@@ -14,7 +14,7 @@ starts in that limit direction, which the contact equation gives in closed form,
 import math
 
 from omnisim.contact.coulomb import CREEP, SLIP, STICK, slip_direction
-from omnisim.contact.kinematics import Slip
+from omnisim.contact.kinematics import Slip, largest
 from omnisim.contact.tracking import Heading
 from omnisim.dynamics import contact_equation, contact_state, drive_torque, external_wrench
 from omnisim.kernel import kernel
@@ -46,7 +46,7 @@ def slip_step(parameters, run, t, h):
         watch = run.watch[w]
         if run.mode[w].grip == SLIP and watch.factor > 0.0:
             state, (hh, hk, kk), b = equation_of(parameters, run, w, t)
-            mobility = 0.5 * (hh + kk) + math.sqrt(0.25 * (hh - kk) ** 2 + hk * hk)
+            mobility = largest((hh, hk, kk))
             pull_h = b.h - watch.factor * (hh * state.slip.h + hk * state.slip.k)
             pull_k = b.k - watch.factor * (hk * state.slip.h + kk * state.slip.k)
             change = math.sqrt((pull_h * pull_h + pull_k * pull_k) / watch.slip_square)

@@ -40,9 +40,19 @@ def cache_directory() -> Path:
             pass
         os.utime(directory)
     except OSError:
-        return Path(tempfile.gettempdir()) / f"omnisim-{os.getuid() if hasattr(os, 'getuid') else 0}" / source_hash()
+        return temporary_directory()
     prune(base, directory)
     return directory
+
+
+def temporary_directory() -> Path:
+    """A folder of this user alone, since Numba trusts what it finds there."""
+    user = os.getuid() if hasattr(os, "getuid") else 0
+    directory = Path(tempfile.gettempdir()) / f"omnisim-{user}"
+    directory.mkdir(mode=0o700, exist_ok=True)
+    found = directory.lstat()
+    private = hasattr(os, "getuid") and found.st_uid == user and not found.st_mode & 0o077
+    return (directory if private else Path(tempfile.mkdtemp(prefix="omnisim-"))) / source_hash()
 
 
 def prune(base: Path, current: Path) -> None:

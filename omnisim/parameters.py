@@ -41,6 +41,7 @@ WHEEL = np.dtype(
     ]
 )
 FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE, DRIVE = range(5)  # channels of the inputs; DRIVE + w is the torque of wheel w
+SHORTEST = 1e-14  # relative: pieces of tables that are no longer than rounding are left out
 
 
 class Parameters(NamedTuple):
@@ -139,17 +140,19 @@ def merge_tables(config: Config) -> tuple[np.ndarray, np.ndarray]:
     tables[YAW_TORQUE] = (times, yaw_torques)
     tables |= {DRIVE + number: wheel.drive.table for number, wheel in enumerate(config.wheels)}
     knots = sorted({time for times, _ in tables.values() for time in times if time > 0.0})
-    starts = np.array([0.0, *knots])
-    ends = np.array([*knots, math.inf])
+    edges = np.array([0.0, *knots, math.inf])
+    lasting = np.diff(edges) > SHORTEST * (1.0 + edges[:-1])  # two knots that rounding cannot part are a jump
+    starts = edges[:-1][lasting]
     inputs = np.zeros((len(starts), DRIVE + len(config.wheels), 2))
     for channel, (times, values) in tables.items():
-        for piece, (start, end) in enumerate(zip(starts, ends, strict=True)):
-            inputs[piece, channel] = line(times, values, start, end)
+        for piece, start in enumerate(starts):
+            inputs[piece, channel] = line(times, values, start)
+    starts[0] = 0.0
     return starts, inputs
 
 
-def line(times: Sequence[float], values: Sequence[float], start: float, end: float) -> tuple[float, float]:
-    """Value at `start` and slope of a table on [start, end), which holds none of its knots inside."""
+def line(times: Sequence[float], values: Sequence[float], start: float) -> tuple[float, float]:
+    """Value at `start` and slope of a table from there to its next knot."""
     after = int(np.searchsorted(times, start, side="right"))  # first knot beyond the start
     if after == 0 or after == len(times):
         return values[min(after, len(times) - 1)], 0.0

@@ -21,6 +21,7 @@ from omnisim.tableau import TABLEAUX
 from omnisim.trajectory import EVENT_KINDS, Trajectory
 
 CHUNK_SECONDS = 0.05  # between two calls of `progress`
+FIRST_CHUNK, MOST_CHUNK = 20_000, 20_000_000  # right-hand sides between two calls: of the order of 1 ms to 1 s
 
 
 def simulate(scene: Scene, progress: Callable[[float], object] | None = None) -> Trajectory:
@@ -41,18 +42,16 @@ def simulate(scene: Scene, progress: Callable[[float], object] | None = None) ->
     log = np.zeros(4 * EVENTS_PER_STEP, EVENT)
     wall_time, chunk = 0.0, 0
     while run.clock.status == status.RUNNING:
-        begun, target = time.perf_counter(), min(run.clock.step + chunk, grid.steps)
-        room = march(parameters, tableau.arrays, run, rows, log.view(np.recarray), grid.steps_per_output, target)
+        run.clock.pause, begun = run.clock.rhs + chunk, time.perf_counter()
+        room = march(parameters, tableau.arrays, run, rows, log.view(np.recarray))
         elapsed = time.perf_counter() - begun
         if room == status.LOG_FULL:
             log = np.concatenate([log, np.zeros_like(log)])
-        wall_time += elapsed if chunk else 0.0  # the first call marches nowhere: it loads or compiles the kernels
-        if run.clock.status == status.RUNNING and run.clock.step == grid.steps:
-            run.clock.status = status.COMPLETE
-        elif progress and progress(run.clock.step / grid.steps) and run.clock.status == status.RUNNING:
+        if run.clock.status == status.RUNNING and progress and progress(run.clock.step / grid.steps):
             run.clock.status = status.INTERRUPTED
-        faster = chunk * CHUNK_SECONDS / max(elapsed, 1e-9)
-        chunk = int(min(max(faster, 1.0), 4.0 * chunk)) if chunk else 1000
+        wall_time += elapsed if chunk else 0.0  # the first call marches nowhere: it loads or compiles the kernels
+        chunk = chunk * CHUNK_SECONDS / max(elapsed, 1e-9) if chunk else FIRST_CHUNK
+        chunk = int(min(max(chunk, FIRST_CHUNK), MOST_CHUNK))
     return collect(scene, parameters, run, rows, log, wall_time)
 
 

@@ -16,6 +16,7 @@ def begin(config: Config, parameters: Parameters, tableau: Tableau) -> Run:
     y, rates = initial_state(config, parameters)
     count, clock = len(parameters.wheels), np.zeros(1, CLOCK).view(np.recarray)[0]
     clock.dt = config.time.output_interval / config.time.steps_per_output
+    clock.steps, clock.steps_per_row = config.time.steps, config.time.steps_per_output
     clock.wheel = -1
     clock.stability_limit = tableau.stability_limit
     return Run(

@@ -58,11 +58,14 @@ WATCH = np.dtype(
 )
 CLOCK = np.dtype(
     [
+        ("steps", np.int64),  # grid steps in all
+        ("steps_per_row", np.int64),
         ("step", np.int64),  # grid steps done
         ("row", np.int64),  # output rows written
         ("piece", np.int64),  # of the tables
         ("events", np.int64),  # in the log
         ("rhs", np.int64),  # right-hand sides evaluated
+        ("pause", np.int64),  # number of them at which the march returns to its caller
         ("stiff", np.int64),  # surplus of steps too large for the rate at which slip relaxes
         ("status", np.int64),
         ("wheel", np.int64),  # that caused the status, or -1
@@ -77,9 +80,10 @@ CLOCK = np.dtype(
 class Run(NamedTuple):
     """The mutable part of a march, n states, W wheels, N rollers, s stages.
 
-    y, trial, stage, carry, increment (n,), the last two of compensated summation; slopes (s + 1, n): stage derivatives, the first at the start of the step and the last at
-    its end; rates (W, N) absolute axial rate of every roller, rad/s (of the one in contact: as of its last exchange);
-    mode (W,) records MODE; watch, watch_end (W,) records WATCH at the start and end of the step; clock record CLOCK.
+    y, trial, stage, carry, increment (n,), the last two of compensated summation; slopes (s + 1, n): stage
+    derivatives, the first at the start of the step and the last at its end; rates (W, N): absolute axial rate of every
+    roller, rad/s (of the one in contact as of its last exchange); mode (W,): records MODE; watch, watch_end (W,):
+    records WATCH at the start and end of the step; clock: record CLOCK.
     """
 
     y: np.ndarray

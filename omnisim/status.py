@@ -2,13 +2,25 @@
 
 EVENTS_PER_STEP = 4096  # more than this in one step is no progress of time
 
-RUNNING, COMPLETE, LOG_FULL, INTERRUPTED, NOT_FINITE, TOO_STIFF, ROCKING, CROWDED, LIFT_OFF, LOST_TRACK, SLOW_SLIP = (
-    range(11)
-)
+(
+    RUNNING,
+    COMPLETE,
+    LOG_FULL,
+    INTERRUPTED,
+    NO_START,
+    NOT_FINITE,
+    TOO_STIFF,
+    ROCKING,
+    CROWDED,
+    SLOW_SLIP,
+    LIFT_OFF,
+    LOST_TRACK,
+) = range(12)
 
 SENTENCES = {
     COMPLETE: "complete",
     INTERRUPTED: "interrupted by the user at t = {time:.9g} s",
+    NO_START: "the motion cannot start: a rate of change at t = 0 is not finite; look at the initial speeds and masses",
     NOT_FINITE: (
         "the motion diverged at t = {time:.9g} s: a state is no longer finite; try time.step below {step:.3g} s"
     ),

@@ -4,40 +4,57 @@ The grid k * dt never shifts. A grid step is cut at events and at knots of the t
 is taken from there, each piece with the mode frozen, so the order of the method survives.
 """
 
-from omnisim.checks import check
+from omnisim.checks import check, too_stiff
 from omnisim.contact.reaction import COULOMB
-from omnisim.events import GUARDS, SMOOTH_GUARDS, TURN, guard, settle_slip, transition
+from omnisim.events import EXIT, GUARDS, SMOOTH_GUARDS, TURN, guard, settle_slip, transition
 from omnisim.exchange import release_roller, settle
 from omnisim.grip import hold, rests, slip_step
 from omnisim.kernel import kernel
 from omnisim.runge_kutta import accept, advance, copy, refresh
-from omnisim.status import CROWDED, EVENTS_PER_STEP, LOG_FULL, ROCKING, RUNNING, SLOW_SLIP
+from omnisim.status import (
+    COMPLETE,
+    CROWDED,
+    EVENTS_PER_STEP,
+    LOG_FULL,
+    LOST_TRACK,
+    NOT_FINITE,
+    ROCKING,
+    RUNNING,
+    SLOW_SLIP,
+    TOO_STIFF,
+)
 
-TURNS_PER_STEP = 100  # reversals of spin in one step: a Zeno sequence of ever shorter swings about an edge
+CUTS_PER_STEP = 100  # more reversals of spin in one step are ever shorter swings about an edge; more changes of
+# friction are a step that no branch of the law survives
 SLIPS_PER_STEP = 10**6  # sub-steps of slow slip in one step
 ROUNDING = 1e-14
 EPSILON = 4.0 * 2.0**-52
 
 
 @kernel
-def march(parameters, tableau, run, rows, log, steps_per_row, last_step):
-    """March to grid step `last_step` or until something stops the run; resumable. Returns the status."""
+def march(parameters, tableau, run, rows, log):
+    """March to the end or until something stops the run; pauses when it has worked enough or the log is full.
+
+    Resumable: returns the status, RUNNING at a pause, LOG_FULL if the log needs room.
+    """
     clock = run.clock
-    if clock.row == 0:
+    if clock.row == 0 and clock.status == RUNNING:
         settle(parameters, run)
         check(parameters, run)
         if clock.status == RUNNING:
             write_row(parameters, run, rows)
-    while clock.step < last_step and clock.status == RUNNING:
+    while clock.status == RUNNING and clock.step < clock.steps and clock.rhs < clock.pause:
         if clock.events + 2 * EVENTS_PER_STEP > len(log):
             return LOG_FULL
         grid_step(parameters, tableau, run, log)
-        if clock.status == RUNNING:
+        if clock.dt - clock.elapsed <= ROUNDING * clock.dt * (clock.step + 1):  # it may have stopped at its very end
             clock.step += 1
             clock.elapsed = 0.0
             check(parameters, run)
-            if clock.status == RUNNING and clock.step % steps_per_row == 0:
+            if clock.status not in (NOT_FINITE, TOO_STIFF, LOST_TRACK) and clock.step % clock.steps_per_row == 0:
                 write_row(parameters, run, rows)
+    if clock.status == RUNNING and clock.step == clock.steps:
+        clock.status = COMPLETE
     return clock.status
 
 
@@ -57,7 +74,7 @@ def write_row(parameters, run, rows):
 def grid_step(parameters, tableau, run, log):
     """One dt, with all its events and knots."""
     clock = run.clock
-    start, turns, slips, first_event = clock.step * clock.dt, 0, 0, clock.events
+    start, first_event, turns, others, slips = clock.step * clock.dt, clock.events, 0, 0, 0
     clock.elapsed = 0.0
     coulomb = parameters.machine.law == COULOMB
     while clock.elapsed < clock.dt:
@@ -78,6 +95,7 @@ def grid_step(parameters, tableau, run, log):
         if kind >= 0:
             transition(parameters, run, log, kind, w, start + clock.elapsed)
             turns += kind == TURN
+            others += kind not in (TURN, EXIT)
         elif h < whole:
             slips += 1
             if slips > SLIPS_PER_STEP:
@@ -87,8 +105,10 @@ def grid_step(parameters, tableau, run, log):
             refresh(parameters, run, start + clock.elapsed)
         else:
             return
-        if turns > TURNS_PER_STEP:
+        if turns > CUTS_PER_STEP:
             clock.status, clock.wheel = ROCKING, w
+        elif others > CUTS_PER_STEP:
+            too_stiff(parameters, run, w)
         elif clock.events - first_event > EVENTS_PER_STEP:
             clock.status, clock.wheel = CROWDED, w
         if clock.status != RUNNING:

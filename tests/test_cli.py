@@ -308,3 +308,11 @@ def test_help_and_version_do_not_wait_for_numpy():
     for argument in ("--help", "--version"):
         done = subprocess.run([sys.executable, "-c", code, argument], capture_output=True, text=True, check=False)
         assert done.returncode == 0 and done.stdout.startswith(("Usage", "omnisim 0"))
+
+
+def test_a_run_whose_energies_do_not_balance_is_warned_of(folder):
+    coarse = settings("friction.slip_speed=1.0", "time.step=0.05", "wheels.wheel.spin_rate=60")
+    result = command("run", SCENE, *coarse)
+    assert result.exit_code == 0, result.stderr
+    assert "Warning: energy is unaccounted for" in result.stderr
+    assert command("run", SCENE, *coarse, "--force", "--quiet").stderr == ""

@@ -188,9 +188,9 @@ def test_the_rollers_that_touch_are_found_by_either_contact_condition(tracking):
 
 
 def test_an_exchange_on_an_output_time_is_in_that_row_already():
-    """The authors' testbench rolls at pi / 2 rad/s: its exchanges fall on 0.5, 1.5, ... s after 80000 steps and more."""
+    """The authors' testbench rolls at pi / 2 rad/s: exchanges fall on 0.5, 1.5, ... s, after 80000 steps and more."""
     run = omnisim.simulate(omnisim.load("authors_testbench", ["time.step=6.25e-6", "time.output_interval=0.5"]))
-    assert np.abs(run["events/time"] - np.arange(10) - 0.5).max() < 1e-13  # s, measured 5e-15: sums are compensated
+    assert np.abs(run["events/time"] - np.arange(10) - 0.5).max() < 1e-13  # s; measured 5e-15
     assert list(run["wheels/wheel/contact_roller"][1::2]) == [1, 2, 3, 0, 1, 2, 3, 0, 1, 2]
     assert np.degrees(run["wheels/wheel/contact_angle"][1::2]) == pytest.approx(45.0, abs=1e-10)
 

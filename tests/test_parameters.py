@@ -102,5 +102,5 @@ def test_tables_with_different_knots_share_one_sequence_of_pieces():
 
 
 def test_a_line_beyond_the_last_knot_is_flat():
-    assert line([0.0, 1.0], [2.0, 4.0], 1.0, math.inf) == (4.0, 0.0)
-    assert line([0.0], [2.0], 0.0, math.inf) == (2.0, 0.0)
+    assert line([0.0, 1.0], [2.0, 4.0], 1.0) == (4.0, 0.0)
+    assert line([0.0], [2.0], 0.0) == (2.0, 0.0)

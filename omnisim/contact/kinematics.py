@@ -1,5 +1,6 @@
 """Stage 2, how fast: the slip velocity at the contact point, and how easily a contact force changes it."""
 
+import math
 from typing import NamedTuple
 
 from omnisim.kernel import kernel
@@ -61,6 +62,13 @@ def slip_bias(wheel, state, free):
         along_h - yaw_rate * l_rate + joint_acceleration * contact.arm_h + joint * arm_h_rate,
         along_k + joint_acceleration * contact.arm_k + joint * arm_k_rate,
     )
+
+
+@kernel
+def largest(a):
+    """The larger eigenvalue of a symmetric matrix a (hh, hk, kk)."""
+    hh, hk, kk = a
+    return 0.5 * (hh + kk) + math.sqrt(0.25 * (hh - kk) ** 2 + hk * hk)
 
 
 @kernel
