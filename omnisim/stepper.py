@@ -24,8 +24,9 @@ from omnisim.status import (
     TOO_STIFF,
 )
 
-CUTS_PER_STEP = 100  # more reversals of spin in one step are ever shorter swings about an edge; more changes of
-# friction are a step that no branch of the law survives
+# More reversals of spin in one step are ever shorter swings about an edge; more changes of friction than that, a step
+# that no branch of the law survives.
+CUTS_PER_STEP = 100
 SLIPS_PER_STEP = 10**6  # sub-steps of slow slip in one step
 ROUNDING = 1e-14
 EPSILON = 4.0 * 2.0**-52
@@ -98,8 +99,6 @@ def grid_step(parameters, tableau, run, log):
             others += kind not in (TURN, EXIT)
         elif h < whole:
             slips += 1
-            if slips > SLIPS_PER_STEP:
-                clock.status, clock.wheel = SLOW_SLIP, 0
         elif knot:
             clock.piece += 1
             refresh(parameters, run, start + clock.elapsed)
@@ -107,8 +106,10 @@ def grid_step(parameters, tableau, run, log):
             return
         if turns > CUTS_PER_STEP:
             clock.status, clock.wheel = ROCKING, w
-        elif others > CUTS_PER_STEP:
+        elif others > CUTS_PER_STEP and not coulomb:
             too_stiff(parameters, run, w)
+        elif slips > SLIPS_PER_STEP or others > CUTS_PER_STEP:
+            clock.status, clock.wheel = SLOW_SLIP, max(w, 0)
         elif clock.events - first_event > EVENTS_PER_STEP:
             clock.status, clock.wheel = CROWDED, w
         if clock.status != RUNNING:
