@@ -41,7 +41,9 @@ def measure(rounds: int) -> dict:
 
 def evaluation(scene):
     """A function that evaluates the right-hand side EVALUATIONS times, from the state after the first steps."""
-    march = ready(scene)._replace(steps=10).go()
+    march = ready(scene)
+    march.run.clock.steps = 10
+    march.go()
     return lambda: evaluate(march.parameters, march.run, EVALUATIONS)
 
 

@@ -1,5 +1,6 @@
 """The peers of the benchmarks simulate the same motion; nothing here is timed."""
 
+import subprocess
 import sys
 from pathlib import Path
 
@@ -49,3 +50,12 @@ def test_a_work_precision_curve_is_read_between_its_points():
 
 def test_a_table_is_markdown():
     assert table(["a", "b"], [[1, 2]]) == "| a | b |\n| --- | --- |\n| 1 | 2 |"
+
+
+def test_every_benchmark_runs_and_reports():
+    """The whole of `python bench/run.py --quick` but the start-up of commands, with its verdict."""
+    command = [sys.executable, "bench/run.py", "--quick", "c_loop", "scaling", "kernels"]
+    done = subprocess.run(command, cwd=Path(__file__).parents[1], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "## Kernels" in done.stdout
+    assert "64 rollers take" in done.stdout
