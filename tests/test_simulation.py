@@ -179,7 +179,7 @@ def test_center_velocity_and_acceleration_are_the_derivatives_of_position():
     )
     for values, rates in ((position, velocity), (velocity, acceleration)):
         numeric = (values[:-4] - 8 * values[1:-3] + 8 * values[3:-1] - values[4:]) / (12 * dt)
-        assert np.abs(numeric - rates[2:-2]).max() < 1e-8 * np.abs(rates).max()  # measured 2e-10
+        assert np.abs(numeric - rates[2:-2]).max() < 1e-8 * np.abs(rates).max()  # measured 1.1e-10, 2.3e-10
 
 
 def test_a_saturated_law_too_stiff_for_the_step_stops_instead_of_flipping_at_its_kink_for_ever():
