@@ -14,7 +14,7 @@ from omnisim.start import begin, blank_rows
 from omnisim.state import Rows, Run
 from omnisim.status import COMPLETE, EVENTS_PER_STEP
 from omnisim.stepper import march
-from omnisim.tableau import TABLEAUX
+from omnisim.tableau import METHODS, Stages
 
 ROLLER_RATES = (3.0, -2.0, 5.0, 1.0, -4.0, 2.0)
 SCENE = """
@@ -59,7 +59,7 @@ class March(NamedTuple):
     """A march ready to go: what `stepper.march` takes."""
 
     parameters: Parameters
-    tableau: tuple[np.ndarray, ...]
+    stages: Stages
     run: Run
     rows: Rows
     log: np.recarray
@@ -83,12 +83,12 @@ class March(NamedTuple):
 
 def ready(scene: Scene) -> March:
     """The march of a scene, with room for all its events."""
-    config, tableau = scene.config, TABLEAUX[scene.config.solver.method]
+    config = scene.config
     parameters = pack(config)
-    run = begin(config, parameters, tableau)
+    run = begin(config, parameters)
     rows = blank_rows(run, config.time.outputs + 1)
     log = np.zeros(4 * EVENTS_PER_STEP, EVENT).view(np.recarray)
-    return March(parameters, tableau.arrays, run, rows, log)
+    return March(parameters, METHODS[config.solver.method].stages, run, rows, log)
 
 
 def interleaved(contestants: dict[str, Callable[[], Callable[[], object]]], rounds: int) -> dict[str, list[float]]:

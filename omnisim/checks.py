@@ -9,6 +9,7 @@ from omnisim.dynamics import contact_state, rho_of
 from omnisim.kernel import kernel
 from omnisim.state import YAW
 from omnisim.status import LOST_TRACK, NO_START, NOT_FINITE, TOO_STIFF
+from omnisim.tableau import EXPLICIT
 from omnisim.vector import dot
 
 STIFF_STEPS = 3  # surplus of steps too large for the rate at which slip relaxes, before the run stops
@@ -40,7 +41,7 @@ def check(parameters, run):
                 clock.status, clock.wheel = LOST_TRACK, w
                 return
         factor, machine = run.watch[w].factor, parameters.machine
-        if machine.law == COULOMB or factor * machine.slip_mobility * clock.dt <= clock.stability_limit:
+        if machine.law == COULOMB or clock.choice != EXPLICIT or factor * machine.slip_mobility * clock.dt <= clock.stability_limit:
             continue  # the bound of the mobility is cheap
         if factor * slip_mobility(parameters, run, w) * clock.dt > clock.stability_limit:
             stiff = w

@@ -106,7 +106,7 @@ class Time(Table):
 class Solver(Table):
     """[solver]: Runge-Kutta method, and which of the two contact tracking algorithms runs."""
 
-    method: _choice("heun", "rk4", "dopri5") = "rk4"
+    method: _choice("heun", "rk4", "dopri5", "radau5", "auto") = "rk4"
     tracking: _choice("explicit", "implicit") = "explicit"
 
 

@@ -13,15 +13,18 @@ starts in that limit direction, which the contact equation gives in closed form,
 
 import math
 
-from omnisim.contact.coulomb import CREEP, SLIP, STICK, slip_direction
+from omnisim.contact.coulomb import CREEP, SLIP, STICK, TINY, slip_direction
 from omnisim.contact.kinematics import Slip, largest
+from omnisim.contact.reaction import COULOMB
 from omnisim.contact.tracking import Heading
 from omnisim.dynamics import contact_equation, contact_state, drive_torque, external_wrench
 from omnisim.kernel import kernel
 from omnisim.runge_kutta import refresh
 from omnisim.state import YAW, places
+from omnisim.tableau import EXPLICIT, IMPLICIT
 
 SLIP_FRACTION = 0.75  # of the time in which friction could stop the slip, that one sub-step may take
+SMOOTH_FRACTION = 0.25  # the same for smooth laws in stiff scenes, where nothing else resolves their layers
 TURN_FRACTION = 0.7  # of the largest stable step of the method for the turning of the slip's direction
 REST_SPEED = 1e-11  # m/s: slip that no longer matters
 CREEP_SPEED = 1e-7  # m/s: slip that has a direction of its own
@@ -40,19 +43,30 @@ def equation_of(parameters, run, w, t):
 
 
 @kernel
-def slip_step(parameters, run, t, h):
-    """The step h, or less if a slipping contact could come to rest within it."""
+def step_length(parameters, run, t, h):
+    """The step h, or less if slip could come to rest or change its course within it; sets the kind of the step.
+
+    An explicit step of coulomb friction also follows the turning of the slip's direction; method "auto" leaves that to
+    an implicit step.
+    """
+    clock, machine = run.clock, parameters.machine
+    fraction = SLIP_FRACTION if machine.law == COULOMB else SMOOTH_FRACTION
+    clock.implicit = clock.choice == IMPLICIT
+    fastest = 0.0
     for w in range(len(run.mode)):
         watch = run.watch[w]
         if run.mode[w].grip == SLIP and watch.factor > 0.0:
             state, (hh, hk, kk), b = equation_of(parameters, run, w, t)
-            mobility = largest((hh, hk, kk))
             pull_h = b.h - watch.factor * (hh * state.slip.h + hk * state.slip.k)
             pull_k = b.k - watch.factor * (hk * state.slip.h + kk * state.slip.k)
-            change = math.sqrt((pull_h * pull_h + pull_k * pull_k) / watch.slip_square)
-            h = min(
-                h, min(SLIP_FRACTION / change, TURN_FRACTION * run.clock.stability_limit / (watch.factor * mobility))
-            )
+            scale = watch.slip_square + machine.slip_floor * machine.slip_floor
+            h = min(h, fraction / math.sqrt((pull_h * pull_h + pull_k * pull_k) / scale))
+            fastest = max(fastest, watch.factor * largest((hh, hk, kk)))
+    stable = TURN_FRACTION * clock.stability_limit / max(fastest, TINY)
+    if h > stable:
+        if clock.choice == EXPLICIT:
+            h = stable
+        clock.implicit = clock.choice != EXPLICIT
     return h
 
 

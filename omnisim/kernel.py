@@ -70,14 +70,23 @@ CACHE_DIRECTORY = cache_directory()
 
 
 def kernel(function):
-    """Compile `function` with Numba on first use, cached on disk, with IEEE arithmetic as NumPy has it.
+    """Compile `function` with Numba on first use, cached on disk, and inline it wherever it is called.
 
-    No fastmath: NaN must stay visible. Numba reads its cache folder while decorating, so the setting is put back
-    at once and other packages keep theirs.
+    IEEE arithmetic as NumPy has it, no fastmath: NaN must stay visible.
     """
+    return compiled(function, inline=True)
+
+
+def outlined(function):
+    """A kernel that is called, not inlined: for long functions with many uses, where compiling counts more."""
+    return compiled(function, inline=False)
+
+
+def compiled(function, inline):
+    """Numba reads its cache folder while decorating, so the setting is put back at once: other packages keep theirs."""
     theirs = numba_config.CACHE_DIR
     numba_config.CACHE_DIR = str(CACHE_DIRECTORY)
     try:
-        return numba.njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)(function)
+        return numba.njit(cache=True, error_model="numpy", _nrt=False, forceinline=inline)(function)
     finally:
         numba_config.CACHE_DIR = theirs

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from omnisim.config import Config, Wheel, WheelType
+from omnisim.config import Config, Friction, Wheel, WheelType
 from omnisim.contact.reaction import LAWS
 from omnisim.contact.tracking import TRACKINGS
 
@@ -19,6 +19,7 @@ MACHINE = np.dtype(
         ("friction", np.float64),  # mu, 1
         ("slip_speed", np.float64),  # m/s
         ("viscosity", np.float64),  # N s/m
+        ("slip_floor", np.float64),  # slip over which friction changes near zero slip, m/s
         ("tracking", np.int64),  # tracking.TRACKINGS
         ("body_frame", np.int64),  # 1: the wrench turns with the yaw
         ("slip_mobility", np.float64),  # upper bound of the contact's inverse mass, 1/kg
@@ -81,8 +82,16 @@ def fill_machine(machine: np.record, config: Config, types: list[WheelType]) -> 
     machine.friction = friction.coefficient
     machine.slip_speed = friction.slip_speed
     machine.viscosity = friction.viscosity
+    machine.slip_floor = slip_floor(friction, machine.mass * machine.gravity)
     machine.tracking = TRACKINGS[config.solver.tracking]
     machine.body_frame = config.wrench.frame == "body"
+
+
+def slip_floor(friction: Friction, weight: float) -> float:
+    """Slip over which friction changes near zero slip, m/s: of viscous friction that at which it carries the weight."""
+    if friction.law == "viscous" and friction.viscosity > 0.0:
+        return weight / friction.viscosity
+    return {"coulomb": 0.0, "regularized": friction.slip_speed, "saturated": friction.slip_speed}.get(friction.law, 1.0)
 
 
 def fill_wheel(row: np.record, kind: WheelType, wheel: Wheel) -> None:

@@ -5,9 +5,9 @@ from omnisim.kernel import kernel
 
 
 @kernel
-def advance(parameters, tableau, run, t, h):
+def explicit_step(parameters, method, run, t, h):
     """One Runge-Kutta step of length h from run.y into run.trial, with the derivative and `watch` at its end."""
-    a, b, c = tableau
+    a, b, c = method.a, method.b, method.c
     y, trial, stage, slopes = run.y, run.trial, run.stage, run.slopes
     stages = len(b)
     for i in range(1, stages):

@@ -17,7 +17,7 @@ from omnisim.start import begin, blank_rows
 from omnisim.state import Rows, Run
 from omnisim.status import EVENTS_PER_STEP
 from omnisim.stepper import march
-from omnisim.tableau import TABLEAUX
+from omnisim.tableau import METHODS
 from omnisim.trajectory import EVENT_KINDS, Trajectory
 
 CHUNK_SECONDS = 0.05  # between two calls of `progress`
@@ -32,9 +32,9 @@ def simulate(scene: Scene, progress: Callable[[float], object] | None = None) ->
     computed, and `attributes["status"]` says when, where and why. Raises SceneError if the rows do not fit into
     memory.
     """
-    grid, tableau = scene.config.time, TABLEAUX[scene.config.solver.method]
+    grid, stages = scene.config.time, METHODS[scene.config.solver.method].stages
     parameters = pack(scene.config)
-    run = begin(scene.config, parameters, tableau)
+    run = begin(scene.config, parameters)
     try:
         rows = blank_rows(run, grid.outputs + 1)
     except MemoryError as error:
@@ -43,7 +43,7 @@ def simulate(scene: Scene, progress: Callable[[float], object] | None = None) ->
     wall_time, chunk = 0.0, 0
     while run.clock.status == status.RUNNING:
         run.clock.pause, begun = run.clock.rhs + chunk, time.perf_counter()
-        room = march(parameters, tableau.arrays, run, rows, log.view(np.recarray))
+        room = march(parameters, stages, run, rows, log.view(np.recarray))
         elapsed = time.perf_counter() - begun
         if room == status.LOG_FULL:
             log = np.concatenate([log, np.zeros_like(log)])

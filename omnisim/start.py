@@ -7,30 +7,53 @@ import numpy as np
 from omnisim.config import Config
 from omnisim.contact.tracking import IMPLICIT
 from omnisim.parameters import Parameters
-from omnisim.state import CLOCK, MODE, WATCH, YAW, Rows, Run, X, Y, places
-from omnisim.tableau import Tableau
+from omnisim.state import CLOCK, MODE, WATCH, YAW, Newton, Rows, Run, X, Y, places
+from omnisim.stiffness import resolve
+from omnisim.tableau import EXPLICIT, METHODS
 
 
-def begin(config: Config, parameters: Parameters, tableau: Tableau) -> Run:
+def begin(config: Config, parameters: Parameters) -> Run:
     """A Run at t = 0; the march itself finds the rollers in contact."""
     y, rates = initial_state(config, parameters)
     count, clock = len(parameters.wheels), np.zeros(1, CLOCK).view(np.recarray)[0]
     clock.dt = config.time.output_interval / config.time.steps_per_output
     clock.steps, clock.steps_per_row = config.time.steps, config.time.steps_per_output
     clock.wheel = -1
-    clock.stability_limit = tableau.stability_limit
+    method = METHODS[config.solver.method]
+    clock.choice, clock.stability_limit = resolve(config, parameters), method.tableau.stability_limit
     return Run(
         y=y,
         trial=np.empty_like(y),
         stage=np.empty_like(y),
         carry=np.zeros_like(y),
         increment=np.zeros_like(y),
-        slopes=np.zeros((tableau.stages + 1, len(y))),
+        slopes=np.zeros((method.tableau.stages + 1, len(y))),
         rates=rates,
         mode=np.zeros(count, MODE).view(np.recarray),
         watch=np.zeros(count, WATCH).view(np.recarray),
         watch_end=np.zeros(count, WATCH).view(np.recarray),
         clock=clock,
+        newton=newton_room(count, len(y) if clock.choice != EXPLICIT else 0),
+    )
+
+
+def newton_room(wheels: int, states: int) -> Newton:
+    """Room for implicit steps: forces depend on yaw, spin angles and all rates."""
+    at = places(wheels)
+    active = np.arange(YAW, at.friction_loss) if states else np.zeros(0, np.int64)
+    square, column = (len(active), len(active)), len(active)
+    return Newton(
+        active=active,
+        z=np.zeros((3, states)),
+        slopes=np.zeros((3, states)),
+        shifted=np.zeros(states),
+        jacobian=np.zeros(square),
+        real=np.zeros(square),
+        complex=np.zeros(square, complex),
+        real_pivots=np.zeros(column, np.int64),
+        complex_pivots=np.zeros(column, np.int64),
+        real_side=np.zeros(column),
+        complex_side=np.zeros(column, complex),
     )
 
 

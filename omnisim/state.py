@@ -67,6 +67,10 @@ CLOCK = np.dtype(
         ("rhs", np.int64),  # right-hand sides evaluated
         ("pause", np.int64),  # number of them at which the march returns to its caller
         ("stiff", np.int64),  # surplus of steps too large for the rate at which slip relaxes
+        ("choice", np.int64),  # tableau.EXPLICIT, IMPLICIT or AUTO
+        ("implicit", np.int64),  # the step under way is implicit
+        ("converged", np.int64),  # the last trial step: an implicit one may fail
+        ("implicit_steps", np.int64),  # taken, parts of steps counted each
         ("status", np.int64),
         ("wheel", np.int64),  # that caused the status, or -1
         ("dt", np.float64),  # s
@@ -77,13 +81,33 @@ CLOCK = np.dtype(
 )
 
 
+class Newton(NamedTuple):
+    """Room for the iteration of implicit steps on k coupled of n states; k = n = 0 when the method is explicit.
+
+    active (k,): those states, ascending; z, slopes (3, n): increments and derivatives of the stages; shifted (n,);
+    jacobian, real, complex (k, k): of the active slopes, and factors; pivots and right sides (k,).
+    """
+
+    active: np.ndarray
+    z: np.ndarray
+    slopes: np.ndarray
+    shifted: np.ndarray
+    jacobian: np.ndarray
+    real: np.ndarray
+    complex: np.ndarray
+    real_pivots: np.ndarray
+    complex_pivots: np.ndarray
+    real_side: np.ndarray
+    complex_side: np.ndarray
+
+
 class Run(NamedTuple):
     """The mutable part of a march, n states, W wheels, N rollers, s stages.
 
     y, trial, stage, carry, increment (n,), the last two of compensated summation; slopes (s + 1, n): stage
     derivatives, the first at the start of the step and the last at its end; rates (W, N): absolute axial rate of every
     roller, rad/s (of the one in contact as of its last exchange); mode (W,): records MODE; watch, watch_end (W,):
-    records WATCH at the start and end of the step; clock: record CLOCK.
+    records WATCH at the start and end of the step; clock: record CLOCK; newton: Newton.
     """
 
     y: np.ndarray
@@ -97,6 +121,7 @@ class Run(NamedTuple):
     watch: np.recarray
     watch_end: np.recarray
     clock: np.record
+    newton: Newton
 
 
 class Rows(NamedTuple):

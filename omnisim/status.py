@@ -15,7 +15,8 @@ EVENTS_PER_STEP = 4096  # more than this in one step is no progress of time
     SLOW_SLIP,
     LIFT_OFF,
     LOST_TRACK,
-) = range(12)
+    NO_CONVERGENCE,
+) = range(13)
 
 SENTENCES = {
     COMPLETE: "complete",
@@ -44,6 +45,9 @@ SENTENCES = {
     SLOW_SLIP: (
         "wheel '{wheel}' slips too slowly for an explicit method at t = {time:.9g} s: coulomb friction turns the slip "
         "faster than a million sub-steps of one step can follow; try law = 'regularized'"
+    ),
+    NO_CONVERGENCE: (
+        "no step from t = {time:.9g} s, however short, solves the equations of the implicit method"
     ),
     LIFT_OFF: (
         "wheel '{wheel}' leaves the floor at t = {time:.9g} s: the vertical force lifts more than the weight; "

@@ -8,21 +8,24 @@ from omnisim.checks import check, too_stiff
 from omnisim.contact.reaction import COULOMB
 from omnisim.events import EXIT, GUARDS, SMOOTH_GUARDS, TURN, guard, settle_slip, transition
 from omnisim.exchange import release_roller, settle
-from omnisim.grip import hold, rests, slip_step
+from omnisim.grip import hold, rests, step_length
 from omnisim.kernel import kernel
-from omnisim.runge_kutta import accept, advance, copy, refresh
+from omnisim.implicit import implicit_step
+from omnisim.runge_kutta import accept, copy, explicit_step, refresh
 from omnisim.status import (
     COMPLETE,
     CROWDED,
     EVENTS_PER_STEP,
     LOG_FULL,
     LOST_TRACK,
+    NO_CONVERGENCE,
     NOT_FINITE,
     ROCKING,
     RUNNING,
     SLOW_SLIP,
     TOO_STIFF,
 )
+from omnisim.tableau import EXPLICIT
 
 # More reversals of spin in one step are ever shorter swings about an edge; more changes of friction than that, a step
 # that no branch of the law survives.
@@ -33,7 +36,7 @@ EPSILON = 4.0 * 2.0**-52
 
 
 @kernel
-def march(parameters, tableau, run, rows, log):
+def march(parameters, method, run, rows, log):
     """March to the end or until something stops the run; pauses when it has worked enough or the log is full.
 
     Resumable: returns the status, RUNNING at a pause, LOG_FULL if the log needs room.
@@ -47,7 +50,7 @@ def march(parameters, tableau, run, rows, log):
     while clock.status == RUNNING and clock.step < clock.steps and clock.rhs < clock.pause:
         if clock.events + 2 * EVENTS_PER_STEP > len(log):
             return LOG_FULL
-        grid_step(parameters, tableau, run, log)
+        grid_step(parameters, method, run, log)
         if clock.dt - clock.elapsed <= ROUNDING * clock.dt * (clock.step + 1):  # it may have stopped at its very end
             clock.step += 1
             clock.elapsed = 0.0
@@ -72,7 +75,7 @@ def write_row(parameters, run, rows):
 
 
 @kernel
-def grid_step(parameters, tableau, run, log):
+def grid_step(parameters, method, run, log):
     """One dt, with all its events and knots."""
     clock = run.clock
     start, first_event, turns, others, slips = clock.step * clock.dt, clock.events, 0, 0, 0
@@ -86,9 +89,9 @@ def grid_step(parameters, tableau, run, log):
             for w in range(len(run.mode)):
                 if rests(parameters, run, w):
                     settle_slip(parameters, run, log, w, t)
-            h = slip_step(parameters, run, t, h)
-        advance(parameters, tableau, run, t, h)
-        h, kind, w = cut_at_event(parameters, tableau, run, t, h)
+        if coulomb or clock.choice != EXPLICIT:
+            h = step_length(parameters, run, t, h)
+        h, kind, w = step_to_event(parameters, method, run, t, h)
         accept(run)
         clock.elapsed += h
         if coulomb:
@@ -128,7 +131,21 @@ def piece_length(parameters, clock, start):
 
 
 @kernel
-def cut_at_event(parameters, tableau, run, t, h):
+def step_to_event(parameters, method, run, t, h):
+    """A trial step of at most h, up to its first event: its length, the guard that fired (or -1) and the wheel."""
+    while True:
+        advance(parameters, method, run, t, h)
+        s, kind, w = cut_at_event(parameters, method, run, t, h)
+        if run.clock.converged:
+            return s, kind, w
+        h *= 0.5
+        if h < ROUNDING * run.clock.dt:
+            run.clock.status = NO_CONVERGENCE
+            return 0.0, -1, -1
+
+
+@kernel
+def cut_at_event(parameters, method, run, t, h):
     """Shorten the trial step to its first event: its length, the guard that fired (or -1) and the wheel.
 
     Each violated guard is located on what is left of the step, TURN first, so EXIT sees a monotone spin angle and a
@@ -139,13 +156,13 @@ def cut_at_event(parameters, tableau, run, t, h):
         for w in range(len(run.mode)):
             value = guard(parameters, run.mode, kind, w, run.trial, run.watch_end)
             if value < 0.0:
-                h = locate(parameters, tableau, run, t, h, kind, w, value)
+                h = locate(parameters, method, run, t, h, kind, w, value)
                 fired, wheel = kind, w
     return h, fired, wheel
 
 
 @kernel
-def locate(parameters, tableau, run, t, h, kind, w, value):
+def locate(parameters, method, run, t, h, kind, w, value):
     """Root s of a guard on a step of length h at whose end it has the negative `value`; leaves the trial at s.
 
     Every evaluation is a step of its own from the start of the step, so the state found is as accurate as any. A
@@ -157,9 +174,9 @@ def locate(parameters, tableau, run, t, h, kind, w, value):
     while g_low <= 0.0:
         s = 0.5 * high
         if s < ROUNDING * run.clock.dt:
-            advance(parameters, tableau, run, t, 0.0)
+            advance(parameters, method, run, t, 0.0)
             return 0.0
-        g = trial_guard(parameters, tableau, run, t, s, kind, w)
+        g = trial_guard(parameters, method, run, t, s, kind, w)
         if g > 0.0:
             low, g_low = s, g
         else:
@@ -167,7 +184,7 @@ def locate(parameters, tableau, run, t, h, kind, w, value):
     tolerance = 1e-12 * h + EPSILON * (t + h)
     s, s_last, g_last = low + (high - low) * g_low / (g_low - g_high), high, g_high
     for iteration in range(60):
-        g = trial_guard(parameters, tableau, run, t, s, kind, w)
+        g = trial_guard(parameters, method, run, t, s, kind, w)
         correction = g * (s - s_last) / (g_last - g)
         if g > 0.0:
             low = s
@@ -183,7 +200,18 @@ def locate(parameters, tableau, run, t, h, kind, w, value):
 
 
 @kernel
-def trial_guard(parameters, tableau, run, t, s, kind, w):
+def advance(parameters, method, run, t, h):
+    """One step of length h from run.y into run.trial, explicit or implicit as the clock says."""
+    clock = run.clock
+    if clock.implicit:
+        clock.converged = implicit_step(parameters, method, run, t, h)
+    else:
+        clock.converged = True
+        explicit_step(parameters, method, run, t, h)
+
+
+@kernel
+def trial_guard(parameters, method, run, t, s, kind, w):
     """Value of a guard after a step of length s."""
-    advance(parameters, tableau, run, t, s)
+    advance(parameters, method, run, t, s)
     return guard(parameters, run.mode, kind, w, run.trial, run.watch_end)

@@ -7,12 +7,16 @@ Sources: Butcher, Numerical Methods for Ordinary Differential Equations (2016), 
 J. Comput. Appl. Math. 6 (1980) 19-26 (the weights of order 5; fixed steps need no error estimate).
 """
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property
 from math import prod
+from typing import NamedTuple
 
 import numpy as np
+
+EXPLICIT, IMPLICIT, AUTO = range(3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,11 +33,6 @@ class Tableau:
     def stages(self) -> int:
         return len(self.b)
 
-    @property
-    def arrays(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """What the kernels take."""
-        return self.a, self.b, self.c
-
     def amplification(self, z: float) -> float:
         """R(z) = 1 + z b (I - z a)^-1 1, the growth of y' = lambda y in a step with z = lambda dt."""
         ones = np.ones(self.stages)
@@ -49,6 +48,43 @@ class Tableau:
             middle = 0.5 * (inside + outside)
             inside, outside = (middle, outside) if abs(self.amplification(-middle)) <= 1.0 else (inside, middle)
         return inside
+
+
+class Radau(NamedTuple):
+    """Radau IIA of order 5: nodes c (3,), and A^-1 = V diag(lambda) V^-1 with one real and a pair of complex lambda.
+
+    *_right (3,): columns of V; *_left (3,): rows of V^-1. The third column and row are the conjugates of the second.
+    """
+
+    c: np.ndarray
+    real_value: float
+    complex_value: complex
+    real_left: np.ndarray
+    complex_left: np.ndarray
+    real_right: np.ndarray
+    complex_right: np.ndarray
+
+
+def collocation(c: np.ndarray) -> np.ndarray:
+    """Matrix A of the collocation method with nodes c: sum_j a_ij c_j^(k-1) = c_i^k / k for k = 1 .. s."""
+    powers = np.arange(len(c))
+    return (c[:, None] ** (powers + 1) / (powers + 1)) @ np.linalg.inv(c[:, None] ** powers)
+
+
+def radau_iia() -> Radau:
+    c = np.array([(4.0 - math.sqrt(6.0)) / 10.0, (4.0 + math.sqrt(6.0)) / 10.0, 1.0])
+    values, right = np.linalg.eig(np.linalg.inv(collocation(c)))
+    left = np.linalg.inv(right)
+    real, above = int(np.argmin(abs(values.imag))), int(np.argmax(values.imag))
+    return Radau(
+        c,
+        float(values[real].real),
+        complex(values[above]),
+        (left[real] * right[2, real]).real.copy(),  # scaled to be real
+        left[above].copy(),
+        (right[:, real] / right[2, real]).real.copy(),
+        right[:, above].copy(),
+    )
 
 
 @cache
@@ -116,3 +152,31 @@ TABLEAUX = {
         ),
     )
 }
+
+
+class Stages(NamedTuple):
+    """What the kernels take: an explicit tableau a (s, s), b (s,), c (s,), and Radau IIA beside it."""
+
+    a: np.ndarray
+    b: np.ndarray
+    c: np.ndarray
+    radau: Radau
+
+
+@dataclass(frozen=True, eq=False)
+class Method:
+    """A method by name: the tableau of its explicit steps, and which steps are explicit."""
+
+    name: str
+    choice: int  # EXPLICIT, IMPLICIT or AUTO
+    tableau: Tableau
+
+    @property
+    def stages(self) -> Stages:
+        return Stages(self.tableau.a, self.tableau.b, self.tableau.c, RADAU)
+
+
+RADAU = radau_iia()
+METHODS = {name: Method(name, EXPLICIT, tableau) for name, tableau in TABLEAUX.items()}
+METHODS["radau5"] = Method("radau5", IMPLICIT, TABLEAUX["rk4"])
+METHODS["auto"] = Method("auto", AUTO, TABLEAUX["rk4"])

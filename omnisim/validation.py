@@ -20,7 +20,6 @@ NOT_YET = (
     (("chassis",), (), ONE_BARE_WHEEL),
     (("wheels", 1), (), ONE_BARE_WHEEL),
     (("scene", "upright"), ("contacts",), None),
-    (("solver", "method"), ("radau5", "auto"), None),
 )
 
 

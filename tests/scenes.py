@@ -8,7 +8,6 @@ import numpy as np
 import omnisim
 from omnisim.parameters import pack
 from omnisim.start import begin
-from omnisim.tableau import TABLEAUX
 
 REFERENCE = Path(__file__).parent / "reference"
 REFERENCE_CASES = ("testbench_psi0", "testbench_psi30")
@@ -42,7 +41,7 @@ def final_state(trajectory):
 def packed(scene):
     """Parameters and a Run at t = 0 of a scene."""
     parameters = pack(scene.config)
-    return parameters, begin(scene.config, parameters, TABLEAUX[scene.config.solver.method])
+    return parameters, begin(scene.config, parameters)
 
 
 def wheel_record(radius=0.1, roller_distance=0.068, rollers=4, psi_deg=30.0):

@@ -1,0 +1,39 @@
+"""How stiff a scene is, and what method "auto" makes of it."""
+
+import math
+
+from omnisim.config import Config
+from omnisim.contact.kinematics import Slip
+from omnisim.contact.reaction import friction_factor
+from omnisim.parameters import Parameters
+from omnisim.tableau import AUTO, EXPLICIT, METHODS
+
+SAFE = 0.5  # of the stability limit of the explicit tableau, up to which "auto" is explicit throughout
+
+
+def relaxation_rate(config: Config, parameters: Parameters) -> float:
+    """Upper bound of the rate at which friction relaxes slip anywhere in the scene, 1/s; infinite for coulomb."""
+    machine = parameters.machine
+    lift = min(force[2] for force in config.wrench.table[1])
+    normal = max(machine.mass * machine.gravity - lift, 0.0) / len(parameters.wheels)
+    if config.friction.law == "coulomb":
+        return math.inf if machine.friction * normal > 0.0 else 0.0
+    return friction_factor(machine, 0, normal, Slip(0.0, 0.0)) * machine.slip_mobility
+
+
+def resolve(config: Config, parameters: Parameters) -> int:
+    """Which steps are explicit: as the method says, and for "auto" all of them if no step can be too stiff."""
+    method = METHODS[config.solver.method]
+    if method.choice == AUTO:
+        limit = SAFE * method.tableau.stability_limit
+        if relaxation_rate(config, parameters) * config.time.step <= limit:
+            return EXPLICIT
+    return method.choice
+
+
+def method_used(config: Config, parameters: Parameters) -> str:
+    """Name of the method, for "auto" of what it has become."""
+    method = METHODS[config.solver.method]
+    if method.choice != AUTO:
+        return method.name
+    return method.tableau.name if resolve(config, parameters) == EXPLICIT else f"{method.tableau.name} + radau5"
