@@ -20,7 +20,7 @@ LAYERS = (
     ("validation",),
     ("scene",),
     ("contact.kinematics", "storage"),
-    ("contact.reaction", "contact.coulomb"),
+    ("contact.reaction", "contact.coulomb", "contact.contensou"),
     ("parameters", "multipliers"),
     ("dynamics",),
     ("runge_kutta", "checks"),
