@@ -1,7 +1,7 @@
 """Coulomb friction in time: how a contact comes to rest, holds, lets go and slips on.
 
-    SLIP   ---- slip below REST_SPEED, F inside the cone ---->  STICK
-    SLIP   ---- slip below REST_SPEED, F outside ------------>  CREEP  (through zero without sticking)
+    SLIP   ---- slip below rest_speed, F inside the cone ---->  STICK
+    SLIP   ---- slip below rest_speed, F outside ------------>  CREEP  (through zero without sticking)
     STICK  ---- |F| reaches mu N ---------------------------->  CREEP
     CREEP  ---- slip above CREEP_SPEED ---------------------->  SLIP
     CREEP  ---- slip turns back ----------------------------->  STICK or CREEP again
@@ -13,9 +13,8 @@ starts in that limit direction, which the contact equation gives in closed form,
 
 import math
 
-from omnisim.contact.coulomb import CREEP, SLIP, STICK, TINY, slip_direction
+from omnisim.contact.coulomb import CREEP, SLIP, STICK, slip_direction
 from omnisim.contact.kinematics import Slip, largest
-from omnisim.contact.reaction import COULOMB
 from omnisim.contact.tracking import Heading
 from omnisim.dynamics import contact_equation, contact_state, drive_torque, external_wrench
 from omnisim.kernel import kernel
@@ -24,9 +23,11 @@ from omnisim.state import YAW, places
 from omnisim.tableau import EXPLICIT, IMPLICIT
 
 SLIP_FRACTION = 0.75  # of the time in which friction could stop the slip, that one sub-step may take
-SMOOTH_FRACTION = 0.25  # the same for smooth laws in stiff scenes, where nothing else resolves their layers
+IMPLICIT_FRACTION = 0.25  # the same of an implicit step, which is there for its accuracy
+AUTO_STIFF = 4.0  # relaxation of slip within a step, beyond which "auto" makes it implicit
+AUTO_ACCURATE = 0.5  # and up to which its explicit steps go
 TURN_FRACTION = 0.7  # of the largest stable step of the method for the turning of the slip's direction
-REST_SPEED = 1e-11  # m/s: slip that no longer matters
+REST = 1e-11  # of 1 m/s and of the speeds that make up the slip, below which it no longer matters
 CREEP_SPEED = 1e-7  # m/s: slip that has a direction of its own
 CONE = 1e-12  # of mu N, by which a sticking force may pass the cone in rounding
 
@@ -50,9 +51,7 @@ def step_length(parameters, run, t, h):
     an implicit step.
     """
     clock, machine = run.clock, parameters.machine
-    fraction = SLIP_FRACTION if machine.law == COULOMB else SMOOTH_FRACTION
-    clock.implicit = clock.choice == IMPLICIT
-    fastest = 0.0
+    relaxation, pace = 0.0, 0.0  # rates at which friction relaxes slip, and at which slip changes, 1/s
     for w in range(len(run.mode)):
         watch = run.watch[w]
         if run.mode[w].grip == SLIP and watch.factor > 0.0:
@@ -60,21 +59,30 @@ def step_length(parameters, run, t, h):
             pull_h = b.h - watch.factor * (hh * state.slip.h + hk * state.slip.k)
             pull_k = b.k - watch.factor * (hk * state.slip.h + kk * state.slip.k)
             scale = watch.slip_square + machine.slip_floor * machine.slip_floor
-            h = min(h, fraction / math.sqrt((pull_h * pull_h + pull_k * pull_k) / scale))
-            fastest = max(fastest, watch.factor * largest((hh, hk, kk)))
-    stable = TURN_FRACTION * clock.stability_limit / max(fastest, TINY)
-    if h > stable:
-        if clock.choice == EXPLICIT:
-            h = stable
-        clock.implicit = clock.choice != EXPLICIT
-    return h
+            pace = max(pace, math.sqrt((pull_h * pull_h + pull_k * pull_k) / scale))
+            relaxation = max(relaxation, watch.factor * largest((hh, hk, kk)))
+    if clock.choice == EXPLICIT:
+        clock.implicit = False
+        return min(h, min(SLIP_FRACTION / pace, TURN_FRACTION * clock.stability_limit / relaxation))
+    h_explicit = min(h, SLIP_FRACTION / pace)
+    clock.implicit = clock.choice == IMPLICIT or h_explicit * relaxation > AUTO_STIFF
+    return min(h, IMPLICIT_FRACTION / pace) if clock.implicit else min(h_explicit, AUTO_ACCURATE / relaxation)
 
 
 @kernel
 def rests(parameters, run, w):
     """Whether wheel w slips so slowly that it is at rest."""
     limit = parameters.machine.friction * run.watch[w].normal_force
-    return run.mode[w].grip == SLIP and limit > 0.0 and run.watch[w].slip_square < REST_SPEED * REST_SPEED
+    return run.mode[w].grip == SLIP and limit > 0.0 and run.watch[w].slip_square < rest_speed(parameters, run, w) ** 2
+
+
+@kernel
+def rest_speed(parameters, run, w):
+    """Slip of wheel w that no longer matters, m/s: it follows the speeds whose rounding the slip inherits."""
+    wheel, at, y = parameters.wheels[w], places(len(run.mode)), run.y
+    spin = wheel.radius * abs(y[at.spin_rate + w])
+    roller = (wheel.radius - wheel.roller_distance) * abs(y[at.roller_rate + w])
+    return REST * (1.0 + abs(y[at.velocity]) + abs(y[at.velocity + 1]) + spin + roller)
 
 
 @kernel
@@ -105,7 +113,7 @@ def start_slip(parameters, run, w, t):
 def hold(parameters, run, t):
     """Take the drift of sticking contacts away: they hold the slip acceleration at zero, the slip to rounding."""
     for w in range(len(run.mode)):
-        if run.mode[w].grip == STICK and run.watch[w].slip_square > 0.01 * REST_SPEED * REST_SPEED:
+        if run.mode[w].grip == STICK and run.watch[w].slip_square > 0.01 * rest_speed(parameters, run, w) ** 2:
             change_slip(parameters, run, w, t, Slip(0.0, 0.0))
             refresh(parameters, run, t)
 

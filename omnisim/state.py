@@ -75,6 +75,7 @@ CLOCK = np.dtype(
         ("wheel", np.int64),  # that caused the status, or -1
         ("dt", np.float64),  # s
         ("elapsed", np.float64),  # in the grid step under way, s
+        ("reach", np.float64),  # length of the last implicit step that converged, s
         ("rate", np.float64),  # relaxation rate of slip when found too stiff, 1/s
         ("stability_limit", np.float64),  # of the method on the negative real axis, 1
     ]

@@ -31,6 +31,7 @@ from omnisim.tableau import EXPLICIT
 # that no branch of the law survives.
 CUTS_PER_STEP = 100
 SLIPS_PER_STEP = 10**6  # sub-steps of slow slip in one step
+REACH_GROWTH = 2.0  # of an implicit step over the last one that converged
 ROUNDING = 1e-14
 EPSILON = 4.0 * 2.0**-52
 
@@ -133,14 +134,20 @@ def piece_length(parameters, clock, start):
 @kernel
 def step_to_event(parameters, method, run, t, h):
     """A trial step of at most h, up to its first event: its length, the guard that fired (or -1) and the wheel."""
+    clock = run.clock
+    if clock.implicit:
+        h = min(h, REACH_GROWTH * clock.reach)
     while True:
         advance(parameters, method, run, t, h)
         s, kind, w = cut_at_event(parameters, method, run, t, h)
-        if run.clock.converged:
+        if clock.converged:
+            if clock.implicit:
+                clock.implicit_steps += 1
+                clock.reach = h
             return s, kind, w
         h *= 0.5
-        if h < ROUNDING * run.clock.dt:
-            run.clock.status = NO_CONVERGENCE
+        if h < ROUNDING * clock.dt:
+            clock.status = NO_CONVERGENCE
             return 0.0, -1, -1
 
 
