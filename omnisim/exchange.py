@@ -11,6 +11,7 @@ from omnisim.runge_kutta import refresh
 from omnisim.state import places, rate_place
 from omnisim.wheel import azimuth, rho_of, roller_end
 
+ON_EDGE = 1e-14  # of a radian and of the spin angle: so near to the edge is on it
 SWING = 1 / 200  # of a step: a swing about an edge and back that is shorter is none
 
 
@@ -44,7 +45,7 @@ def comes_to_rest_between(parameters, run, w, t):
     depth = mode.direction * (edge - run.y[at.spin_angle + w])
     push = mode.direction * run.slopes[0, at.spin_rate + w]
     swing = SWING * run.clock.dt
-    if not (push > 0.0 and depth <= 0.125 * push * swing * swing):
+    if depth > max(0.125 * push * swing * swing, ON_EDGE * (1.0 + abs(edge))):
         return False
     here, next = mode.roller, mode.roller + mode.direction
     release_rollers(parameters, run, w)

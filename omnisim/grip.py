@@ -24,6 +24,7 @@ from omnisim.tableau import EXPLICIT, IMPLICIT
 from omnisim.wheel import all_rollers, contact_state, drive_torque, external_wrench, free_motion
 
 SLIP_FRACTION = 0.75  # of the time in which friction could stop the slip, that one sub-step may take
+OUTRUN = 20.0  # stable steps by the end of one that is taken again at half its length
 IMPLICIT_FRACTION = 0.25  # the same of an implicit step, which is there for its accuracy
 LAYER_FRACTION = 0.05  # the same with a smooth law: its layer near zero slip turns motion into heat that is accounted for
 AUTO_STIFF = 4.0  # relaxation of slip within a step, beyond which "auto" makes it implicit
@@ -83,6 +84,21 @@ def step_length(parameters, run, t, h):
         stiffness = h_explicit * relaxation
     clock.implicit = clock.choice == IMPLICIT or stiffness > AUTO_STIFF
     return min(h, fraction / pace) if clock.implicit else min(h_explicit, AUTO_ACCURATE / relaxation)
+
+
+@kernel
+def outrun(parameters, run, h):
+    """Whether an explicit trial step of coulomb friction has become far too long for the slip that it ended with."""
+    clock = run.clock
+    if parameters.machine.law != COULOMB or clock.implicit:
+        return False
+    for w in range(len(run.mode)):
+        for side in range(1 + run.mode[w].shared):
+            factor = run.watch_end[w].factor[side]
+            stiff = h * factor * parameters.machine.slip_mobility > OUTRUN * clock.stability_limit
+            if run.mode[w].grip[side] == SLIP and stiff:
+                return True
+    return False
 
 
 @kernel

@@ -8,7 +8,7 @@ from omnisim.checks import check, too_stiff
 from omnisim.contact.reaction import COULOMB
 from omnisim.events import EXIT, GUARDS, OF_WHEEL, SHARED, TURN, all_hold, guard, record, settle_slip, transition
 from omnisim.exchange import release_rollers, settle
-from omnisim.grip import hold, rests, step_length
+from omnisim.grip import hold, outrun, rests, step_length
 from omnisim.implicit import implicit_step
 from omnisim.kernel import kernel, merged, outlined
 from omnisim.runge_kutta import accept, copy, explicit_step, refresh
@@ -149,7 +149,7 @@ def step_to_event(parameters, method, run, t, h):
     while True:
         advance(parameters, method, run, t, h)
         s, kind, w, side = cut_at_event(parameters, method, run, t, h)
-        if clock.converged:
+        if clock.converged and not outrun(parameters, run, s):
             if clock.implicit:
                 clock.implicit_steps += 1
                 clock.reach = h
