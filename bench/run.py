@@ -1,6 +1,6 @@
 """Run the benchmarks: Markdown on stdout, progress on stderr.
 
-python bench/run.py [--quick] [--json FILE] [c_loop scipy_peer scaling kernels startup]
+python bench/run.py [--quick] [--json FILE] [c_loop scipy_peer scaling kernels startup hard_cases]
 """
 
 import argparse
@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import c_loop
+import hard_cases
 import kernels
 import numba
 import numpy
@@ -26,6 +27,7 @@ BENCHMARKS = {
     "scaling": (scaling, "64 rollers against 8", 31, 5),
     "kernels": (kernels, "Kernels", 31, 5),
     "startup": (startup, "Whole command", 5, 1),
+    "hard_cases": (hard_cases, "Hard cases", 1, 1),
 }
 
 
