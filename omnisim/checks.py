@@ -5,18 +5,18 @@ import math
 from omnisim.contact.kinematics import Slip, inverse_mass, largest
 from omnisim.contact.reaction import COULOMB, friction_factor
 from omnisim.contact.tracking import IMPLICIT, Heading, explicit_contact, roller_axis
-from omnisim.dynamics import contact_state, rho_of
-from omnisim.kernel import kernel
+from omnisim.kernel import kernel, merged, outlined
 from omnisim.state import YAW
 from omnisim.status import LOST_TRACK, NO_START, NOT_FINITE, TOO_STIFF
 from omnisim.tableau import EXPLICIT
 from omnisim.vector import dot
+from omnisim.wheel import contact_state, rho_of
 
 STIFF_STEPS = 3  # surplus of steps too large for the rate at which slip relaxes, before the run stops
 LOST = 1e-3  # |rho|^2 - 1 at which the implicit tracking is no longer worth its name
 
 
-@kernel
+@outlined
 def check(parameters, run):
     """Status of the state at a grid point: finite, and no slip relaxing faster than the method can follow.
 
@@ -40,8 +40,12 @@ def check(parameters, run):
             if abs(dot(rho, rho) - 1.0) > LOST:
                 clock.status, clock.wheel = LOST_TRACK, w
                 return
-        factor, machine = run.watch[w].factor, parameters.machine
-        if machine.law == COULOMB or clock.choice != EXPLICIT or factor * machine.slip_mobility * clock.dt <= clock.stability_limit:
+        factor, machine = run.watch[w].factor[0], parameters.machine
+        if (
+            machine.law == COULOMB
+            or clock.choice != EXPLICIT
+            or factor * machine.slip_mobility * clock.dt <= clock.stability_limit
+        ):
             continue  # the bound of the mobility is cheap
         if factor * slip_mobility(parameters, run, w) * clock.dt > clock.stability_limit:
             stiff = w
@@ -62,9 +66,9 @@ def too_stiff(parameters, run, w):
     run.clock.rate, run.clock.wheel, run.clock.status = at_rest * mobility, w, TOO_STIFF
 
 
-@kernel
+@merged
 def slip_mobility(parameters, run, w):
     """Largest eigenvalue of the inverse mass of wheel w's contact, 1/kg: with the factor g, the rate of its slip."""
     heading = Heading(math.cos(run.y[YAW]), math.sin(run.y[YAW]))
-    state = contact_state(parameters, run.mode[w], w, heading, run.y)
+    state = contact_state(parameters, run.mode[w], w, 0, heading, run.y)
     return largest(inverse_mass(parameters.machine, parameters.wheels[w], state.axis, state.contact))

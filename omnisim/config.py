@@ -111,12 +111,17 @@ class Solver(Table):
 
 
 class Friction(Table):
-    """[friction]: a law, and the numbers it reads (slip_speed in m/s, viscosity in N s/m; 0 where absent)."""
+    """[friction]: a law, and the numbers it reads (slip_speed in m/s, viscosity in N s/m; 0 where absent).
+
+    contact_torque adds friction of the contact patch, of patch_radius (m), against turning about the normal.
+    """
 
     law: _choice(*FRICTION_KEYS)
     coefficient: NonNegative = 0.0
     slip_speed: Positive = 0.0
     viscosity: NonNegative = 0.0
+    contact_torque: _choice("none", "contensou") = "none"
+    patch_radius: Positive = 0.0
 
     @model_validator(mode="before")
     @classmethod
@@ -134,11 +139,21 @@ class Disk(Table):
 
 
 class Roller(Table):
-    """One roller: mass (kg), moments of inertia (kg m^2) about its axis and across it."""
+    """One roller: mass (kg), moments of inertia (kg m^2) about its axis and across it.
+
+    Friction of its bearing: viscosity (N m s), and a Coulomb torque (N m) that changes its sign over a rate (rad/s).
+    """
 
     mass: Positive
     inertia_axial: Positive
     inertia_transverse: Positive
+    bearing_viscosity: NonNegative = 0.0
+    bearing_torque: NonNegative = 0.0
+    bearing_rate: Positive = 0.1
+
+    @property
+    def has_bearing_friction(self) -> bool:
+        return self.bearing_viscosity > 0.0 or self.bearing_torque > 0.0
 
 
 class WheelType(Table):

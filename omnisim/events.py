@@ -6,11 +6,12 @@ tells what changes there.
     guard  while the mode holds                           afterwards
     TURN   the spin keeps its sense: direction phi' >= 0  direction reversed; so EXIT is monotone within every step
     EXIT   the roller's end ahead is not passed yet       the neighbour takes over: an exchange
-    KINK   |v| stays on its side of slip_speed            the other branch of the saturated law
+    SHARE  each of two rollers alone would push back      one of them carries on alone
     LOAD   N >= 0                                         the wheel leaves the floor: the march stops
+    KINK   |v| stays on its side of slip_speed            the other branch of the saturated law
     GRIP   a sticking force stays inside the cone         it creeps off
            a creeping slip keeps its sense                it comes to rest
-    CREEPING  a creeping slip stays slow                  it slips in a direction of its own
+    YOUNG  slip from rest stays slow                      it slips in a direction of its own
 
 Both trackings pass a roller's end at the same spin angle: |q| = alpha is |c_beta| = c sin alpha. The guard is the
 angle, monotone over several turns as well; which rollers touch at the start, each tracking tells by its own condition.
@@ -19,20 +20,21 @@ angle, monotone over several turns as well; which rollers touch at the start, ea
 import numpy as np
 
 from omnisim.contact.coulomb import CREEP, SLIP, STICK
-from omnisim.contact.reaction import SATURATED
-from omnisim.exchange import hand_over, release_roller
+from omnisim.contact.reaction import COULOMB, SATURATED
+from omnisim.exchange import comes_to_rest_between, hand_over, leave_edge, release_rollers
 from omnisim.grip import CONE, CREEP_SPEED, come_to_rest, start_slip
-from omnisim.kernel import kernel
+from omnisim.kernel import kernel, outlined
 from omnisim.runge_kutta import refresh
 from omnisim.state import places
 from omnisim.status import LIFT_OFF
 from omnisim.trajectory import EVENT_KINDS
+from omnisim.wheel import roller_end
 
-TURN, EXIT, KINK, LOAD, GRIP, CREEPING = range(6)
+TURN, EXIT, SHARE, LOAD, KINK, GRIP, YOUNG = range(7)
+OF_WHEEL, GUARDS = 4, 7  # the first are of the wheel, the others of each of its contacts
 ROUNDING = 4.0 * 2.0**-53
-SMOOTH_GUARDS, GUARDS = 4, 6  # the last two are of coulomb friction alone
-EXCHANGE, STUCK, SLIPS, LIFT, STOP = (
-    EVENT_KINDS.index(kind) for kind in ("exchange", "stick", "slip", "lift_off", "stop")
+EXCHANGE, STUCK, SLIPS, LIFT, SHARED, PARTED, STOP = (
+    EVENT_KINDS.index(kind) for kind in ("exchange", "stick", "slip", "lift_off", "share_begin", "share_end", "stop")
 )
 
 EVENT = np.dtype(
@@ -47,9 +49,9 @@ EVENT = np.dtype(
 
 
 @kernel
-def guard(parameters, mode, kind, w, y, watch):
-    """Value of a guard of wheel w at state `y` with by-products `watch`: >= 0 while the mode holds."""
-    machine, wheel, at = parameters.machine, parameters.wheels[w], places(len(parameters.wheels))
+def guard(parameters, mode, kind, w, side, y, watch):
+    """Value of a guard of wheel w or its contact `side` at state `y`, by-products `watch`: >= 0 while it holds."""
+    machine, wheel, at = parameters.machine, parameters.wheels[w], places(parameters)
     direction = mode[w].direction
     if kind == TURN:
         return direction * y[at.spin_rate + w]
@@ -57,61 +59,67 @@ def guard(parameters, mode, kind, w, y, watch):
         spin_angle = y[at.spin_angle + w]
         rounding = ROUNDING * (1.0 + abs(spin_angle))  # an edge reached to rounding is reached
         return direction * (roller_end(wheel, mode[w].roller, direction) - spin_angle) - rounding
+    if kind == SHARE:
+        return watch[w].share_margin + CONE * watch[w].normal_force * wheel.radius if mode[w].shared else 0.0
+    if kind == LOAD:
+        return watch[w].normal_force
     if kind == KINK:
         if machine.law != SATURATED:
             return 0.0
-        excess = watch[w].slip_square - machine.slip_speed * machine.slip_speed
-        return excess if mode[w].saturated else -excess
-    if kind == LOAD:
-        return watch[w].normal_force
-    if mode[w].grip == SLIP:
+        excess = watch[w].slip_square[side] - machine.slip_speed * machine.slip_speed
+        return excess if mode[w].saturated[side] else -excess
+    if machine.law != COULOMB or mode[w].grip[side] == SLIP:
         return 0.0
     if kind == GRIP:
-        rounding = CONE * machine.friction * watch[w].normal_force if mode[w].grip == STICK else 0.0
-        return watch[w].margin + rounding
-    return CREEP_SPEED * CREEP_SPEED - watch[w].slip_square if mode[w].grip == CREEP else 0.0
+        rounding = CONE * machine.friction * watch[w].normal_force if mode[w].grip[side] == STICK else 0.0
+        return watch[w].margin[side] + rounding
+    young = mode[w].grip[side] == CREEP or mode[w].shared
+    return CREEP_SPEED * CREEP_SPEED - watch[w].slip_square[side] if young else 0.0
 
 
-@kernel
-def roller_end(wheel, roller, direction):
-    """Spin angle at which a roller ends, for spin of the sense `direction`, rad: one number for both neighbours."""
-    return wheel.phase + wheel.alpha * (2 * roller + direction)
-
-
-@kernel
-def transition(parameters, run, log, kind, w, time):
+@outlined
+def transition(parameters, run, log, kind, w, side, time):
     """Change the mode after a guard of wheel w fired at `time`, and the derivative with it."""
     mode, clock, rollers = run.mode[w], run.clock, parameters.wheels[w].rollers
     if kind == TURN:
         mode.direction = -mode.direction
+        roller = mode.roller
+        if comes_to_rest_between(parameters, run, w, time):
+            joins = mode.roller if mode.roller != roller else roller - 1
+            record(clock, log, time, SHARED, w, roller % rollers, joins % rollers)
     elif kind == EXIT:
         roller = mode.roller + mode.direction
         record(clock, log, time, EXCHANGE, w, mode.roller % rollers, roller % rollers)
-        release_roller(parameters, run, w)
-        held = mode.grip == STICK
+        release_rollers(parameters, run, w)
+        held = mode.grip[0] == STICK
         hand_over(parameters, run, w, roller, time)
-        if held != (mode.grip == STICK):
+        if held != (mode.grip[0] == STICK):
             record(clock, log, time, SLIPS if held else STUCK, w, -1, -1)
-    elif kind == KINK:
-        mode.saturated = 1 - mode.saturated
-        refresh(parameters, run, time)
-    elif kind == GRIP and mode.grip == STICK:
-        record(clock, log, time, SLIPS, w, -1, -1)
-        mode.grip = CREEP
-        refresh(parameters, run, time)
-    elif kind == GRIP:
-        settle_slip(parameters, run, log, w, time)
-    elif kind == CREEPING:
-        start_slip(parameters, run, w, time)
-    else:
+    elif kind == SHARE:
+        left = leave_edge(parameters, run, w, time)
+        record(clock, log, time, PARTED, w, left % rollers, mode.roller % rollers)
+    elif kind == LOAD:
         record(clock, log, time, LIFT, w, -1, -1)
         clock.status, clock.wheel = LIFT_OFF, w
+    elif kind == KINK:
+        mode.saturated[side] = 1 - mode.saturated[side]
+        refresh(parameters, run, time)
+    elif kind == GRIP and mode.grip[side] == STICK:
+        record(clock, log, time, SLIPS, w, -1, -1)
+        mode.grip[side] = CREEP
+        refresh(parameters, run, time)
+    elif kind == GRIP:
+        settle_slip(parameters, run, log, w, side, time)
+    else:
+        if mode.shared:
+            record(clock, log, time, SLIPS, w, -1, -1)
+        start_slip(parameters, run, w, side, time)
 
 
-@kernel
-def settle_slip(parameters, run, log, w, time):
+@outlined
+def settle_slip(parameters, run, log, w, side, time):
     """A slip that has come to its end: the contact sticks or creeps on."""
-    if come_to_rest(parameters, run, w, time):
+    if come_to_rest(parameters, run, w, side, time):
         record(run.clock, log, time, STUCK, w, -1, -1)
 
 

@@ -1,57 +1,115 @@
-"""Which roller carries the wheel: at the start, and when the next one takes over."""
+"""Which roller carries the wheel: at the start, when the next one takes over, and when two of them do."""
 
 import math
 
 from omnisim.contact.coulomb import SLIP
 from omnisim.contact.reaction import COULOMB, SATURATED
 from omnisim.contact.tracking import EXPLICIT, explicit_touches, implicit_touches, roller_axis
-from omnisim.dynamics import azimuth, rho_of
 from omnisim.grip import come_to_rest, rests
-from omnisim.kernel import kernel
+from omnisim.kernel import kernel, merged, outlined
 from omnisim.runge_kutta import refresh
-from omnisim.state import places
-from omnisim.status import ROCKING
+from omnisim.state import places, rate_place
+from omnisim.wheel import azimuth, rho_of, roller_end
+
+SWING = 1 / 200  # of a step: a swing about an edge and back that is shorter is none
+
+
+@outlined
+def settle(parameters, run, w):
+    """The mode of wheel w at t = 0: on an edge the sense of spin tells the roller, and without spin its acceleration.
+
+    Whether the wheel rests on both rollers there.
+    """
+    at, mode = places(parameters), run.mode[w]
+    ahead, behind = touching(parameters, w, run.y)
+    spin = run.y[at.spin_rate + w]
+    mode.direction = -1 if spin < 0.0 else 1
+    hand_over(parameters, run, w, behind if spin < 0.0 else ahead, 0.0)
+    if spin == 0.0 and run.slopes[0, at.spin_rate + w] < 0.0:
+        mode.direction = -1
+        hand_over(parameters, run, w, behind, 0.0)
+        if ahead != behind and run.slopes[0, at.spin_rate + w] > 0.0:
+            rest_on_both(parameters, run, w, ahead, 0.0)
+    return mode.shared
+
+
+@merged
+def comes_to_rest_between(parameters, run, w, t):
+    """Whether a wheel that has just turned back now rests on two rollers; if so, it does from here on.
+
+    Its swings about the edge have become too short to follow, and the neighbour would push it back as well.
+    """
+    wheel, mode, at = parameters.wheels[w], run.mode[w], places(parameters)
+    edge = roller_end(wheel, mode.roller, mode.direction)
+    depth = mode.direction * (edge - run.y[at.spin_angle + w])
+    push = mode.direction * run.slopes[0, at.spin_rate + w]
+    swing = SWING * run.clock.dt
+    if not (push > 0.0 and depth <= 0.125 * push * swing * swing):
+        return False
+    here, next = mode.roller, mode.roller + mode.direction
+    release_rollers(parameters, run, w)
+    hand_over(parameters, run, w, next, t)
+    if mode.direction * run.slopes[0, at.spin_rate + w] >= 0.0:
+        hand_over(parameters, run, w, here, t)
+        return False
+    rest_on_both(parameters, run, w, max(here, next), t)
+    return True
 
 
 @kernel
-def settle(parameters, run):
-    """The mode at t = 0. On an edge the sense of spin tells the roller, and without spin its acceleration."""
-    for w in range(len(run.mode)):
-        at, mode = places(len(parameters.wheels)), run.mode[w]
-        ahead, behind = touching(parameters, w, run.y)
-        spin = run.y[at.spin_rate + w]
-        mode.direction = -1 if spin < 0.0 else 1
-        hand_over(parameters, run, w, behind if spin < 0.0 else ahead, 0.0)
-        if spin == 0.0 and run.slopes[0, at.spin_rate + w] < 0.0:
-            mode.direction = -1
-            hand_over(parameters, run, w, behind, 0.0)
-            if ahead != behind and run.slopes[0, at.spin_rate + w] > 0.0:
-                run.clock.status, run.clock.wheel = ROCKING, w
+def rest_on_both(parameters, run, w, ahead, t):
+    """Wheel w carried by the roller `ahead` and the one behind it, from time t on; it stands on their edge."""
+    at, mode = places(parameters), run.mode[w]
+    mode.direction = 1
+    run.y[at.spin_angle + w] = roller_end(parameters.wheels[w], ahead, -1)
+    run.y[at.spin_rate + w] = 0.0
+    run.carry[at.spin_angle + w] = run.carry[at.spin_rate + w] = 0.0
+    take_rollers(parameters, run, w, ahead, True)
+    renew_friction(parameters, run, w, t)
+
+
+@merged
+def leave_edge(parameters, run, w, t):
+    """The wheel goes on upon the roller whose push alone has ceased; the one that is left behind."""
+    mode = run.mode[w]
+    release_rollers(parameters, run, w)
+    onto_behind = run.watch[w].share < 0.5
+    left, kept = (mode.roller, mode.roller - 1) if onto_behind else (mode.roller - 1, mode.roller)
+    mode.direction = -1 if onto_behind else 1
+    hand_over(parameters, run, w, kept, t)
+    return left
 
 
 @kernel
 def hand_over(parameters, run, w, roller, t):
     """Make `roller` carry wheel w from time t on: its rate, the mode of its friction, the derivative."""
-    take_roller(parameters, run, w, roller)
+    take_rollers(parameters, run, w, roller, False)
+    renew_friction(parameters, run, w, t)
+
+
+@outlined
+def renew_friction(parameters, run, w, t):
+    """Mode of the friction at the contacts of wheel w as their slip is, and the derivative."""
+    mode, slip_speed = run.mode[w], parameters.machine.slip_speed
+    for side in range(2):
+        mode.grip[side] = SLIP
     refresh(parameters, run, t)
-    if parameters.machine.law == COULOMB:
-        run.mode[w].grip = SLIP
-        refresh(parameters, run, t)
-        if rests(parameters, run, w):
-            come_to_rest(parameters, run, w, t)
-    elif parameters.machine.law == SATURATED:
-        slip_speed = parameters.machine.slip_speed
-        run.mode[w].saturated = run.watch[w].slip_square > slip_speed * slip_speed
-        refresh(parameters, run, t)
+    for side in range(1 + mode.shared):
+        if parameters.machine.law == COULOMB:
+            if rests(parameters, run, w, side):
+                come_to_rest(parameters, run, w, side, t)
+        elif parameters.machine.law == SATURATED:
+            mode.saturated[side] = run.watch[w].slip_square[side] > slip_speed * slip_speed
+            refresh(parameters, run, t)
 
 
-@kernel
+@merged
 def touching(parameters, w, y):
     """The rollers of wheel w that touch the floor at state `y`, counted on through every turn: (ahead, behind).
 
     Twice the same one, or at a common edge the one at q = +alpha, which positive spin takes, and the one at -alpha.
     """
-    wheel, at, found, ahead, behind = parameters.wheels[w], places(len(parameters.wheels)), False, 0, 0
+    wheel, at, found, ahead, behind = parameters.wheels[w], places(parameters), False, 0, 0
     for i in range(wheel.rollers):
         q = azimuth(wheel, i, y[at.spin_angle + w])
         cos_q, sin_q = math.cos(q), math.sin(q)
@@ -68,26 +126,37 @@ def touching(parameters, w, y):
 
 
 @kernel
-def take_roller(parameters, run, w, roller):
-    """Make `roller` (counted on through every turn) the one in contact: its rate enters the state.
+def take_rollers(parameters, run, w, roller, shared):
+    """Make `roller` (counted on through every turn), if shared also the one behind it, touch: rates enter the state.
 
     The sums of those in the air are taken anew each time, so they never drift.
     """
-    mode, at, count = run.mode[w], places(len(parameters.wheels)), parameters.wheels[w].rollers
-    mode.roller = roller
-    here = roller % count
-    run.y[at.roller_rate + w], run.carry[at.roller_rate + w] = run.rates[w, here], 0.0
+    mode, at, count = run.mode[w], places(parameters), parameters.wheels[w].rollers
+    mode.roller, mode.shared = roller, shared
+    here, behind = roller % count, (roller - 1) % count
     mode.air_cos, mode.air_sin, mode.air_sum = 0.0, 0.0, 0.0
     for i in range(count):
-        if i != here:
-            rate, sector = run.rates[w, i], parameters.sector[w, (i - here) % count]
+        rate, place = run.rates[w, i], -1
+        if parameters.machine.bearings:
+            place = at.roller_rate + parameters.machine.slots * w + i
+        elif i == here or (shared and i == behind):
+            place = rate_place(parameters, roller, w, 0 if i == here else 1)
+        else:
+            sector = parameters.sector[w, (i - here) % count]
             mode.air_cos += rate * sector[0]
             mode.air_sin += rate * sector[1]
             mode.air_sum += rate
+        if place >= 0 and run.y[place] != rate:
+            run.y[place], run.carry[place] = rate, 0.0
 
 
 @kernel
-def release_roller(parameters, run, w):
-    """Write the rate of the contacting roller back to `rates`, where those of all rollers stand."""
-    here = run.mode[w].roller % parameters.wheels[w].rollers
-    run.rates[w, here] = run.y[places(len(run.mode)).roller_rate + w]
+def release_rollers(parameters, run, w):
+    """Write the roller rates of the state back to `rates`, where those of all rollers stand."""
+    mode, at, count = run.mode[w], places(parameters), parameters.wheels[w].rollers
+    if parameters.machine.bearings:
+        for i in range(count):
+            run.rates[w, i] = run.y[at.roller_rate + parameters.machine.slots * w + i]
+    else:
+        for side in range(1 + mode.shared):
+            run.rates[w, (mode.roller - side) % count] = run.y[rate_place(parameters, mode.roller, w, side)]

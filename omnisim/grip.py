@@ -13,14 +13,14 @@ starts in that limit direction, which the contact equation gives in closed form,
 
 import math
 
-from omnisim.contact.coulomb import CREEP, SLIP, STICK, slip_direction
-from omnisim.contact.kinematics import Slip, largest
+from omnisim.contact.coulomb import CREEP, SLIP, STICK, TINY, slip_direction
+from omnisim.contact.kinematics import Motion, Slip, inverse_mass, largest, slip_acceleration
 from omnisim.contact.tracking import Heading
-from omnisim.dynamics import contact_equation, contact_state, drive_torque, external_wrench
-from omnisim.kernel import kernel
+from omnisim.kernel import kernel, merged, outlined
 from omnisim.runge_kutta import refresh
-from omnisim.state import YAW, places
+from omnisim.state import YAW, places, rate_place
 from omnisim.tableau import EXPLICIT, IMPLICIT
+from omnisim.wheel import all_rollers, contact_state, drive_torque, external_wrench, free_motion
 
 SLIP_FRACTION = 0.75  # of the time in which friction could stop the slip, that one sub-step may take
 IMPLICIT_FRACTION = 0.25  # the same of an implicit step, which is there for its accuracy
@@ -33,34 +33,43 @@ CONE = 1e-12  # of mu N, by which a sticking force may pass the cone in rounding
 
 
 @kernel
-def equation_of(parameters, run, w, t):
-    """ContactState of wheel w and A, b of its contact equation at run.y."""
-    heading = Heading(math.cos(run.y[YAW]), math.sin(run.y[YAW]))
-    state = contact_state(parameters, run.mode[w], w, heading, run.y)
-    wrench = external_wrench(parameters, run.clock.piece, t, heading)
-    torque = drive_torque(parameters, run.clock.piece, t, w)
-    a, b = contact_equation(parameters.machine, parameters.wheels[w], state, heading, wrench, torque)
-    return state, a, b
+def heading_of(run):
+    return Heading(math.cos(run.y[YAW]), math.sin(run.y[YAW]))
 
 
-@kernel
+@merged
+def slip_rate(parameters, run, w, side):
+    """v' (Slip, m/s^2) at a contact of wheel w as the motion goes, and the largest mobility there, 1/kg."""
+    wheel, at, slope, heading = parameters.wheels[w], places(parameters), run.slopes[0], heading_of(run)
+    state = contact_state(parameters, run.mode[w], w, side, heading, run.y)
+    motion = Motion(
+        slope[at.velocity] * heading.cos + slope[at.velocity + 1] * heading.sin,
+        slope[at.velocity + 1] * heading.cos - slope[at.velocity] * heading.sin,
+        slope[at.spin_rate + w],
+        slope[at.yaw_rate],
+        slope[rate_place(parameters, run.mode[w].roller, w, side)],
+    )
+    mobility = inverse_mass(parameters.machine, wheel, state.axis, state.contact)
+    return slip_acceleration(wheel, state, motion), largest(mobility)
+
+
+@merged
 def step_length(parameters, run, t, h):
     """The step h, or less if slip could come to rest or change its course within it; sets the kind of the step.
 
     An explicit step of coulomb friction also follows the turning of the slip's direction; method "auto" leaves that to
     an implicit step.
     """
-    clock, machine = run.clock, parameters.machine
-    relaxation, pace = 0.0, 0.0  # rates at which friction relaxes slip, and at which slip changes, 1/s
+    clock, floor = run.clock, parameters.machine.slip_floor
+    relaxation, pace = TINY, TINY  # rates at which friction relaxes slip, and at which slip changes, 1/s
     for w in range(len(run.mode)):
-        watch = run.watch[w]
-        if run.mode[w].grip == SLIP and watch.factor > 0.0:
-            state, (hh, hk, kk), b = equation_of(parameters, run, w, t)
-            pull_h = b.h - watch.factor * (hh * state.slip.h + hk * state.slip.k)
-            pull_k = b.k - watch.factor * (hk * state.slip.h + kk * state.slip.k)
-            scale = watch.slip_square + machine.slip_floor * machine.slip_floor
-            pace = max(pace, math.sqrt((pull_h * pull_h + pull_k * pull_k) / scale))
-            relaxation = max(relaxation, watch.factor * largest((hh, hk, kk)))
+        for side in range(1 + run.mode[w].shared):
+            factor = run.watch[w].factor[side]
+            if run.mode[w].grip[side] == SLIP and factor > 0.0:
+                rate, mobility = slip_rate(parameters, run, w, side)
+                scale = run.watch[w].slip_square[side] + floor * floor
+                pace = max(pace, math.sqrt((rate.h * rate.h + rate.k * rate.k) / scale))
+                relaxation = max(relaxation, factor * mobility)
     if clock.choice == EXPLICIT:
         clock.implicit = False
         return min(h, min(SLIP_FRACTION / pace, TURN_FRACTION * clock.stability_limit / relaxation))
@@ -70,66 +79,83 @@ def step_length(parameters, run, t, h):
 
 
 @kernel
-def rests(parameters, run, w):
-    """Whether wheel w slips so slowly that it is at rest."""
-    limit = parameters.machine.friction * run.watch[w].normal_force
-    return run.mode[w].grip == SLIP and limit > 0.0 and run.watch[w].slip_square < rest_speed(parameters, run, w) ** 2
+def rests(parameters, run, w, side):
+    """Whether a contact of wheel w slips so slowly that it is at rest."""
+    watch, limit = run.watch[w], parameters.machine.friction * run.watch[w].normal_force
+    slow = watch.slip_square[side] < rest_speed(parameters, run, w, side) ** 2
+    return run.mode[w].grip[side] == SLIP and limit > 0.0 and slow
 
 
 @kernel
-def rest_speed(parameters, run, w):
-    """Slip of wheel w that no longer matters, m/s: it follows the speeds whose rounding the slip inherits."""
-    wheel, at, y = parameters.wheels[w], places(len(run.mode)), run.y
+def rest_speed(parameters, run, w, side):
+    """Slip of a contact that no longer matters, m/s: it follows the speeds whose rounding the slip inherits."""
+    wheel, at, y = parameters.wheels[w], places(parameters), run.y
     spin = wheel.radius * abs(y[at.spin_rate + w])
-    roller = (wheel.radius - wheel.roller_distance) * abs(y[at.roller_rate + w])
+    rate = y[rate_place(parameters, run.mode[w].roller, w, side)]
+    roller = (wheel.radius - wheel.roller_distance) * abs(rate)
     return REST * (1.0 + abs(y[at.velocity]) + abs(y[at.velocity + 1]) + spin + roller)
 
 
-@kernel
-def come_to_rest(parameters, run, w, t):
-    """Take the rest of the slip away; stick if the force lies inside the cone, else creep on. Whether it sticks."""
-    change_slip(parameters, run, w, t, Slip(0.0, 0.0))
-    run.mode[w].grip = STICK
+@outlined
+def come_to_rest(parameters, run, w, side, t):
+    """Take the rest of the slip away; stick if the force lies inside the cone, else creep on. Whether it sticks.
+
+    On two rollers, sticking is being at rest: there the force follows from Gauss' principle, cone included.
+    """
+    mode = run.mode[w]
+    change_slip(parameters, run, w, side, Slip(0.0, 0.0))
+    mode.grip[side] = STICK
     refresh(parameters, run, t)
     limit = parameters.machine.friction * run.watch[w].normal_force
-    if run.watch[w].margin < -CONE * limit:
-        run.mode[w].grip = CREEP
+    if not mode.shared and run.watch[w].margin[side] < -CONE * limit:
+        mode.grip[side] = CREEP
         refresh(parameters, run, t)
-    return run.mode[w].grip == STICK
+    return mode.grip[side] == STICK
 
 
-@kernel
-def start_slip(parameters, run, w, t):
-    """Give a creeping contact the direction of the contact equation at the speed that it has, and let it slip."""
-    _, a, b = equation_of(parameters, run, w, t)
-    u = slip_direction(a, b, parameters.machine.friction * run.watch[w].normal_force)
-    speed = math.sqrt(run.watch[w].slip_square)
-    change_slip(parameters, run, w, t, Slip(speed * u.h, speed * u.k))
-    run.mode[w].grip = SLIP
+@outlined
+def start_slip(parameters, run, w, side, t):
+    """Let a contact slip whose slip has grown; a creeping one in the direction of the contact equation."""
+    mode = run.mode[w]
+    if mode.grip[side] == CREEP:
+        wheel, heading = parameters.wheels[w], heading_of(run)
+        state = contact_state(parameters, mode, w, side, heading, run.y)
+        rollers = all_rollers(parameters, mode, w, state.cos_q, state.sin_q, run.y)
+        wrench = external_wrench(parameters, run.clock.piece, t, heading)
+        torque = drive_torque(parameters, run.clock.piece, t, w)
+        b = slip_acceleration(wheel, state, free_motion(parameters, wheel, state, rollers, heading, wrench, torque))
+        a = inverse_mass(parameters.machine, wheel, state.axis, state.contact)
+        u = slip_direction(a, b, parameters.machine.friction * run.watch[w].normal_force)
+        speed = math.sqrt(run.watch[w].slip_square[side])
+        change_slip(parameters, run, w, side, Slip(speed * u.h, speed * u.k))
+    mode.grip[side] = SLIP
     refresh(parameters, run, t)
 
 
-@kernel
+@merged
 def hold(parameters, run, t):
     """Take the drift of sticking contacts away: they hold the slip acceleration at zero, the slip to rounding."""
     for w in range(len(run.mode)):
-        if run.mode[w].grip == STICK and run.watch[w].slip_square > 0.01 * rest_speed(parameters, run, w) ** 2:
-            change_slip(parameters, run, w, t, Slip(0.0, 0.0))
+        sticks = run.mode[w].grip[0] == STICK and not run.mode[w].shared
+        if sticks and run.watch[w].slip_square[0] > 0.01 * rest_speed(parameters, run, w, 0) ** 2:
+            change_slip(parameters, run, w, 0, Slip(0.0, 0.0))
             refresh(parameters, run, t)
 
 
-@kernel
-def change_slip(parameters, run, w, t, slip):
-    """Change the speeds by the one contact impulse that gives wheel w the slip velocity `slip`."""
-    machine, wheel, at, y = parameters.machine, parameters.wheels[w], places(len(run.mode)), run.y
-    heading = Heading(math.cos(y[YAW]), math.sin(y[YAW]))
-    state, (hh, hk, kk), _ = equation_of(parameters, run, w, t)
+@outlined
+def change_slip(parameters, run, w, side, slip):
+    """Change the speeds by the one impulse at a contact of wheel w that gives it the slip velocity `slip`."""
+    machine, wheel, mode, at, y = parameters.machine, parameters.wheels[w], run.mode[w], places(parameters), run.y
+    heading = heading_of(run)
+    state = contact_state(parameters, mode, w, side, heading, y)
+    hh, hk, kk = inverse_mass(machine, wheel, state.axis, state.contact, mode.shared)
     change_h, change_k = slip.h - state.slip.h, slip.k - state.slip.k
     determinant = hh * kk - hk * hk
     impulse_h, impulse_k = (kk * change_h - hk * change_k) / determinant, (hh * change_k - hk * change_h) / determinant
     roller = state.contact.arm_h * impulse_h + state.contact.arm_k * impulse_k
     y[at.velocity] += (impulse_h * heading.cos - impulse_k * heading.sin) / machine.mass
     y[at.velocity + 1] += (impulse_h * heading.sin + impulse_k * heading.cos) / machine.mass
-    y[at.spin_rate + w] -= (wheel.radius * impulse_h + roller * state.axis.k) / wheel.axle_inertia
+    if not mode.shared:
+        y[at.spin_rate + w] -= (wheel.radius * impulse_h + roller * state.axis.k) / wheel.axle_inertia
     y[at.yaw_rate] -= (state.contact.l * impulse_h + roller * state.axis.n) / machine.yaw_inertia
-    y[at.roller_rate + w] += roller / wheel.axial_inertia
+    y[rate_place(parameters, mode.roller, w, side)] += roller / wheel.axial_inertia

@@ -12,9 +12,8 @@ J couples the states `Newton.active` alone, those that forces depend on; the oth
 import math
 
 from omnisim.dynamics import rhs
-from omnisim.kernel import kernel, outlined
+from omnisim.kernel import kernel, merged, outlined
 from omnisim.runge_kutta import copy
-from omnisim.state import places
 
 MOST_ITERATIONS = 25
 SETTLED = 4e-15  # change of the stages, relative to 1 + |y|, below which nothing is left to gain
@@ -29,13 +28,13 @@ def implicit_step(parameters, method, run, t, h):
     Whether the iteration converged; if not, the trial means nothing and a shorter step is to be taken.
     """
     radau, newton, mode, piece = method.radau, run.newton, run.mode, run.clock.piece
-    n, y, z, slopes = len(run.y), run.y, newton.z, newton.slopes
+    n, y, z, slopes = len(run.y), run.y, newton.stages[:3], newton.stages[3:6]
     converged = h == 0.0
     for i in range(3):
         for m in range(n):
             z[i, m] = 0.0
     if not converged:
-        jacobian(parameters, run, t)
+        differentiate(parameters, run, t)
         factorize_all(radau, newton, h)
     last = math.inf
     for iteration in range(MOST_ITERATIONS):
@@ -67,61 +66,66 @@ def evaluate(parameters, mode, piece, t, y, dy, watch):
     rhs(parameters, mode, piece, t, y, dy, watch)
 
 
-@kernel
-def jacobian(parameters, run, t):
+@merged
+def differentiate(parameters, run, t):
     """Forward differences of the active slopes at the start of the step.
 
     Friction changes over a slip of |v| + slip_speed: the shifts stay far below it.
     """
     newton, speed = run.newton, 1.0
+    shifted, jacobian = newton.stages[6], newton.real[: len(newton.active)]
     for w in range(len(run.watch)):
-        speed = min(speed, math.sqrt(run.watch[w].slip_square) + parameters.machine.slip_floor)
+        for side in range(1 + run.mode[w].shared):
+            speed = min(speed, math.sqrt(run.watch[w].slip_square[side]) + parameters.machine.slip_floor)
     shift = min(max(STEEP * speed, 1e-11), 1e-7)
     copy(run.y, run.stage)
     for j in range(len(newton.active)):
         m = newton.active[j]
         run.stage[m] = run.y[m] + shift
         taken = run.stage[m] - run.y[m]
-        evaluate(parameters, run.mode, run.clock.piece, t, run.stage, newton.shifted, run.watch_end)
+        evaluate(parameters, run.mode, run.clock.piece, t, run.stage, shifted, run.watch_end)
         run.stage[m] = run.y[m]
         for i in range(len(newton.active)):
             row = newton.active[i]
-            newton.jacobian[i, j] = (newton.shifted[row] - run.slopes[0, row]) / taken
+            jacobian[i, j] = (shifted[row] - run.slopes[0, row]) / taken
     run.clock.rhs += len(newton.active)
 
 
-@kernel
+@merged
 def factorize_all(radau, newton, h):
     """LU factors of lambda / h - J for the real and the complex eigenvalue."""
-    for i in range(len(newton.active)):
-        for j in range(len(newton.active)):
-            newton.real[i, j] = -newton.jacobian[i, j]
-            newton.complex[i, j] = -newton.jacobian[i, j]
-        newton.real[i, i] += radau.real_value / h
-        newton.complex[i, i] += radau.complex_value / h
-    factorize(newton.real, newton.real_pivots)
-    factorize(newton.complex, newton.complex_pivots)
+    k = len(newton.active)
+    jacobian, real, cplx = newton.real[:k], newton.real[k : 2 * k], newton.complex[:k]
+    for i in range(k):
+        for j in range(k):
+            real[i, j] = -jacobian[i, j]
+            cplx[i, j] = -jacobian[i, j]
+        real[i, i] += radau.real_value / h
+        cplx[i, i] += radau.complex_value / h
+    factorize(real, newton.pivots[0])
+    factorize(cplx, newton.pivots[1])
 
 
-@kernel
+@merged
 def correct(radau, newton, y, h):
     """One Newton correction of the increments z: its largest entry relative to 1 + |y|."""
-    z, slopes, active, count = newton.z, newton.slopes, newton.active, len(newton.active)
+    z, slopes, active, k = newton.stages[:3], newton.stages[3:6], newton.active, len(newton.active)
+    real_side, complex_side = newton.real[2 * k], newton.complex[k]
     largest, a = 0.0, 0
     for m in range(len(y)):
         real, cplx = 0.0, 0.0j
         for i in range(3):
             real += radau.real_left[i] * (slopes[i, m] - radau.real_value / h * z[i, m])
             cplx += radau.complex_left[i] * (slopes[i, m] - radau.complex_value / h * z[i, m])
-        if a < count and active[a] == m:
-            newton.real_side[a], newton.complex_side[a] = real, cplx
+        if a < k and active[a] == m:
+            real_side[a], complex_side[a] = real, cplx
             a += 1
         else:
             largest = max(largest, change(radau, z, m, real * h / radau.real_value, cplx * h / radau.complex_value, y))
-    substitute(newton.real, newton.real_pivots, newton.real_side)
-    substitute(newton.complex, newton.complex_pivots, newton.complex_side)
-    for a in range(count):
-        size = change(radau, z, active[a], newton.real_side[a], newton.complex_side[a], y)
+    substitute(newton.real[k : 2 * k], newton.pivots[0], real_side)
+    substitute(newton.complex[:k], newton.pivots[1], complex_side)
+    for a in range(k):
+        size = change(radau, z, active[a], real_side[a], complex_side[a], y)
         if not size <= largest:  # a NaN must not hide
             largest = size
     return largest

@@ -77,16 +77,21 @@ def kernel(function):
     return compiled(function, inline=True)
 
 
+def merged(function):
+    """A kernel that becomes part of its caller's source: for steps of one long computation, each used once."""
+    return compiled(function, inline=False, inlining="always")
+
+
 def outlined(function):
     """A kernel that is called, not inlined: for long functions with many uses, where compiling counts more."""
     return compiled(function, inline=False)
 
 
-def compiled(function, inline):
+def compiled(function, inline, inlining="never"):
     """Numba reads its cache folder while decorating, so the setting is put back at once: other packages keep theirs."""
     theirs = numba_config.CACHE_DIR
     numba_config.CACHE_DIR = str(CACHE_DIRECTORY)
     try:
-        return numba.njit(cache=True, error_model="numpy", _nrt=False, forceinline=inline)(function)
+        return numba.njit(cache=True, error_model="numpy", _nrt=False, forceinline=inline, inline=inlining)(function)
     finally:
         numba_config.CACHE_DIR = theirs

@@ -13,13 +13,18 @@ def normal_force(machine, wheels, force_z):
 
 
 @kernel
-def servo_torque(wheel, reaction, normal, spin_rate, yaw_rate):
+def servo_torque(wheel, rollers, spin_rate, yaw_rate):
     """lambda of a bare wheel, N m: the torque about h = k x n that keeps the wheel upright, from its moment balance.
 
-    lambda = -J_k phi' theta' + Ia p_c' a_h + phi' G_n - theta' G_k - l N - R F_k
+    lambda = -J_k phi' theta' + sum Ia p_i' a_h + phi' G_n - theta' G_k - sum (l N + R F_k), of which this is what does
+    not come from the contacts.
     """
-    gyroscopic = (
-        -wheel.axle_inertia * spin_rate * yaw_rate + spin_rate * reaction.state.g_n - yaw_rate * reaction.state.g_k
-    )
+    gyroscopic = -wheel.axle_inertia * spin_rate * yaw_rate + spin_rate * rollers.g_n - yaw_rate * rollers.g_k
+    return gyroscopic + rollers.bearing_h
+
+
+@kernel
+def servo_load(wheel, reaction, normal):
+    """Share of a contact with the normal force `normal` (N) in lambda, N m."""
     load = -reaction.state.contact.l * normal - wheel.radius * reaction.force.k
-    return gyroscopic + reaction.roller_torque * reaction.state.axis.h + load
+    return reaction.roller_torque * reaction.state.axis.h + load

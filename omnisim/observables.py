@@ -7,18 +7,21 @@ import numpy as np
 
 from omnisim.contact.kinematics import joint_rate
 from omnisim.contact.tracking import IMPLICIT, Heading, roller_axis
-from omnisim.dynamics import azimuth, contact_reaction, drive_torque, external_wrench, rho_of, rhs
+from omnisim.dynamics import contact_reaction, rhs
 from omnisim.kernel import kernel
-from omnisim.multipliers import servo_torque
+from omnisim.multipliers import servo_load, servo_torque
 from omnisim.parameters import Parameters
 from omnisim.state import WATCH, YAW, Rows, X, Y, places
 from omnisim.vector import Vec3, combine, cross
+from omnisim.wheel import all_rollers, azimuth, contact_state, drive_torque, external_wrench, free_motion, rho_of
 
 CONTACT = np.dtype(
     [
         ("normal_force", np.float64),  # N
         ("drive_torque", np.float64),  # N m
         ("servo_torque", np.float64),  # N m
+        ("share", np.float64),  # of the roller ahead while two carry the load, 1
+        ("contact_torque", np.float64),  # on the roller about the normal, N m
         ("angle", np.float64),  # q of the roller in contact, rad
         ("point", np.float64, (3,)),  # world, m
         ("slip_velocity", np.float64, (2,)),  # h, k, m/s
@@ -43,7 +46,7 @@ class Observed(NamedTuple):
 @kernel
 def observe(parameters, rows, times, watch, observed):
     """Evaluate every row."""
-    at = places(len(parameters.wheels))
+    at = places(parameters)
     for row in range(len(times)):
         t, piece, y, mode = times[row], rows.piece[row], rows.y[row], rows.mode[row]
         rhs(parameters, mode, piece, t, y, observed.slopes[row], watch)
@@ -51,14 +54,23 @@ def observe(parameters, rows, times, watch, observed):
         wrench = external_wrench(parameters, piece, t, heading)
         for w in range(len(parameters.wheels)):
             wheel, contact, normal = parameters.wheels[w], observed.contacts[row, w], max(watch[w].normal_force, 0.0)
-            torque = drive_torque(parameters, piece, t, w)
-            reaction = contact_reaction(parameters, mode[w], w, heading, normal, wrench, torque, y)
-            contact.normal_force, contact.drive_torque = normal, torque
-            contact.servo_torque = servo_torque(wheel, reaction, normal, y[at.spin_rate + w], y[at.yaw_rate])
+            torque, share = drive_torque(parameters, piece, t, w), watch[w].share
+            state = contact_state(parameters, mode[w], w, 0, heading, y)
+            rollers = all_rollers(parameters, mode[w], w, state.cos_q, state.sin_q, y)
+            motion = free_motion(parameters, wheel, state, rollers, heading, wrench, torque)
+            reaction = contact_reaction(parameters, mode[w], w, 0, state, motion, normal, share)
+            servo = servo_torque(wheel, rollers, y[at.spin_rate + w], y[at.yaw_rate])
+            contact.servo_torque = servo + servo_load(wheel, reaction, share * normal)
+            if mode[w].shared:
+                other = contact_state(parameters, mode[w], w, 1, heading, y)
+                second = contact_reaction(parameters, mode[w], w, 1, other, motion, normal, 1.0 - share)
+                contact.servo_torque += servo_load(wheel, second, (1.0 - share) * normal)
+            contact.normal_force, contact.drive_torque, contact.share = normal, torque, share
+            contact.contact_torque = reaction.torque
             contact.angle = contact_angle(parameters, mode[w], w, heading, y)
-            contact.point[0] = y[X] - reaction.state.contact.l * heading.sin
-            contact.point[1] = y[Y] + reaction.state.contact.l * heading.cos
-            contact.slip_velocity[0], contact.slip_velocity[1] = reaction.state.slip.h, reaction.state.slip.k
+            contact.point[0] = y[X] - state.contact.l * heading.sin
+            contact.point[1] = y[Y] + state.contact.l * heading.cos
+            contact.slip_velocity[0], contact.slip_velocity[1] = state.slip.h, state.slip.k
             contact.friction_force[0], contact.friction_force[1] = reaction.force.h, reaction.force.k
             observe_rollers(parameters, rows, row, w, heading, observed)
 
@@ -66,7 +78,7 @@ def observe(parameters, rows, times, watch, observed):
 @kernel
 def contact_angle(parameters, mode, w, heading, y):
     """q of the roller in contact, rad: from the spin angle, or from the rho that the implicit tracking integrated."""
-    wheel, at = parameters.wheels[w], places(len(parameters.wheels))
+    wheel, at = parameters.wheels[w], places(parameters)
     if parameters.machine.tracking == IMPLICIT:
         rho = rho_of(parameters, y, w, mode.roller % wheel.rollers)
         return math.atan2(-rho.x * heading.cos - rho.y * heading.sin, rho.z)
@@ -76,7 +88,7 @@ def contact_angle(parameters, mode, w, heading, y):
 @kernel
 def observe_rollers(parameters, rows, row, w, heading, observed):
     """Joint rates of the rollers of wheel w, and the rigid motion of their centres O + R1 d with the wheel."""
-    wheel, y, dy, at = parameters.wheels[w], rows.y[row], observed.slopes[row], places(len(parameters.wheels))
+    wheel, y, dy, at = parameters.wheels[w], rows.y[row], observed.slopes[row], places(parameters)
     spin_rate, yaw_rate = y[at.spin_rate + w], y[at.yaw_rate]
     spin_acceleration, turning = dy[at.spin_rate + w], spin_rate * yaw_rate
     h, k = Vec3(heading.cos, heading.sin, 0.0), Vec3(-heading.sin, heading.cos, 0.0)
@@ -128,7 +140,7 @@ def datasets(parameters: Parameters, rows: Rows, interval: float, names: list[st
 
 def body(parameters: Parameters, y: np.ndarray, slopes: np.ndarray) -> dict[str, np.ndarray]:
     """Motion of the wheel centre, at the constant height R."""
-    at = places(len(parameters.wheels))
+    at = places(parameters)
     height, flat = np.full(len(y), parameters.wheels[0].radius), np.zeros(len(y))
     return {
         "body/position": np.column_stack([y[:, X], y[:, Y], height]),
@@ -142,7 +154,7 @@ def body(parameters: Parameters, y: np.ndarray, slopes: np.ndarray) -> dict[str,
 
 def energy(parameters: Parameters, rows: Rows) -> dict[str, np.ndarray]:
     """Kinetic energy, the works since t = 0, and what is missing between them."""
-    machine, y, at = parameters.machine, rows.y, places(len(parameters.wheels))
+    machine, y, at = parameters.machine, rows.y, places(parameters)
     doubled = machine.mass * (y[:, at.velocity] ** 2 + y[:, at.velocity + 1] ** 2)
     doubled += machine.yaw_inertia * y[:, at.yaw_rate] ** 2
     for w, wheel in enumerate(parameters.wheels):
@@ -150,18 +162,20 @@ def energy(parameters: Parameters, rows: Rows) -> dict[str, np.ndarray]:
         doubled += wheel.axial_inertia * np.sum(rows.rates[:, w, : wheel.rollers] ** 2, axis=1)
     kinetic = 0.5 * doubled
     loss, drive, wrench = y[:, at.friction_loss], y[:, at.drive_work], y[:, at.wrench_work]
+    bearings = y[:, at.bearing_loss] if machine.bearings else np.zeros(len(y))
     return {
         "energy/kinetic": kinetic,
         "energy/friction_loss": loss,
+        "energy/bearing_loss": bearings,
         "energy/drive_work": drive,
         "energy/wrench_work": wrench,
-        "energy/balance": kinetic - kinetic[:1] + loss - drive - wrench,
+        "energy/balance": kinetic - kinetic[:1] + loss + bearings - drive - wrench,
     }
 
 
 def wheel(parameters: Parameters, w: int, rows: Rows, observed: Observed) -> dict[str, np.ndarray]:
     """Datasets of one wheel, by path below its group."""
-    count, at, contacts = parameters.wheels[w].rollers, places(len(parameters.wheels)), observed.contacts[:, w]
+    count, at, contacts = parameters.wheels[w].rollers, places(parameters), observed.contacts[:, w]
     position, velocity, acceleration = observed.motion[:, :, w, :count]
     return {
         "spin_angle": rows.y[:, at.spin_angle + w],
@@ -174,7 +188,8 @@ def wheel(parameters: Parameters, w: int, rows: Rows, observed: Observed) -> dic
         "contact_point": contacts.point,
         "slip_velocity": contacts.slip_velocity,
         "friction_force": contacts.friction_force,
-        "contact_share": np.ones(len(rows.y)),
+        "contact_share": contacts.share,
+        "contact_torque": contacts.contact_torque,
         "servo_torque": contacts.servo_torque,
         "rollers/axial_rate": rows.rates[:, w, :count],
         "rollers/joint_rate": observed.joint_rate[:, w, :count],

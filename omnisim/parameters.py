@@ -20,7 +20,10 @@ MACHINE = np.dtype(
         ("slip_speed", np.float64),  # m/s
         ("viscosity", np.float64),  # N s/m
         ("slip_floor", np.float64),  # slip over which friction changes near zero slip, m/s
+        ("patch_radius", np.float64),  # of the contact patch, m; 0: no contact torque
         ("tracking", np.int64),  # tracking.TRACKINGS
+        ("bearings", np.int64),  # 1: bearing friction, so that every roller is in the state
+        ("slots", np.int64),  # of roller rates in the state, for each wheel
         ("body_frame", np.int64),  # 1: the wrench turns with the yaw
         ("slip_mobility", np.float64),  # upper bound of the contact's inverse mass, 1/kg
     ]
@@ -39,10 +42,37 @@ WHEEL = np.dtype(
         ("phase", np.float64),  # azimuth of roller 0 at spin angle 0, rad
         ("axle_inertia", np.float64),  # J_k, kg m^2
         ("axial_inertia", np.float64),  # Ia of one roller, kg m^2
+        ("bearing_viscosity", np.float64),  # N m s
+        ("bearing_torque", np.float64),  # N m
+        ("bearing_rate", np.float64),  # over which the torque changes its sign, rad/s
     ]
 )
 FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE, DRIVE = range(5)  # channels of the inputs; DRIVE + w is the torque of wheel w
 SHORTEST = 1e-14  # relative: pieces of tables that are no longer than rounding are left out
+
+
+CONTACT = np.dtype(
+    [
+        ("rest", np.int64),  # at zero slip: its force is sought
+        ("limit", np.float64),  # mu N, N
+        ("bias", np.float64, (2,)),  # slip acceleration along h and k without any contact's force, m/s^2
+        ("force", np.float64, (2,)),  # N
+        ("full", np.float64, (2,)),  # friction under the whole load of the wheel while it slips, N
+        ("torque", np.float64),  # contact torque under the whole load, N m
+        ("lever", np.float64, (2,)),  # of the force, m, and
+        ("lean", np.float64),  # of the contact torque, on the spin, 1
+    ]
+)
+
+
+class Room(NamedTuple):
+    """Room for the solve of C coupled contacts, two for each wheel; not constant, but without memory either.
+
+    contacts: (C,) records CONTACT. mobility (C, C, 2, 2), 1/kg: slip acceleration of one by the force of another.
+    """
+
+    contacts: np.recarray
+    mobility: np.ndarray
 
 
 class Parameters(NamedTuple):
@@ -50,7 +80,7 @@ class Parameters(NamedTuple):
 
     machine: record MACHINE. wheels: (W,) records WHEEL. sector: (W, N, 2) cosine and sine of 2 pi i / N_r.
     starts: (S,) where the pieces begin, s. inputs: (S, 4 + W, 2) value at the start
-    of the piece and slope of every channel.
+    of the piece and slope of every channel. room: Room.
     """
 
     machine: np.record
@@ -58,6 +88,7 @@ class Parameters(NamedTuple):
     sector: np.ndarray
     starts: np.ndarray
     inputs: np.ndarray
+    room: Room
 
 
 def pack(config: Config) -> Parameters:
@@ -70,7 +101,11 @@ def pack(config: Config) -> Parameters:
     fill_machine(machine[0], config, types)
     machine[0].slip_mobility = max(slip_mobility_bound(machine[0], wheel) for wheel in wheels)
     starts, inputs = merge_tables(config)
-    return Parameters(machine[0], wheels, sectors(wheels.rollers), starts, inputs)
+    return Parameters(machine[0], wheels, sectors(wheels.rollers), starts, inputs, room(2 * len(types)))
+
+
+def room(contacts: int) -> Room:
+    return Room(np.zeros(contacts, CONTACT).view(np.recarray), np.zeros((contacts, contacts, 2, 2)))
 
 
 def fill_machine(machine: np.record, config: Config, types: list[WheelType]) -> None:
@@ -84,6 +119,9 @@ def fill_machine(machine: np.record, config: Config, types: list[WheelType]) -> 
     machine.viscosity = friction.viscosity
     machine.slip_floor = slip_floor(friction, machine.mass * machine.gravity)
     machine.tracking = TRACKINGS[config.solver.tracking]
+    machine.patch_radius = friction.patch_radius if friction.contact_torque != "none" else 0.0
+    machine.bearings = any(kind.roller.has_bearing_friction for kind in types)
+    machine.slots = max(kind.roller_count for kind in types) if machine.bearings else 2
     machine.body_frame = config.wrench.frame == "body"
 
 
@@ -103,6 +141,8 @@ def fill_wheel(row: np.record, kind: WheelType, wheel: Wheel) -> None:
     row.phase = math.radians(wheel.phase_deg)
     row.axle_inertia = axle_inertia(kind, row.sin_psi)
     row.axial_inertia = kind.roller.inertia_axial
+    row.bearing_viscosity, row.bearing_torque = kind.roller.bearing_viscosity, kind.roller.bearing_torque
+    row.bearing_rate = kind.roller.bearing_rate
 
 
 def axle_inertia(kind: WheelType, sin_psi: float) -> float:

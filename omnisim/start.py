@@ -33,27 +33,21 @@ def begin(config: Config, parameters: Parameters) -> Run:
         watch=np.zeros(count, WATCH).view(np.recarray),
         watch_end=np.zeros(count, WATCH).view(np.recarray),
         clock=clock,
-        newton=newton_room(count, len(y) if clock.choice != EXPLICIT else 0),
+        newton=newton_room(parameters, len(y) if clock.choice != EXPLICIT else 0),
     )
 
 
-def newton_room(wheels: int, states: int) -> Newton:
+def newton_room(parameters: Parameters, states: int) -> Newton:
     """Room for implicit steps: forces depend on yaw, spin angles and all rates."""
-    at = places(wheels)
+    at = places(parameters)
     active = np.arange(YAW, at.friction_loss) if states else np.zeros(0, np.int64)
-    square, column = (len(active), len(active)), len(active)
+    count = len(active)
     return Newton(
         active=active,
-        z=np.zeros((3, states)),
-        slopes=np.zeros((3, states)),
-        shifted=np.zeros(states),
-        jacobian=np.zeros(square),
-        real=np.zeros(square),
-        complex=np.zeros(square, complex),
-        real_pivots=np.zeros(column, np.int64),
-        complex_pivots=np.zeros(column, np.int64),
-        real_side=np.zeros(column),
-        complex_side=np.zeros(column, complex),
+        stages=np.zeros((7, states)),
+        real=np.zeros((2 * count + 1, count)),
+        complex=np.zeros((count + 1, count), complex),
+        pivots=np.zeros((2, count), np.int64),
     )
 
 
@@ -72,7 +66,7 @@ def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, n
     """State y (n,) without the rates of the rollers in contact, and rates (W, N) of all rollers, rad/s."""
     wheels, rollers = parameters.sector.shape[:2]
     implicit = parameters.machine.tracking == IMPLICIT
-    at = places(wheels)
+    at = places(parameters)
     y = np.zeros(at.rho + 3 * wheels * rollers * implicit)
     rates = np.zeros((wheels, rollers))
     y[[X, Y]], y[at.velocity : at.yaw_rate] = config.initial.position, config.initial.velocity

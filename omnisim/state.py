@@ -1,10 +1,12 @@
 """The records of a march by lifetime: the state vector, the mode that is frozen within a step, the clock, the rows.
 
     y = [ positions: x y yaw, spin_angle of each wheel | their rates, in the same order |
-          roller_rate of each wheel | friction_loss drive_work wrench_work | rho of every roller (implicit tracking) ]
+          roller rates of each wheel | friction_loss drive_work wrench_work, with bearing friction bearing_loss |
+          rho of every roller (implicit tracking) ]
 
-`roller_rate` is the absolute axial rate p of the roller in contact; the rollers in the air keep theirs exactly and
-stand in `rates`, outside the state. The works are integrated with the motion by the same tableau.
+Roller rates are absolute axial rates p. A roller in the air keeps its own exactly, so only those of the rollers in
+contact are states: two slots for each wheel, the second in use while two rollers carry it; the others stand in
+`rates`. With bearing friction every roller has its slot. The works are integrated with the motion.
 """
 
 from typing import NamedTuple
@@ -23,26 +25,39 @@ class Places(NamedTuple):
     velocity: int  # x, then y
     yaw_rate: int
     spin_rate: int
-    roller_rate: int
+    roller_rate: int  # wheel w's slots begin w * slots further
     friction_loss: int
     drive_work: int
     wrench_work: int
+    bearing_loss: int
     rho: int
 
 
 @kernel
-def places(wheels):
-    """The Places of the state of a machine with so many wheels."""
-    rates, rollers, works = 3 + wheels, 6 + 2 * wheels, 6 + 3 * wheels
-    return Places(3, rates, rates + 2, rates + 3, rollers, works, works + 1, works + 2, works + 3)
+def places(parameters):
+    """The Places of the state of a machine."""
+    wheels, slots = len(parameters.wheels), parameters.machine.slots
+    rates, rollers, works = 3 + wheels, 6 + 2 * wheels, 6 + 2 * wheels + slots * wheels
+    rho = works + 3 + parameters.machine.bearings
+    return Places(3, rates, rates + 2, rates + 3, rollers, works, works + 1, works + 2, works + 3, rho)
+
+
+@kernel
+def rate_place(parameters, roller, w, side):
+    """Where the rate of a contact's roller stands in the state: `roller` is that of side 0, side 1 is behind it."""
+    first = places(parameters).roller_rate + parameters.machine.slots * w
+    if parameters.machine.bearings:
+        return first + (roller - side) % parameters.wheels[w].rollers
+    return first + side
 
 
 MODE = np.dtype(
     [
-        ("roller", np.int64),  # of the contact, counted on through every turn: its index is roller mod N_r
+        ("roller", np.int64),  # of contact 0, counted on through every turn: its index is roller mod N_r
         ("direction", np.int64),  # +1 or -1: sense in which the spin angle runs throughout a step
-        ("saturated", np.int64),  # branch of the saturated friction law
-        ("grip", np.int64),  # coulomb.SLIP, STICK or CREEP
+        ("shared", np.int64),  # 1: the wheel rests on `roller` at q = +alpha and on the one behind it, contact 1
+        ("saturated", np.int64, (2,)),  # branch of the saturated friction law at each contact
+        ("grip", np.int64, (2,)),  # coulomb.SLIP, STICK or CREEP
         ("air_cos", np.float64),  # sums over the rollers in the air, D_i = gamma_i - gamma_contact:
         ("air_sin", np.float64),  # sum p_i cos D_i, sum p_i sin D_i and sum p_i, rad/s
         ("air_sum", np.float64),
@@ -50,10 +65,12 @@ MODE = np.dtype(
 )
 WATCH = np.dtype(
     [
-        ("normal_force", np.float64),  # N
-        ("slip_square", np.float64),  # |v|^2, m^2/s^2
-        ("margin", np.float64),  # coulomb: mu N - |F| while sticking, v . u while creeping
-        ("factor", np.float64),  # g of the friction law F = -g v, N s/m
+        ("normal_force", np.float64),  # of the whole wheel, N
+        ("share", np.float64),  # of contact 0 in it, 1
+        ("share_margin", np.float64),  # torque with which both contacts alone would push back to the edge, N m
+        ("slip_square", np.float64, (2,)),  # |v|^2 at each contact, m^2/s^2
+        ("margin", np.float64, (2,)),  # coulomb: mu N - |F| while sticking, v . u while creeping
+        ("factor", np.float64, (2,)),  # g of the friction law F = -g v, N s/m
     ]
 )
 CLOCK = np.dtype(
@@ -85,21 +102,16 @@ CLOCK = np.dtype(
 class Newton(NamedTuple):
     """Room for the iteration of implicit steps on k coupled of n states; k = n = 0 when the method is explicit.
 
-    active (k,): those states, ascending; z, slopes (3, n): increments and derivatives of the stages; shifted (n,);
-    jacobian, real, complex (k, k): of the active slopes, and factors; pivots and right sides (k,).
+    active (k,): those states, ascending; stages (7, n): increments z and derivatives of the three stages, and a
+    derivative beside the state for the Jacobian; real (2 k + 1, k) float, complex (k + 1, k): Jacobian, factors and
+    right side; pivots (2, k) of the real and the complex factors.
     """
 
     active: np.ndarray
-    z: np.ndarray
-    slopes: np.ndarray
-    shifted: np.ndarray
-    jacobian: np.ndarray
+    stages: np.ndarray
     real: np.ndarray
     complex: np.ndarray
-    real_pivots: np.ndarray
-    complex_pivots: np.ndarray
-    real_side: np.ndarray
-    complex_side: np.ndarray
+    pivots: np.ndarray
 
 
 class Run(NamedTuple):

@@ -46,9 +46,7 @@ SENTENCES = {
         "wheel '{wheel}' slips too slowly for an explicit method at t = {time:.9g} s: coulomb friction turns the slip "
         "faster than a million sub-steps of one step can follow; try law = 'regularized'"
     ),
-    NO_CONVERGENCE: (
-        "no step from t = {time:.9g} s, however short, solves the equations of the implicit method"
-    ),
+    NO_CONVERGENCE: ("no step from t = {time:.9g} s, however short, solves the equations of the implicit method"),
     LIFT_OFF: (
         "wheel '{wheel}' leaves the floor at t = {time:.9g} s: the vertical force lifts more than the weight; "
         "flight is not modelled, reduce wrench.force z"

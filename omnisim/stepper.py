@@ -5,12 +5,12 @@ is taken from there, each piece with the mode frozen, so the order of the method
 """
 
 from omnisim.checks import check, too_stiff
-from omnisim.contact.reaction import COULOMB
-from omnisim.events import EXIT, GUARDS, SMOOTH_GUARDS, TURN, guard, settle_slip, transition
-from omnisim.exchange import release_roller, settle
+from omnisim.contact.reaction import COULOMB, SATURATED
+from omnisim.events import EXIT, GUARDS, OF_WHEEL, SHARED, TURN, guard, record, settle_slip, transition
+from omnisim.exchange import release_rollers, settle
 from omnisim.grip import hold, rests, step_length
-from omnisim.kernel import kernel
 from omnisim.implicit import implicit_step
+from omnisim.kernel import kernel, merged, outlined
 from omnisim.runge_kutta import accept, copy, explicit_step, refresh
 from omnisim.status import (
     COMPLETE,
@@ -27,8 +27,9 @@ from omnisim.status import (
 )
 from omnisim.tableau import EXPLICIT
 
-# More reversals of spin in one step are ever shorter swings about an edge; more changes of friction than that, a step
-# that no branch of the law survives.
+# More reversals of spin in one step are swings about an edge that never come to rest on both rollers; more changes of
+# friction, a step that no branch of the law survives.
+TURNS_PER_STEP = 1000
 CUTS_PER_STEP = 100
 SLIPS_PER_STEP = 10**6  # sub-steps of slow slip in one step
 REACH_GROWTH = 2.0  # of an implicit step over the last one that converged
@@ -44,7 +45,10 @@ def march(parameters, method, run, rows, log):
     """
     clock = run.clock
     if clock.row == 0 and clock.status == RUNNING:
-        settle(parameters, run)
+        for w in range(len(run.mode)):
+            if settle(parameters, run, w):
+                ahead, rollers = run.mode[w].roller, parameters.wheels[w].rollers
+                record(clock, log, 0.0, SHARED, w, ahead % rollers, (ahead - 1) % rollers)
         check(parameters, run)
         if clock.status == RUNNING:
             write_row(parameters, run, rows)
@@ -63,11 +67,11 @@ def march(parameters, method, run, rows, log):
     return clock.status
 
 
-@kernel
+@outlined
 def write_row(parameters, run, rows):
     row = run.clock.row
     for w in range(len(run.mode)):
-        release_roller(parameters, run, w)
+        release_rollers(parameters, run, w)
         rows.mode[row, w] = run.mode[w]
         copy(run.rates[w], rows.rates[row, w])
     copy(run.y, rows.y[row])
@@ -75,7 +79,7 @@ def write_row(parameters, run, rows):
     run.clock.row = row + 1
 
 
-@kernel
+@merged
 def grid_step(parameters, method, run, log):
     """One dt, with all its events and knots."""
     clock = run.clock
@@ -88,17 +92,18 @@ def grid_step(parameters, method, run, log):
         whole = h
         if coulomb:
             for w in range(len(run.mode)):
-                if rests(parameters, run, w):
-                    settle_slip(parameters, run, log, w, t)
+                for side in range(1 + run.mode[w].shared):
+                    if rests(parameters, run, w, side):
+                        settle_slip(parameters, run, log, w, side, t)
         if coulomb or clock.choice != EXPLICIT:
             h = step_length(parameters, run, t, h)
-        h, kind, w = step_to_event(parameters, method, run, t, h)
+        h, kind, w, side = step_to_event(parameters, method, run, t, h)
         accept(run)
         clock.elapsed += h
         if coulomb:
             hold(parameters, run, start + clock.elapsed)
         if kind >= 0:
-            transition(parameters, run, log, kind, w, start + clock.elapsed)
+            transition(parameters, run, log, kind, w, side, start + clock.elapsed)
             turns += kind == TURN
             others += kind not in (TURN, EXIT)
         elif h < whole:
@@ -108,7 +113,7 @@ def grid_step(parameters, method, run, log):
             refresh(parameters, run, start + clock.elapsed)
         else:
             return
-        if turns > CUTS_PER_STEP:
+        if turns > TURNS_PER_STEP:
             clock.status, clock.wheel = ROCKING, w
         elif others > CUTS_PER_STEP and not coulomb:
             too_stiff(parameters, run, w)
@@ -120,7 +125,7 @@ def grid_step(parameters, method, run, log):
             return
 
 
-@kernel
+@merged
 def piece_length(parameters, clock, start):
     """Length of the next piece of a grid step, s, and whether a knot of the tables ends it."""
     rest = clock.dt - clock.elapsed
@@ -131,45 +136,46 @@ def piece_length(parameters, clock, start):
     return rest, False
 
 
-@kernel
+@merged
 def step_to_event(parameters, method, run, t, h):
-    """A trial step of at most h, up to its first event: its length, the guard that fired (or -1) and the wheel."""
+    """A trial step of at most h, up to its first event: its length, the guard that fired (or -1), wheel and contact."""
     clock = run.clock
     if clock.implicit:
         h = min(h, REACH_GROWTH * clock.reach)
     while True:
         advance(parameters, method, run, t, h)
-        s, kind, w = cut_at_event(parameters, method, run, t, h)
+        s, kind, w, side = cut_at_event(parameters, method, run, t, h)
         if clock.converged:
             if clock.implicit:
                 clock.implicit_steps += 1
                 clock.reach = h
-            return s, kind, w
+            return s, kind, w, side
         h *= 0.5
         if h < ROUNDING * clock.dt:
             clock.status = NO_CONVERGENCE
-            return 0.0, -1, -1
+            return 0.0, -1, -1, 0
 
 
-@kernel
+@merged
 def cut_at_event(parameters, method, run, t, h):
-    """Shorten the trial step to its first event: its length, the guard that fired (or -1) and the wheel.
+    """Shorten the trial step to its first event: its length, the guard that fired (or -1), wheel and contact.
 
     Each violated guard is located on what is left of the step, TURN first, so EXIT sees a monotone spin angle and a
     step that leaves a roller's end and comes back is cut at the turn before it is searched.
     """
-    fired, wheel = -1, -1
-    for kind in range(GUARDS if parameters.machine.law == COULOMB else SMOOTH_GUARDS):
+    fired, wheel, contact, law = -1, -1, 0, parameters.machine.law
+    for kind in range(GUARDS if law in (COULOMB, SATURATED) else OF_WHEEL):
         for w in range(len(run.mode)):
-            value = guard(parameters, run.mode, kind, w, run.trial, run.watch_end)
-            if value < 0.0:
-                h = locate(parameters, method, run, t, h, kind, w, value)
-                fired, wheel = kind, w
-    return h, fired, wheel
+            for side in range(2 if kind >= OF_WHEEL and run.mode[w].shared else 1):
+                value = guard(parameters, run.mode, kind, w, side, run.trial, run.watch_end)
+                if value < 0.0:
+                    h = locate(parameters, method, run, t, h, kind, w, side, value)
+                    fired, wheel, contact = kind, w, side
+    return h, fired, wheel, contact
 
 
-@kernel
-def locate(parameters, method, run, t, h, kind, w, value):
+@outlined
+def locate(parameters, method, run, t, h, kind, w, side, value):
     """Root s of a guard on a step of length h at whose end it has the negative `value`; leaves the trial at s.
 
     Every evaluation is a step of its own from the start of the step, so the state found is as accurate as any. A
@@ -177,13 +183,13 @@ def locate(parameters, method, run, t, h, kind, w, value):
     is sought at which the guard holds. Then a safeguarded secant iteration.
     """
     low, high = 0.0, h
-    g_low, g_high = guard(parameters, run.mode, kind, w, run.y, run.watch), value
+    g_low, g_high = guard(parameters, run.mode, kind, w, side, run.y, run.watch), value
     while g_low <= 0.0:
         s = 0.5 * high
         if s < ROUNDING * run.clock.dt:
             advance(parameters, method, run, t, 0.0)
             return 0.0
-        g = trial_guard(parameters, method, run, t, s, kind, w)
+        g = trial_guard(parameters, method, run, t, s, kind, w, side)
         if g > 0.0:
             low, g_low = s, g
         else:
@@ -191,7 +197,7 @@ def locate(parameters, method, run, t, h, kind, w, value):
     tolerance = 1e-12 * h + EPSILON * (t + h)
     s, s_last, g_last = low + (high - low) * g_low / (g_low - g_high), high, g_high
     for iteration in range(60):
-        g = trial_guard(parameters, method, run, t, s, kind, w)
+        g = trial_guard(parameters, method, run, t, s, kind, w, side)
         correction = g * (s - s_last) / (g_last - g)
         if g > 0.0:
             low = s
@@ -206,7 +212,7 @@ def locate(parameters, method, run, t, h, kind, w, value):
     return s
 
 
-@kernel
+@merged
 def advance(parameters, method, run, t, h):
     """One step of length h from run.y into run.trial, explicit or implicit as the clock says."""
     clock = run.clock
@@ -217,8 +223,8 @@ def advance(parameters, method, run, t, h):
         explicit_step(parameters, method, run, t, h)
 
 
-@kernel
-def trial_guard(parameters, method, run, t, s, kind, w):
+@merged
+def trial_guard(parameters, method, run, t, s, kind, w, side):
     """Value of a guard after a step of length s."""
     advance(parameters, method, run, t, s)
-    return guard(parameters, run.mode, kind, w, run.trial, run.watch_end)
+    return guard(parameters, run.mode, kind, w, side, run.trial, run.watch_end)

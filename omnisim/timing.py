@@ -8,7 +8,7 @@ from statistics import median
 import numpy as np
 
 from omnisim.contact.tracking import IMPLICIT, Heading, explicit_contact, implicit_contact, roller_axis
-from omnisim.dynamics import azimuth, rho_of, rho_rates
+from omnisim.dynamics import rho_rates
 from omnisim.kernel import kernel
 from omnisim.parameters import Parameters, pack
 from omnisim.scene import Scene
@@ -16,6 +16,7 @@ from omnisim.simulation import simulate
 from omnisim.start import initial_state, roller_azimuths, roller_directions
 from omnisim.state import YAW, places
 from omnisim.trajectory import Trajectory
+from omnisim.wheel import azimuth, rho_of
 
 REPEATS = 5
 PATIENCE = 8.0  # s for all repeats of all scenes of a race
@@ -77,7 +78,7 @@ def track(parameters, states, slopes, rounds):
 
 @kernel
 def track_explicitly(parameters, y):
-    at, total = places(len(parameters.wheels)), 0.0
+    at, total = places(parameters), 0.0
     for w in range(len(parameters.wheels)):
         wheel = parameters.wheels[w]
         q = azimuth(wheel, 0, y[at.spin_angle + w])
@@ -88,7 +89,7 @@ def track_explicitly(parameters, y):
 
 @kernel
 def track_implicitly(parameters, y, slopes):
-    at, heading, total = places(len(parameters.wheels)), Heading(math.cos(y[YAW]), math.sin(y[YAW])), 0.0
+    at, heading, total = places(parameters), Heading(math.cos(y[YAW]), math.sin(y[YAW])), 0.0
     for w in range(len(parameters.wheels)):
         wheel = parameters.wheels[w]
         q = azimuth(wheel, 0, y[at.spin_angle + w])
@@ -104,7 +105,7 @@ def states_in_contact(scene: Scene, parameters: Parameters) -> np.ndarray:
     first, _ = initial_state(scene.config, parameters)
     states = np.tile(first, (STATES, 1))
     states[:, YAW] = np.linspace(0.0, 2.0 * np.pi, STATES)
-    at = places(len(parameters.wheels))
+    at = places(parameters)
     for w, wheel in enumerate(parameters.wheels):
         spin_angle = wheel.phase + wheel.alpha * np.linspace(-0.99, 0.99, STATES)
         states[:, at.spin_angle + w] = spin_angle

@@ -5,6 +5,9 @@ the contact's inverse mass:
 
     sticking    v' = 0: F = -A^-1 b, as long as it lies inside the cone
     slipping    from rest in the direction u in which it goes on: F = -mu N u and v' = b - mu N A u = kappa u
+
+Both are one principle (Gauss): of all forces inside the cone the contact takes that with the least F.A F / 2 + b.F.
+For several contacts, coupled by A, it is a convex problem over discs, and taking them in turn solves it.
 """
 
 import math
@@ -14,6 +17,8 @@ from omnisim.contact.kinematics import Slip
 from omnisim.kernel import kernel
 
 TINY = 1e-300
+MOST_SWEEPS = 500
+SETTLED = 1e-15  # relative change of the forces in a sweep over all contacts
 SLIP, STICK, CREEP = 0, 1, 2  # creep: slip so young that its direction is still that of the contact equation
 
 
@@ -75,3 +80,42 @@ def slip_direction(a, b, limit):
     norm = math.sqrt(u_1 * u_1 + u_2 * u_2)
     u_1, u_2 = u_1 / norm, u_2 / norm
     return Direction(u_1 * cos - u_2 * sin, u_1 * sin + u_2 * cos, kappa)
+
+
+@kernel
+def contact_forces(room, first, count):
+    """Forces of `count` contacts in a Room: those at rest by Gauss' principle, the others as they stand there.
+
+    Taken in turn, each contact is in the equation of one with the others' forces in its bias; the energy falls with
+    each until the forces settle.
+    """
+    for _ in range(MOST_SWEEPS):
+        change, size, resting = 0.0, 0.0, 0
+        for c in range(first, first + count):
+            contact = room.contacts[c]
+            if not contact.rest:
+                continue
+            resting += 1
+            bias_h, bias_k = contact.bias[0], contact.bias[1]
+            for d in range(first, first + count):
+                if d != c:
+                    a, force = room.mobility[c, d], room.contacts[d].force
+                    bias_h += a[0, 0] * force[0] + a[0, 1] * force[1]
+                    bias_k += a[1, 0] * force[0] + a[1, 1] * force[1]
+            a, force = room.mobility[c, c], contact.force
+            solved = resting_force((a[0, 0], a[0, 1], a[1, 1]), Slip(bias_h, bias_k), contact.limit)
+            change = max(change, max(abs(solved.h - force[0]), abs(solved.k - force[1])))
+            size = max(size, max(abs(solved.h), abs(solved.k)))
+            force[0], force[1] = solved.h, solved.k
+        if resting < 2 or change <= SETTLED * size:
+            break
+
+
+@kernel
+def resting_force(a, b, limit):
+    """F (h, k), N, of one contact at zero slip: that which holds it if the limit mu N allows, else the whole limit."""
+    force = sticking_force(a, b)
+    if force.h * force.h + force.k * force.k <= limit * limit:
+        return force
+    u = slip_direction(a, b, limit)
+    return Slip(-limit * u.h, -limit * u.k)

@@ -13,13 +13,25 @@ class Slip(NamedTuple):
     k: float
 
 
-class Free(NamedTuple):
-    """Accelerations without friction: of the wheel centre along h and k (m/s^2), of spin and yaw (rad/s^2)."""
+class Motion(NamedTuple):
+    """Accelerations of the wheel centre along h and k (m/s^2), of spin, yaw and the roller's axial rate (rad/s^2)."""
 
     h: float
     k: float
     spin: float
     yaw: float
+    roller: float
+
+
+class Jacobian(NamedTuple):
+    """Slip velocity by the speeds that it shares with other contacts, (h, k) for each: spin, yaw; and its roller's."""
+
+    spin_h: float
+    spin_k: float
+    yaw_h: float
+    yaw_k: float
+    roller_h: float
+    roller_k: float
 
 
 @kernel
@@ -41,8 +53,8 @@ def slip_velocity(wheel, contact, velocity_h, velocity_k, spin_rate, yaw_rate, j
 
 
 @kernel
-def slip_bias(wheel, state, free):
-    """b (Slip, m/s^2): the slip acceleration without friction, at a ContactState, from the accelerations `free`.
+def slip_acceleration(wheel, state, motion):
+    """v' (Slip, m/s^2) at a ContactState, from the accelerations `motion`; without friction in them it is b.
 
     The contact moves through the wheel with q' = -phi', so l, arm and axis have rates of their own, with either
     tracking taken from the closed forms; h and k turn with the yaw.
@@ -55,9 +67,9 @@ def slip_bias(wheel, state, free):
     arm_h_rate = -h_rate * wheel.sin_psi
     arm_k_rate = -wheel.cos_psi * (h_rate * cos_q + h_q * sin_q * spin_rate)
     axis_n_rate = wheel.cos_psi * cos_q * spin_rate
-    joint_acceleration = -free.spin * axis.k - free.yaw * axis.n - yaw_rate * axis_n_rate
-    along_h = free.h + yaw_rate * state.velocity.k - free.spin * wheel.radius - free.yaw * contact.l
-    along_k = free.k - yaw_rate * state.velocity.h
+    joint_acceleration = motion.roller - motion.spin * axis.k - motion.yaw * axis.n - yaw_rate * axis_n_rate
+    along_h = motion.h + yaw_rate * state.velocity.k - motion.spin * wheel.radius - motion.yaw * contact.l
+    along_k = motion.k - yaw_rate * state.velocity.h
     return Slip(
         along_h - yaw_rate * l_rate + joint_acceleration * contact.arm_h + joint * arm_h_rate,
         along_k + joint_acceleration * contact.arm_k + joint * arm_k_rate,
@@ -72,18 +84,46 @@ def largest(a):
 
 
 @kernel
-def inverse_mass(machine, wheel, axis, contact):
+def slip_jacobian(wheel, axis, contact):
+    """Of a contact; by the velocity of the wheel centre it is the identity."""
+    return Jacobian(
+        -wheel.radius - axis.k * contact.arm_h,
+        -axis.k * contact.arm_k,
+        -contact.l - axis.n * contact.arm_h,
+        -axis.n * contact.arm_k,
+        contact.arm_h,
+        contact.arm_k,
+    )
+
+
+@kernel
+def inverse_mass(machine, wheel, axis, contact, spin_held=False):
     """A (hh, hk, kk), 1/kg: slip acceleration caused by a contact force, v' = A F + (what F does not change).
 
     A = J diag(1/M, 1/M, 1/J_k, 1/I_z, 1/Ia) J^T, with J the Jacobian of the slip velocity in the speeds
-    (V_h, V_k, phi', theta', p), in which the mass matrix is diagonal.
+    (V_h, V_k, phi', theta', p), in which the mass matrix is diagonal; without 1/J_k if the spin is held.
     """
-    spin_h, spin_k = -wheel.radius - axis.k * contact.arm_h, -axis.k * contact.arm_k
-    yaw_h, yaw_k = -contact.l - axis.n * contact.arm_h, -axis.n * contact.arm_k
-    translation, spin, yaw = 1.0 / machine.mass, 1.0 / wheel.axle_inertia, 1.0 / machine.yaw_inertia
+    j = slip_jacobian(wheel, axis, contact)
+    hh, hk, _, kk = coupling(machine, wheel, j, j, spin_held)
     roller = 1.0 / wheel.axial_inertia
     return (
-        translation + spin * spin_h * spin_h + yaw * yaw_h * yaw_h + roller * contact.arm_h * contact.arm_h,
-        spin * spin_h * spin_k + yaw * yaw_h * yaw_k + roller * contact.arm_h * contact.arm_k,
-        translation + spin * spin_k * spin_k + yaw * yaw_k * yaw_k + roller * contact.arm_k * contact.arm_k,
+        hh + roller * j.roller_h * j.roller_h,
+        hk + roller * j.roller_h * j.roller_k,
+        kk + roller * j.roller_k * j.roller_k,
+    )
+
+
+@kernel
+def coupling(machine, wheel, a, b, spin_held):
+    """(hh, hk, kh, kk), 1/kg: slip acceleration at the contact with Jacobian a by a force at that with b, same wheel.
+
+    Without the rollers, which two contacts do not share.
+    """
+    translation, yaw = 1.0 / machine.mass, 1.0 / machine.yaw_inertia
+    spin = 0.0 if spin_held else 1.0 / wheel.axle_inertia
+    return (
+        translation + spin * a.spin_h * b.spin_h + yaw * a.yaw_h * b.yaw_h,
+        spin * a.spin_h * b.spin_k + yaw * a.yaw_h * b.yaw_k,
+        spin * a.spin_k * b.spin_h + yaw * a.yaw_k * b.yaw_h,
+        translation + spin * a.spin_k * b.spin_k + yaw * a.yaw_k * b.yaw_k,
     )

@@ -6,6 +6,7 @@ eigenvalue of -dF/dv, so g times the largest eigenvalue of the contact's inverse
 
 import math
 
+from omnisim.contact.contensou import patch_factors
 from omnisim.kernel import kernel
 
 NONE, VISCOUS, REGULARIZED, SATURATED, COULOMB = range(5)
@@ -17,6 +18,21 @@ LAWS = {
     "coulomb": COULOMB,  # while slipping; at zero slip see coulomb.py
 }
 TINY_SPEED = 1e-300  # never divide by zero: a stage far off the step's end may hit v = 0 exactly
+
+
+@kernel
+def friction(machine, saturated, normal_force, slip, turn):
+    """g in F = -g v (N s/m) and the contact torque about the normal (N m); `turn` (rad/s): the roller's rate about it.
+
+    Only a patch with a radius has a torque: then the regularized slip speed and the speed of its rim enter
+    Contensou's integrals.
+    """
+    if machine.patch_radius == 0.0:
+        return friction_factor(machine, saturated, normal_force, slip), 0.0
+    limit = machine.friction * normal_force
+    speed = math.sqrt(slip.h * slip.h + slip.k * slip.k + machine.slip_speed * machine.slip_speed)
+    force, torque = patch_factors(speed, machine.patch_radius * abs(turn))
+    return limit * force / speed, -math.copysign(limit * machine.patch_radius * torque, turn)
 
 
 @kernel
