@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from common import March, bare_wheel, interleaved, median_ratio, ready, table
 
-from omnisim.state import YAW, X, Y, places
+from omnisim.state import YAW, X, Y, places_of
 
 SOURCE = Path(__file__).with_name("wheel_rk4.c")
 TARGET = 1.5  # times the C loop
@@ -36,7 +36,7 @@ FROM_WHEEL = (
 )
 FROM_SCENE = ("friction_limit", "torque", "force_x", "force_y", "yaw_torque")
 
-AT = places(1)
+AT = places_of(1, 2, 0)
 ORDER = [X, Y, YAW, AT.velocity, AT.velocity + 1, AT.yaw_rate, AT.friction_loss, AT.drive_work, AT.wrench_work]
 ORDER += [AT.spin_angle, AT.spin_rate, AT.roller_rate]  # where the states of C stand in ours
 

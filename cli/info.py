@@ -12,6 +12,7 @@ from omnisim_cli.screen import BAD_INPUT, Failure, aligned, compilation_noted
 if TYPE_CHECKING:
     import numpy as np
 
+    from omnisim.parameters import Parameters
     from omnisim.scene import Scene
 
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -59,20 +60,24 @@ def about_scene(scene: Scene) -> str:
     from omnisim.parameters import pack
 
     config = scene.config
-    sections = [aligned(run_facts(scene)), describe(config).text]
     with compilation_noted():
-        for wheel, record in zip(config.wheels, pack(config).wheels, strict=True):
+        parameters = pack(config)
+        sections = [aligned(run_facts(scene, parameters)), describe(config).text]
+        for wheel, record in zip(config.wheels, parameters.wheels, strict=True):
             heading = f"wheel '{wheel.name}' of type '{wheel.type}'"
             sections.append(f"{heading}\n{aligned(wheel_facts(record), indent='  ')}")
     return "\n\n".join(sections)
 
 
-def run_facts(scene: Scene) -> dict[str, str]:
+def run_facts(scene: Scene, parameters: Parameters) -> dict[str, str]:
+    from omnisim.stiffness import explanation
+
     time, solver = scene.config.time, scene.config.solver
     return {
         "scene": scene.config.title or "(no title)",
         "source": scene.source,
-        "method": f"{solver.method}, {solver.tracking} tracking",
+        "method": explanation(scene.config, parameters),
+        "tracking": solver.tracking,
         "run": f"{time.end:g} s in {time.steps} steps of {time.step:g} s",
         "output": f"{time.outputs + 1} rows, one every {time.output_interval:g} s",
     }

@@ -5,7 +5,7 @@ import math
 from omnisim.contact.kinematics import Slip, inverse_mass, largest
 from omnisim.contact.reaction import COULOMB, friction_factor
 from omnisim.contact.tracking import IMPLICIT, Heading, explicit_contact, roller_axis
-from omnisim.kernel import kernel, merged, outlined
+from omnisim.kernel import merged, outlined
 from omnisim.state import YAW
 from omnisim.status import LOST_TRACK, NO_START, NOT_FINITE, TOO_STIFF
 from omnisim.tableau import EXPLICIT
@@ -16,7 +16,7 @@ STIFF_STEPS = 3  # surplus of steps too large for the rate at which slip relaxes
 LOST = 1e-3  # |rho|^2 - 1 at which the implicit tracking is no longer worth its name
 
 
-@outlined
+@merged
 def check(parameters, run):
     """Status of the state at a grid point: finite, and no slip relaxing faster than the method can follow.
 
@@ -54,7 +54,7 @@ def check(parameters, run):
         too_stiff(parameters, run, stiff)
 
 
-@kernel
+@outlined
 def too_stiff(parameters, run, w):
     """Stop for friction at wheel w, with the largest rate at which it relaxes slip anywhere on a roller."""
     machine, wheel, mobility = parameters.machine, parameters.wheels[w], 0.0

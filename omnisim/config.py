@@ -242,6 +242,7 @@ class Config(Table):
 def unused_keys(config: Config) -> tuple[str, ...]:
     """Dotted keys that nothing reads: those of other friction laws, wheel types without a wheel."""
     friction = config.friction.model_fields_set - {"law", *FRICTION_KEYS[config.friction.law]}
+    friction -= {"contact_torque"} | ({"patch_radius"} if config.friction.contact_torque != "none" else set())
     types = set(config.wheel_types) - {wheel.type for wheel in config.wheels}
     unread = (("friction", friction), ("wheel_types", types))
     return tuple(f"{table}.{key}" for table, keys in unread for key in sorted(keys))

@@ -77,6 +77,21 @@ def guard(parameters, mode, kind, w, side, y, watch):
     return CREEP_SPEED * CREEP_SPEED - watch[w].slip_square[side] if young else 0.0
 
 
+@kernel
+def all_hold(parameters, mode, w, y, watch):
+    """Whether every guard of wheel w holds: what most steps ask, and all that they ask."""
+    held = guard(parameters, mode, TURN, w, 0, y, watch) >= 0.0
+    held = held and guard(parameters, mode, EXIT, w, 0, y, watch) >= 0.0
+    held = held and guard(parameters, mode, SHARE, w, 0, y, watch) >= 0.0
+    held = held and guard(parameters, mode, LOAD, w, 0, y, watch) >= 0.0
+    if parameters.machine.law in (COULOMB, SATURATED):
+        for side in range(1 + mode[w].shared):
+            held = held and guard(parameters, mode, KINK, w, side, y, watch) >= 0.0
+            held = held and guard(parameters, mode, GRIP, w, side, y, watch) >= 0.0
+            held = held and guard(parameters, mode, YOUNG, w, side, y, watch) >= 0.0
+    return held
+
+
 @outlined
 def transition(parameters, run, log, kind, w, side, time):
     """Change the mode after a guard of wheel w fired at `time`, and the derivative with it."""

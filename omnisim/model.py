@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from omnisim.config import Config, Drive, Friction, unused_keys
+from omnisim.config import Config, Drive, Friction, Roller, unused_keys
 
 
 class Part(NamedTuple):
@@ -52,22 +52,24 @@ def describe(config: Config) -> Model:
     kind = config.type_of(wheel)
     count, psi = kind.roller_count, -kind.roller_angle_deg if wheel.mirrored else kind.roller_angle_deg
     implicit = config.solver.tracking == "implicit"
+    bearings, patch = kind.roller.has_bearing_friction, config.friction.contact_torque != "none"
+    contacts = f"one of {count} or, on an edge, two; psi = {psi:g} deg: exact profile, rigid contact"
     parts = (
         Part("plane motion", True, 6, "x, y and yaw of the wheel; the servo holds it upright on the flat floor"),
         Part("spin", True, 2, f"wheel '{wheel.name}' of type '{wheel.type}': R = {kind.radius:g} m"),
-        Part("roller in contact", True, 1, f"one of {count}, psi = {psi:g} deg: exact profile, rigid contact"),
-        Part("works", True, 3, "friction loss, drive and wrench work, integrated for the energy balance"),
+        Part("rollers in contact", True, 0 if bearings else 2, contacts),
+        Part("rollers in the air", bearings, count * bearings, air_reason(count, bearings)),
+        Part("works", True, 3 + bearings, "losses, drive and wrench work, integrated for the energy balance"),
         Part("rho", implicit, 3 * count * implicit, rho_reason(count, implicit)),
         Part("normal force", True, 0, "multiplier of the floor: the weight less the vertical force"),
         Part("servo torque", True, 0, "multiplier of the upright constraint"),
         Part("friction", config.friction.law != "none", 0, friction_reason(config.friction)),
         Part("drive", wheel.drive.kind != "free", 0, drive_reason(wheel.drive)),
         Part("wrench", bool(config.wrench.times), 0, wrench_reason(config)),
-        Part("rollers in the air", False, 0, f"{count - 1} keep their axial rates exactly: frictionless bearings"),
         Part("chassis", False, 0, "the scene has none"),
         Part("heave, roll and pitch", False, 0, "the floor and the servo take them away"),
-        Part("contact torque", False, 0, "zero about the normal, as in the paper"),
-        Part("bearing friction", False, 0, "the scene asks for none"),
+        Part("contact torque", patch, 0, patch_reason(config.friction)),
+        Part("bearing friction", bearings, 0, bearing_reason(kind.roller)),
     )
     return Model(parts, unused_keys(config))
 
@@ -76,6 +78,25 @@ def rho_reason(count: int, implicit: bool) -> str:
     if implicit:
         return f"implicit tracking integrates the unit vector of each of the {count} rollers"
     return "explicit tracking has the contact point in closed form"
+
+
+def air_reason(count: int, bearings: bool) -> str:
+    if bearings:
+        return f"all {count}, since their bearings have friction"
+    return f"{count - 1} keep their axial rates exactly: frictionless bearings"
+
+
+def patch_reason(friction: Friction) -> str:
+    if friction.contact_torque == "none":
+        return "zero about the normal, as in the paper"
+    return f"Contensou's law for Hertz pressure on a patch of radius {friction.patch_radius:g} m"
+
+
+def bearing_reason(roller: Roller) -> str:
+    if not roller.has_bearing_friction:
+        return "the scene asks for none"
+    viscous, coulomb = f"{roller.bearing_viscosity:g} N m s", f"{roller.bearing_torque:g} N m"
+    return f"viscous {viscous}; Coulomb {coulomb}, changing its sign over {roller.bearing_rate:g} rad/s"
 
 
 def friction_reason(friction: Friction) -> str:

@@ -44,6 +44,20 @@ def _friction_rules(config: Config) -> Iterator[Problem]:
             yield Problem(("friction", key), f"missing; law = '{law}' needs {allowed}")
 
 
+def _contact_torque_rules(config: Config) -> Iterator[Problem]:
+    """Contensou's law is smooth where the slip is; the set-valued law with a torque is another one."""
+    friction = config.friction
+    if friction.contact_torque == "none":
+        return
+    if friction.law != "regularized":
+        yield Problem(
+            ("friction", "contact_torque"), f"must be \"none\" with law = '{friction.law}'; only 'regularized' has one"
+        )
+    elif "patch_radius" not in friction.model_fields_set:
+        allowed = allowed_at(("friction", "patch_radius"))
+        yield Problem(("friction", "patch_radius"), f"missing; contact_torque = 'contensou' needs {allowed}")
+
+
 def _wheel_type_rules(config: Config) -> Iterator[Problem]:
     """Tips with r(alpha) >= 0; rollers that a mass distribution can have (a flat disc is the limit)."""
     for name, wheel_type in config.wheel_types.items():
@@ -126,4 +140,12 @@ def _table_rules(path: KeyPath, times: tuple[float, ...], **columns: tuple) -> I
             yield Problem((*path, key), f"must be {allowed}")
 
 
-RULES = (_time_rules, _friction_rules, _wheel_type_rules, _wheel_rules, _bare_wheel_rules, _wrench_rules)
+RULES = (
+    _time_rules,
+    _friction_rules,
+    _contact_torque_rules,
+    _wheel_type_rules,
+    _wheel_rules,
+    _bare_wheel_rules,
+    _wrench_rules,
+)

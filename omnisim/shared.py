@@ -1,9 +1,9 @@
 """A wheel that rests on two rollers: the multiplier that splits the load.
 
-At a common edge both neighbours touch the floor. If each of them alone would turn the wheel back to the edge, it rests
-on both: phi' = 0, and the load N is split into sigma N on the roller ahead (q = +alpha) and (1 - sigma) N on the one
-behind such that phi'' = 0. It is the limit of ever shorter swings about the edge, in which sigma is the part of the time
-spent on the roller ahead; so a force that does not depend on N, viscous friction, is shared as well.
+At a common edge both neighbours touch the floor. If each of them alone would turn the wheel back to the edge, it
+rests on both: phi' = 0, and the load N is split into sigma N on the roller ahead (q = +alpha) and (1 - sigma) N on the
+one behind such that phi'' = 0. It is the limit of ever shorter swings about the edge, sigma the part of the time that
+they spend on the roller ahead; so a force that does not depend on N, viscous friction, is shared as well.
 
     turning(sigma) = tau - theta' G_h - sum (R F_h + s Ia p') = 0    turning(0) > 0 > turning(1)
 

@@ -17,6 +17,7 @@ from omnisim.start import begin, blank_rows
 from omnisim.state import Rows, Run
 from omnisim.status import EVENTS_PER_STEP
 from omnisim.stepper import march
+from omnisim.stiffness import method_used
 from omnisim.tableau import METHODS
 from omnisim.trajectory import EVENT_KINDS, Trajectory
 
@@ -76,12 +77,12 @@ def collect(
         "wheels": names,
         "model": describe(config).line,
         "tracking": config.solver.tracking,
-        "method": config.solver.method,
+        "method": method_used(config, parameters),
         "step": config.time.step,
         "steps": int(clock.step),
         "rhs_evaluations": int(clock.rhs),
         "wall_time": wall_time,
-        "status": status.sentence(clock, stop_time, stop_wheel, config.solver.method),
+        "status": status.sentence(clock, stop_time, stop_wheel, method_used(config, parameters)),
         "stop_time": float(stop_time),
         "stop_wheel": stop_wheel,
     }

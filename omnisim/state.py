@@ -36,9 +36,14 @@ class Places(NamedTuple):
 @kernel
 def places(parameters):
     """The Places of the state of a machine."""
-    wheels, slots = len(parameters.wheels), parameters.machine.slots
+    return places_of(len(parameters.wheels), parameters.machine.slots, parameters.machine.bearings)
+
+
+@kernel
+def places_of(wheels, slots, bearings):
+    """Places for so many wheels with so many slots of roller rates each; `bearings`: 1 with bearing friction."""
     rates, rollers, works = 3 + wheels, 6 + 2 * wheels, 6 + 2 * wheels + slots * wheels
-    rho = works + 3 + parameters.machine.bearings
+    rho = works + 3 + bearings
     return Places(3, rates, rates + 2, rates + 3, rollers, works, works + 1, works + 2, works + 3, rho)
 
 

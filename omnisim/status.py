@@ -27,12 +27,12 @@ SENTENCES = {
     ),
     TOO_STIFF: (
         "unstable at t = {time:.9g} s: friction at wheel '{wheel}' relaxes slip at {rate:.3g} 1/s, too fast for "
-        "{method} with time.step = {step:.3g} s; use time.step < {limit:.2g} s or a softer law (a larger "
-        "friction.slip_speed, a smaller viscosity)"
+        "{method} with time.step = {step:.3g} s; use time.step < {limit:.2g} s, method = 'auto', or a softer "
+        "law (a larger friction.slip_speed, a smaller viscosity)"
     ),
     ROCKING: (
-        "wheel '{wheel}' rocks about the edge between two rollers without progress at t = {time:.9g} s: both carry "
-        "the load there, which this version does not model"
+        "wheel '{wheel}' rocks about the edge between two rollers without progress at t = {time:.9g} s: more than a "
+        "thousand swings in one step; try a smaller time.step"
     ),
     CROWDED: (
         "more than {events} events in one step at t = {time:.9g} s: time.step = {step:.3g} s is far too large for "
@@ -43,8 +43,8 @@ SENTENCES = {
         "time.step = {step:.3g} s; use a smaller one, or solver.tracking = 'explicit'"
     ),
     SLOW_SLIP: (
-        "wheel '{wheel}' slips too slowly for an explicit method at t = {time:.9g} s: coulomb friction turns the slip "
-        "faster than a million sub-steps of one step can follow; try law = 'regularized'"
+        "wheel '{wheel}' slips too slowly for {method} at t = {time:.9g} s: coulomb friction turns slip faster than "
+        "a million sub-steps of one step can follow; try method = 'radau5', or law = 'regularized'"
     ),
     NO_CONVERGENCE: ("no step from t = {time:.9g} s, however short, solves the equations of the implicit method"),
     LIFT_OFF: (

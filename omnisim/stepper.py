@@ -5,8 +5,8 @@ is taken from there, each piece with the mode frozen, so the order of the method
 """
 
 from omnisim.checks import check, too_stiff
-from omnisim.contact.reaction import COULOMB, SATURATED
-from omnisim.events import EXIT, GUARDS, OF_WHEEL, SHARED, TURN, guard, record, settle_slip, transition
+from omnisim.contact.reaction import COULOMB
+from omnisim.events import EXIT, GUARDS, OF_WHEEL, SHARED, TURN, all_hold, guard, record, settle_slip, transition
 from omnisim.exchange import release_rollers, settle
 from omnisim.grip import hold, rests, step_length
 from omnisim.implicit import implicit_step
@@ -163,8 +163,13 @@ def cut_at_event(parameters, method, run, t, h):
     Each violated guard is located on what is left of the step, TURN first, so EXIT sees a monotone spin angle and a
     step that leaves a roller's end and comes back is cut at the turn before it is searched.
     """
-    fired, wheel, contact, law = -1, -1, 0, parameters.machine.law
-    for kind in range(GUARDS if law in (COULOMB, SATURATED) else OF_WHEEL):
+    fired, wheel, contact = -1, -1, 0
+    undisturbed = True
+    for w in range(len(run.mode)):
+        undisturbed = undisturbed and all_hold(parameters, run.mode, w, run.trial, run.watch_end)
+    if undisturbed:
+        return h, fired, wheel, contact
+    for kind in range(GUARDS):
         for w in range(len(run.mode)):
             for side in range(2 if kind >= OF_WHEEL and run.mode[w].shared else 1):
                 value = guard(parameters, run.mode, kind, w, side, run.trial, run.watch_end)

@@ -37,3 +37,27 @@ def method_used(config: Config, parameters: Parameters) -> str:
     if method.choice != AUTO:
         return method.name
     return method.tableau.name if resolve(config, parameters) == EXPLICIT else f"{method.tableau.name} + radau5"
+
+
+def explanation(config: Config, parameters: Parameters) -> str:
+    """What steps are taken and why, for people."""
+    method, step, rate = METHODS[config.solver.method], config.time.step, relaxation_rate(config, parameters)
+    used, limit = method_used(config, parameters), method.tableau.stability_limit / step
+    if rate == 0.0:
+        return used
+    slip = f"friction relaxes slip at up to {rate:.2g} 1/s"
+    if config.friction.law == "coulomb":
+        slip = "coulomb friction turns slow slip at mu N A / |v|"
+    if method.name == "radau5":
+        return f"{used}: every step implicit; {slip}"
+    name = method.tableau.name
+    if resolve(config, parameters) == AUTO:
+        return f"{used}: {slip}; {name} follows {limit:.2g} 1/s with this step, steps beyond are implicit"
+    if method.choice == AUTO or rate <= limit:
+        return f"{used}: {slip}, and {name} follows {limit:.2g} 1/s with this step"
+    if config.friction.law == "coulomb":
+        return f"{used}: {slip}, and steps are parted to follow; 'auto' takes slow slip in implicit steps"
+    return (
+        f"{used}: {slip}, but {name} follows {limit:.2g} 1/s with this step; where slip is that slow the run stops: "
+        f"time.step < {method.tableau.stability_limit / rate:.2g} s or method = 'auto' would do"
+    )

@@ -24,7 +24,7 @@ def synthetic_data(rows=11, rollers=6, events=3, wheels=("wheel",), seed=0):
     data |= {f"body/{name}": random(rows) for name in ("yaw", "yaw_rate", "yaw_acceleration")}
     for wheel, n in zip(wheels, np.broadcast_to(rollers, len(wheels)), strict=True):
         data |= {f"wheels/{wheel}/{name}": array for name, array in _wheel(random, rows, int(n)).items()}
-    for name in ("kinetic", "friction_loss", "drive_work", "wrench_work", "balance"):
+    for name in ("kinetic", "friction_loss", "bearing_loss", "drive_work", "wrench_work", "balance"):
         data[f"energy/{name}"] = random(rows)
     return data | {f"events/{name}": array for name, array in _events(events, wheels).items()}
 
@@ -35,7 +35,7 @@ def synthetic_trajectory(rows=11, rollers=6, events=3, wheels=("wheel",), **attr
 
 def _wheel(random, rows, rollers):
     scalars = ("spin_angle", "spin_rate", "spin_acceleration", "drive_torque", "normal_force",
-               "contact_angle", "contact_share", "servo_torque")  # fmt: skip
+               "contact_angle", "contact_share", "contact_torque", "servo_torque")  # fmt: skip
     data = {name: random(rows) for name in scalars}
     data["contact_roller"] = np.arange(rows, dtype=np.int64) % rollers
     data["contact_point"] = random((rows, 3))

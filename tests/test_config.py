@@ -118,9 +118,9 @@ DEFECTS = {
     "float for an integer": ("count = 6", "count = 6.0", 20, "wheel_types.omni.roller_count = 6.0", "an integer from 3"),
     "psi of 90 deg": ("deg = 0.0", "deg = 90", 21, "roller_angle_deg = 90", "number between -90 and 90"),
     "string for a boolean": (SPIN, "mirrored = 'no'", 27, "wheels.wheel.mirrored = 'no'", "must be true or false"),
-    "unknown word": ('"rk4"', '"rk5"', 11, "solver.method = 'rk5'", 'must be "heun", "rk4" or "dopri5"; did you mean'),
+    "unknown word": ('"rk4"', '"rk5"', 11, "solver.method = 'rk5'", '"radau5" or "auto"; did you mean'),
     "misspelt law": ('"regularized"', '"Regularised"', 14, "friction.law = 'Regularised'", "mean 'regularized'?"),
-    "list for a word": ('"rk4"', '["rk4"]', 11, "solver.method = ['rk4']", 'must be "heun", "rk4" or "dopri5"'),
+    "list for a word": ('"rk4"', '["rk4"]', 11, "solver.method = ['rk4']", 'must be "heun", "rk4", "dopri5", "radau5" or "auto"'),
     "bad wheel name": ('"wheel"', '"1 wheel"', 25, "wheels[0].name = '1 wheel'", "must be a name (a letter"),
     "bad type name": ("omni]", '"om ni"]', 17, "wheel_types.'om ni' = {", "must be a name (a letter, then"),
     "unknown wheel type": ('"omni"', '"onmi"', 26, "wheels.wheel.type = 'onmi'", "did you mean 'omni'? Wheel types"),
@@ -162,8 +162,6 @@ DEFECTS = {
     "unknown frame": (TABLE, "frame = 'boddy'\n" + TABLE, 30, "wrench.frame = 'boddy'", "did you mean 'body'?"),
     "chassis": ("[initial]", "[chassis]\n[initial]", 33, "chassis = {}", "not in this version; it simulates one wheel"),
     "two wheels": ("[wrench]", "[[wheels]]\nname='b'\ntype='omni'\n[wrench]", 29, "wheels.b = {", "not in this version"),
-    "radau5": ('"rk4"', '"radau5"', 11, "solver.method = 'radau5'", 'version; must be "heun", "rk4" or "dopri5"'),
-    "auto": ('"rk4"', '"auto"', 11, "solver.method = 'auto'", "not in this version"),
     "contacts": ('"servo"', '"contacts"', 5, "scene.upright = 'contacts'", 'not in this version; must be "servo"'),
 }  # fmt: skip
 

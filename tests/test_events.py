@@ -183,7 +183,7 @@ def test_the_rollers_that_touch_are_found_by_either_contact_condition(tracking):
             reference_scene("testbench_psi30", f"wheels.wheel.spin_angle_deg={degrees}", f"solver.tracking={tracking}")
         )
         assert touching(parameters, 0, run.y) == expected
-        settle(parameters, run)
+        settle(parameters, run, 0)
         assert run.mode[0].roller == expected[0]  # positive spin
 
 

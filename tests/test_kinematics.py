@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scenes import packed, reference_scene
 
-from omnisim.contact.kinematics import inverse_mass, joint_rate, slip_velocity
+from omnisim.contact.kinematics import inverse_mass, joint_rate, slip_acceleration, slip_velocity
 from omnisim.contact.tracking import Heading, explicit_contact, roller_axis
-from omnisim.dynamics import contact_equation, contact_state, drive_torque, external_wrench
 from omnisim.exchange import settle
 from omnisim.state import YAW
+from omnisim.wheel import all_rollers, contact_state, drive_torque, external_wrench, free_motion
 
 pytestmark = pytest.mark.short
 
@@ -76,18 +76,21 @@ def test_the_slip_acceleration_is_a_f_plus_b(psi):
             "wrench.yaw_torque=[0.06]", "friction.slip_speed=0.5",
         )  # fmt: skip
         parameters, run = packed(scene)
-        settle(parameters, run)
+        settle(parameters, run, 0)
 
         def state_at(y, parameters=parameters, run=run):
-            return contact_state(parameters, run.mode[0], 0, Heading(np.cos(y[YAW]), np.sin(y[YAW])), y)
+            return contact_state(parameters, run.mode[0], 0, 0, Heading(np.cos(y[YAW]), np.sin(y[YAW])), y)
 
         step, slope = 1e-5, run.slopes[0]
         ahead, back = (np.array(state_at(run.y + h * slope).slip) for h in (step, -step))
         heading = Heading(np.cos(run.y[YAW]), np.sin(run.y[YAW]))
         wrench, torque = external_wrench(parameters, 0, 0.0, heading), drive_torque(parameters, 0, 0.0, 0)
         state = state_at(run.y)
-        (hh, hk, kk), b = contact_equation(parameters.machine, parameters.wheels[0], state, heading, wrench, torque)
-        force = -run.watch[0].factor * np.array(state.slip)
+        wheel = parameters.wheels[0]
+        rollers = all_rollers(parameters, run.mode[0], 0, state.cos_q, state.sin_q, run.y)
+        b = slip_acceleration(wheel, state, free_motion(parameters, wheel, state, rollers, heading, wrench, torque))
+        hh, hk, kk = inverse_mass(parameters.machine, wheel, state.axis, state.contact)
+        force = -run.watch[0].factor[0] * np.array(state.slip)
         expected = np.array([[hh, hk], [hk, kk]]) @ force + np.array(b)
         scale = 1.0 + np.abs(expected).max()
         np.testing.assert_allclose((ahead - back) / (2 * step), expected, rtol=0, atol=1e-7 * scale)

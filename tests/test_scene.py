@@ -221,7 +221,7 @@ def test_a_renamed_wheel_answers_to_its_new_name():
         ("time.stepp=1", "time.stepp = 1: unknown key; did you mean 'step'?"),
         ("time=3", "time = 3: must be a table with the keys end, step, output_interval"),
         ("wheels=3", "wheels = 3: must be one or more tables [[wheels]]"),
-        ("solver.method=auto", "solver.method = 'auto': not in this version"),
+        ("scene.upright=contacts", "scene.upright = 'contacts': not in this version"),
         ("wrench.frame=body", "wrench.times: missing"),
         ("wheels.wheel.drive.torque=1", "wheels.wheel.drive.kind: missing"),
         ("time={step = 0, end = 1}", "time.step = 0: must be a finite number > 0"),
