@@ -17,6 +17,8 @@ Both trackings pass a roller's end at the same spin angle: |q| = alpha is |c_bet
 angle, monotone over several turns as well; which rollers touch at the start, each tracking tells by its own condition.
 """
 
+import math
+
 import numpy as np
 
 from omnisim.contact.coulomb import CREEP, SLIP, STICK
@@ -66,7 +68,7 @@ def guard(parameters, mode, kind, w, side, y, watch):
     if kind == KINK:
         if machine.law != SATURATED:
             return 0.0
-        excess = watch[w].slip_square[side] - machine.slip_speed * machine.slip_speed
+        excess = math.sqrt(watch[w].slip_square[side]) - machine.slip_speed
         return excess if mode[w].saturated[side] else -excess
     if machine.law != COULOMB or mode[w].grip[side] == SLIP:
         return 0.0
@@ -74,7 +76,7 @@ def guard(parameters, mode, kind, w, side, y, watch):
         rounding = CONE * machine.friction * watch[w].normal_force if mode[w].grip[side] == STICK else 0.0
         return watch[w].margin[side] + rounding
     young = mode[w].grip[side] == CREEP or mode[w].shared
-    return CREEP_SPEED * CREEP_SPEED - watch[w].slip_square[side] if young else 0.0
+    return CREEP_SPEED - math.sqrt(watch[w].slip_square[side]) if young else 0.0
 
 
 @kernel

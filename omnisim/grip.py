@@ -61,7 +61,8 @@ def step_length(parameters, run, t, h):
     an implicit step.
     """
     clock, floor = run.clock, parameters.machine.slip_floor
-    relaxation, pace = TINY, TINY  # rates at which friction relaxes slip, and at which slip changes, 1/s
+    # rates at which friction relaxes slip or a roller's rate, and at which slip changes, 1/s
+    relaxation, pace = max(parameters.machine.bearing_relaxation, TINY), TINY
     for w in range(len(run.mode)):
         for side in range(1 + run.mode[w].shared):
             factor = run.watch[w].factor[side]

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from omnisim.config import Config, Friction, Wheel, WheelType
+from omnisim.config import Config, Friction, Roller, Wheel, WheelType
 from omnisim.contact.reaction import LAWS
 from omnisim.contact.tracking import TRACKINGS
 
@@ -23,6 +23,7 @@ MACHINE = np.dtype(
         ("patch_radius", np.float64),  # of the contact patch, m; 0: no contact torque
         ("tracking", np.int64),  # tracking.TRACKINGS
         ("bearings", np.int64),  # 1: bearing friction, so that every roller is in the state
+        ("bearing_relaxation", np.float64),  # fastest rate at which bearing friction stops a roller, 1/s
         ("slots", np.int64),  # of roller rates in the state, for each wheel
         ("body_frame", np.int64),  # 1: the wrench turns with the yaw
         ("slip_mobility", np.float64),  # upper bound of the contact's inverse mass, 1/kg
@@ -121,6 +122,7 @@ def fill_machine(machine: np.record, config: Config, types: list[WheelType]) -> 
     machine.tracking = TRACKINGS[config.solver.tracking]
     machine.patch_radius = friction.patch_radius if friction.contact_torque != "none" else 0.0
     machine.bearings = any(kind.roller.has_bearing_friction for kind in types)
+    machine.bearing_relaxation = max(bearing_relaxation(kind.roller) for kind in types)
     machine.slots = max(kind.roller_count for kind in types) if machine.bearings else 2
     machine.body_frame = config.wrench.frame == "body"
 
@@ -130,6 +132,10 @@ def slip_floor(friction: Friction, weight: float) -> float:
     if friction.law == "viscous" and friction.viscosity > 0.0:
         return weight / friction.viscosity
     return {"coulomb": 0.0, "regularized": friction.slip_speed, "saturated": friction.slip_speed}.get(friction.law, 1.0)
+
+
+def bearing_relaxation(roller: Roller) -> float:
+    return (roller.bearing_viscosity + roller.bearing_torque / roller.bearing_rate) / roller.inertia_axial
 
 
 def fill_wheel(row: np.record, kind: WheelType, wheel: Wheel) -> None:

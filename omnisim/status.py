@@ -16,7 +16,8 @@ EVENTS_PER_STEP = 4096  # more than this in one step is no progress of time
     LIFT_OFF,
     LOST_TRACK,
     NO_CONVERGENCE,
-) = range(13)
+    STIFF_BEARING,
+) = range(14)
 
 SENTENCES = {
     COMPLETE: "complete",
@@ -29,6 +30,10 @@ SENTENCES = {
         "unstable at t = {time:.9g} s: friction at wheel '{wheel}' relaxes slip at {rate:.3g} 1/s, too fast for "
         "{method} with time.step = {step:.3g} s; use time.step < {limit:.2g} s, method = 'auto', or a softer "
         "law (a larger friction.slip_speed, a smaller viscosity)"
+    ),
+    STIFF_BEARING: (
+        "bearing friction stops a roller at {rate:.3g} 1/s, too fast for {method} with time.step = {step:.3g} s; use "
+        "time.step < {limit:.2g} s, method = 'auto', or a larger bearing_rate"
     ),
     ROCKING: (
         "wheel '{wheel}' rocks about the edge between two rollers without progress at t = {time:.9g} s: more than a "

@@ -23,6 +23,7 @@ from omnisim.status import (
     ROCKING,
     RUNNING,
     SLOW_SLIP,
+    STIFF_BEARING,
     TOO_STIFF,
 )
 from omnisim.tableau import EXPLICIT
@@ -50,6 +51,9 @@ def march(parameters, method, run, rows, log):
                 ahead, rollers = run.mode[w].roller, parameters.wheels[w].rollers
                 record(clock, log, 0.0, SHARED, w, ahead % rollers, (ahead - 1) % rollers)
         check(parameters, run)
+        stiffest = parameters.machine.bearing_relaxation
+        if clock.choice == EXPLICIT and stiffest * clock.dt > clock.stability_limit:
+            clock.status, clock.rate = STIFF_BEARING, stiffest
         if clock.status == RUNNING:
             write_row(parameters, run, rows)
     while clock.status == RUNNING and clock.step < clock.steps and clock.rhs < clock.pause:

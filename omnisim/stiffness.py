@@ -26,7 +26,8 @@ def resolve(config: Config, parameters: Parameters) -> int:
     method = METHODS[config.solver.method]
     if method.choice == AUTO:
         limit = SAFE * method.tableau.stability_limit
-        if relaxation_rate(config, parameters) * config.time.step <= limit:
+        fastest = max(relaxation_rate(config, parameters), parameters.machine.bearing_relaxation)
+        if fastest * config.time.step <= limit:
             return EXPLICIT
     return method.choice
 
