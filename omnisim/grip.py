@@ -15,6 +15,7 @@ import math
 
 from omnisim.contact.coulomb import CREEP, SLIP, STICK, TINY, slip_direction
 from omnisim.contact.kinematics import Motion, Slip, inverse_mass, largest, slip_acceleration
+from omnisim.contact.reaction import COULOMB
 from omnisim.contact.tracking import Heading
 from omnisim.kernel import kernel, merged, outlined
 from omnisim.runge_kutta import refresh
@@ -24,6 +25,7 @@ from omnisim.wheel import all_rollers, contact_state, drive_torque, external_wre
 
 SLIP_FRACTION = 0.75  # of the time in which friction could stop the slip, that one sub-step may take
 IMPLICIT_FRACTION = 0.25  # the same of an implicit step, which is there for its accuracy
+LAYER_FRACTION = 0.05  # the same with a smooth law: its layer near zero slip turns motion into heat that is accounted for
 AUTO_STIFF = 4.0  # relaxation of slip within a step, beyond which "auto" makes it implicit
 AUTO_ACCURATE = 0.5  # and up to which its explicit steps go
 TURN_FRACTION = 0.7  # of the largest stable step of the method for the turning of the slip's direction
@@ -61,6 +63,7 @@ def step_length(parameters, run, t, h):
     an implicit step.
     """
     clock, floor = run.clock, parameters.machine.slip_floor
+    fraction = IMPLICIT_FRACTION if parameters.machine.law == COULOMB else LAYER_FRACTION
     # rates at which friction relaxes slip or a roller's rate, and at which slip changes, 1/s
     relaxation, pace = max(parameters.machine.bearing_relaxation, TINY), TINY
     for w in range(len(run.mode)):
@@ -74,9 +77,12 @@ def step_length(parameters, run, t, h):
     if clock.choice == EXPLICIT:
         clock.implicit = False
         return min(h, min(SLIP_FRACTION / pace, TURN_FRACTION * clock.stability_limit / relaxation))
-    h_explicit = min(h, SLIP_FRACTION / pace)
-    clock.implicit = clock.choice == IMPLICIT or h_explicit * relaxation > AUTO_STIFF
-    return min(h, IMPLICIT_FRACTION / pace) if clock.implicit else min(h_explicit, AUTO_ACCURATE / relaxation)
+    h_explicit, stiffness = h, clock.dt * relaxation
+    if parameters.machine.law == COULOMB:
+        h_explicit = min(h, SLIP_FRACTION / pace)
+        stiffness = h_explicit * relaxation
+    clock.implicit = clock.choice == IMPLICIT or stiffness > AUTO_STIFF
+    return min(h, fraction / pace) if clock.implicit else min(h_explicit, AUTO_ACCURATE / relaxation)
 
 
 @kernel
