@@ -81,6 +81,9 @@ def verdict(results: dict) -> str:
     if wheels := results.get("scaling"):
         worst = max(row["ratio"] for row in wheels.values())
         sentences.append(judge(f"64 rollers take {worst:.2f} times as long as 8", scaling.TARGET, worst, "most"))
+    if cases := results.get("hard_cases"):
+        kept = sum(row["error"] < row["bound"] and row["energy"] < hard_cases.BALANCED for row in cases)
+        sentences.append(f"{kept} of {len(cases)} hard cases keep their bounds.")
     return " ".join(sentences)
 
 

@@ -34,10 +34,8 @@ def test_a_hard_case_reaches_its_end_or_says_why_not(case):
 
 
 @parametrized
-def test_energy_is_balanced_to_1e_9_or_declared_missed(case):
-    energy = row(case)["energy"]
-    assert energy < case.energy
-    assert energy > hard_cases.BALANCED or case.energy == hard_cases.BALANCED, "declared missed, and met"
+def test_energy_is_balanced_to_1e_9(case):
+    assert row(case)["energy"] < hard_cases.BALANCED  # measured at most 9e-10; it stands in the table
 
 
 @parametrized
