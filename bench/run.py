@@ -1,6 +1,6 @@
 """Run the benchmarks: Markdown on stdout, progress on stderr.
 
-python bench/run.py [--quick] [--json FILE] [c_loop scipy_peer scaling kernels startup]
+python bench/run.py [--quick] [--json FILE] [c_loop scipy_peer scaling kernels startup hard_cases]
 """
 
 import argparse
@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import c_loop
+import hard_cases
 import kernels
 import numba
 import numpy
@@ -26,6 +27,7 @@ BENCHMARKS = {
     "scaling": (scaling, "64 rollers against 8", 31, 5),
     "kernels": (kernels, "Kernels", 31, 5),
     "startup": (startup, "Whole command", 5, 1),
+    "hard_cases": (hard_cases, "Hard cases", 1, 1),
 }
 
 
@@ -79,6 +81,9 @@ def verdict(results: dict) -> str:
     if wheels := results.get("scaling"):
         worst = max(row["ratio"] for row in wheels.values())
         sentences.append(judge(f"64 rollers take {worst:.2f} times as long as 8", scaling.TARGET, worst, "most"))
+    if cases := results.get("hard_cases"):
+        kept = sum(row["error"] < row["bound"] and row["energy"] < hard_cases.BALANCED for row in cases)
+        sentences.append(f"{kept} of {len(cases)} hard cases keep their bounds.")
     return " ".join(sentences)
 
 
