@@ -5,7 +5,7 @@ import math
 from omnisim.contact.kinematics import Slip, inverse_mass, largest
 from omnisim.contact.reaction import COULOMB, friction_factor
 from omnisim.contact.tracking import IMPLICIT, Heading, explicit_contact, roller_axis
-from omnisim.kernel import merged, outlined
+from omnisim.kernel import kernel, merged, outlined
 from omnisim.state import YAW
 from omnisim.status import LOST_TRACK, NO_START, NOT_FINITE, TOO_STIFF
 from omnisim.tableau import EXPLICIT
@@ -40,18 +40,22 @@ def check(parameters, run):
             if abs(dot(rho, rho) - 1.0) > LOST:
                 clock.status, clock.wheel = LOST_TRACK, w
                 return
-        factor, machine = run.watch[w].factor[0], parameters.machine
-        if (
-            machine.law == COULOMB
-            or clock.choice != EXPLICIT
-            or factor * machine.slip_mobility * clock.dt <= clock.stability_limit
-        ):
-            continue  # the bound of the mobility is cheap
-        if factor * slip_mobility(parameters, run, w) * clock.dt > clock.stability_limit:
+        if too_fast(parameters, run, w):
             stiff = w
     clock.stiff = clock.stiff + 1 if stiff >= 0 else max(clock.stiff - 1, 0)
     if clock.stiff >= STIFF_STEPS:
         too_stiff(parameters, run, stiff)
+
+
+@kernel
+def too_fast(parameters, run, w):
+    """Whether friction at wheel w relaxes slip faster than explicit steps can follow."""
+    clock, machine, factor = run.clock, parameters.machine, run.watch[w].factor[0]
+    if machine.law == COULOMB or clock.choice != EXPLICIT:
+        return False
+    if factor * machine.slip_mobility * clock.dt <= clock.stability_limit:
+        return False  # the bound of the mobility is cheap
+    return factor * slip_mobility(parameters, run, w) * clock.dt > clock.stability_limit
 
 
 @outlined

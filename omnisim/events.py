@@ -24,7 +24,7 @@ import numpy as np
 from omnisim.contact.coulomb import CREEP, SLIP, STICK
 from omnisim.contact.reaction import COULOMB, SATURATED
 from omnisim.exchange import comes_to_rest_between, hand_over, leave_edge, release_rollers
-from omnisim.grip import CONE, CREEP_SPEED, come_to_rest, start_slip
+from omnisim.grip import CONE, CREEP_SPEED, come_to_rest, rest_speed, start_slip
 from omnisim.kernel import kernel, outlined
 from omnisim.runge_kutta import refresh
 from omnisim.state import places
@@ -35,6 +35,7 @@ from omnisim.wheel import roller_end
 TURN, EXIT, SHARE, LOAD, KINK, GRIP, YOUNG = range(7)
 OF_WHEEL, GUARDS = 4, 7  # the first are of the wheel, the others of each of its contacts
 ROUNDING = 4.0 * 2.0**-53
+SLIP_ROUNDING = 0.1  # of the slip that no longer matters
 EXCHANGE, STUCK, SLIPS, LIFT, SHARED, PARTED, STOP = (
     EVENT_KINDS.index(kind) for kind in ("exchange", "stick", "slip", "lift_off", "share_begin", "share_end", "stop")
 )
@@ -62,7 +63,7 @@ def guard(parameters, mode, kind, w, side, y, watch):
         rounding = ROUNDING * (1.0 + abs(spin_angle))  # an edge reached to rounding is reached
         return direction * (roller_end(wheel, mode[w].roller, direction) - spin_angle) - rounding
     if kind == SHARE:
-        return watch[w].share_margin + CONE * watch[w].normal_force * wheel.radius if mode[w].shared else 0.0
+        return watch[w].share_margin + share_rounding(parameters, mode[w], w, y, watch[w]) if mode[w].shared else 0.0
     if kind == LOAD:
         return watch[w].normal_force
     if kind == KINK:
@@ -77,6 +78,15 @@ def guard(parameters, mode, kind, w, side, y, watch):
         return watch[w].margin[side] + rounding
     young = mode[w].grip[side] == CREEP or mode[w].shared
     return CREEP_SPEED - math.sqrt(watch[w].slip_square[side]) if young else 0.0
+
+
+@kernel
+def share_rounding(parameters, mode, w, y, watch):
+    """Rounding of the torques that push a wheel back onto its edge, N m: of the load, and of friction of tiny slip."""
+    force = CONE * watch.normal_force
+    for side in range(2):
+        force += SLIP_ROUNDING * rest_speed(parameters, mode, w, side, y) * watch.factor[side]
+    return force * parameters.wheels[w].radius
 
 
 @kernel

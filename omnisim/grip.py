@@ -26,12 +26,15 @@ from omnisim.wheel import all_rollers, contact_state, drive_torque, external_wre
 SLIP_FRACTION = 0.75  # of the time in which friction could stop the slip, that one sub-step may take
 OUTRUN = 20.0  # stable steps by the end of one that is taken again at half its length
 IMPLICIT_FRACTION = 0.25  # the same of an implicit step, which is there for its accuracy
-LAYER_FRACTION = 0.05  # the same with a smooth law: its layer near zero slip turns motion into heat that is accounted for
+LAYER_FRACTION = (
+    0.05  # the same with a smooth law: its layer near zero slip turns motion into heat that is accounted for
+)
 AUTO_STIFF = 4.0  # relaxation of slip within a step, beyond which "auto" makes it implicit
 AUTO_ACCURATE = 0.5  # and up to which its explicit steps go
 TURN_FRACTION = 0.7  # of the largest stable step of the method for the turning of the slip's direction
 REST = 1e-11  # of 1 m/s and of the speeds that make up the slip, below which it no longer matters
 CREEP_SPEED = 1e-7  # m/s: slip that has a direction of its own
+CREEP_STEP = 4.0  # of the time in which slip grows to that, for one step
 CONE = 1e-12  # of mu N, by which a sticking force may pass the cone in rounding
 
 
@@ -69,8 +72,11 @@ def step_length(parameters, run, t, h):
     relaxation, pace = max(parameters.machine.bearing_relaxation, TINY), TINY
     for w in range(len(run.mode)):
         for side in range(1 + run.mode[w].shared):
-            factor = run.watch[w].factor[side]
-            if run.mode[w].grip[side] == SLIP and factor > 0.0:
+            factor, grip = run.watch[w].factor[side], run.mode[w].grip[side]
+            if grip == CREEP:  # it will have a direction of its own soon
+                rate, _ = slip_rate(parameters, run, w, side)
+                h = min(h, CREEP_STEP * CREEP_SPEED / max(math.sqrt(rate.h * rate.h + rate.k * rate.k), TINY))
+            elif grip == SLIP and factor > 0.0:
                 rate, mobility = slip_rate(parameters, run, w, side)
                 scale = run.watch[w].slip_square[side] + floor * floor
                 pace = max(pace, math.sqrt((rate.h * rate.h + rate.k * rate.k) / scale))
@@ -94,9 +100,9 @@ def outrun(parameters, run, h):
         return False
     for w in range(len(run.mode)):
         for side in range(1 + run.mode[w].shared):
-            factor = run.watch_end[w].factor[side]
-            stiff = h * factor * parameters.machine.slip_mobility > OUTRUN * clock.stability_limit
-            if run.mode[w].grip[side] == SLIP and stiff:
+            relaxation = run.watch_end[w].factor[side] * parameters.machine.slip_mobility
+            stiff = run.mode[w].grip[side] == SLIP and h * relaxation > OUTRUN * clock.stability_limit
+            if stiff or not math.isfinite(run.watch_end[w].slip_square[side]):
                 return True
     return False
 
@@ -105,16 +111,16 @@ def outrun(parameters, run, h):
 def rests(parameters, run, w, side):
     """Whether a contact of wheel w slips so slowly that it is at rest."""
     watch, limit = run.watch[w], parameters.machine.friction * run.watch[w].normal_force
-    slow = watch.slip_square[side] < rest_speed(parameters, run, w, side) ** 2
+    slow = watch.slip_square[side] < rest_speed(parameters, run.mode[w], w, side, run.y) ** 2
     return run.mode[w].grip[side] == SLIP and limit > 0.0 and slow
 
 
 @kernel
-def rest_speed(parameters, run, w, side):
+def rest_speed(parameters, mode, w, side, y):
     """Slip of a contact that no longer matters, m/s: it follows the speeds whose rounding the slip inherits."""
-    wheel, at, y = parameters.wheels[w], places(parameters), run.y
+    wheel, at = parameters.wheels[w], places(parameters)
     spin = wheel.radius * abs(y[at.spin_rate + w])
-    rate = y[rate_place(parameters, run.mode[w].roller, w, side)]
+    rate = y[rate_place(parameters, mode.roller, w, side)]
     roller = (wheel.radius - wheel.roller_distance) * abs(rate)
     return REST * (1.0 + abs(y[at.velocity]) + abs(y[at.velocity + 1]) + spin + roller)
 
@@ -160,7 +166,7 @@ def hold(parameters, run, t):
     """Take the drift of sticking contacts away: they hold the slip acceleration at zero, the slip to rounding."""
     for w in range(len(run.mode)):
         sticks = run.mode[w].grip[0] == STICK and not run.mode[w].shared
-        if sticks and run.watch[w].slip_square[0] > 0.01 * rest_speed(parameters, run, w, 0) ** 2:
+        if sticks and run.watch[w].slip_square[0] > 0.01 * rest_speed(parameters, run.mode[w], w, 0, run.y) ** 2:
             change_slip(parameters, run, w, 0, Slip(0.0, 0.0))
             refresh(parameters, run, t)
 

@@ -1,5 +1,6 @@
 """Codes that the march returns, and the sentence for each."""
 
+SAFE_STEP = 0.5  # of the stability limit: the step that a message names
 EVENTS_PER_STEP = 4096  # more than this in one step is no progress of time
 
 (
@@ -61,7 +62,7 @@ SENTENCES = {
 
 def sentence(clock, time: float, wheel: str, method: str) -> str:
     """The status of a run in one sentence; "complete" if it reached its end."""
-    limit = clock.stability_limit / clock.rate if clock.rate > 0.0 else 0.0
+    limit = SAFE_STEP * clock.stability_limit / clock.rate if clock.rate > 0.0 else 0.0
     return SENTENCES[int(clock.status)].format(
         time=time, wheel=wheel, method=method, step=clock.dt, rate=clock.rate, limit=limit, events=EVENTS_PER_STEP
     )

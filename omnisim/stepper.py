@@ -4,7 +4,7 @@ The grid k * dt never shifts. A grid step is cut at events and at knots of the t
 is taken from there, each piece with the mode frozen, so the order of the method survives.
 """
 
-from omnisim.checks import check, too_stiff
+from omnisim.checks import check, too_fast, too_stiff
 from omnisim.contact.reaction import COULOMB
 from omnisim.events import EXIT, GUARDS, OF_WHEEL, SHARED, TURN, all_hold, guard, record, settle_slip, transition
 from omnisim.exchange import release_rollers, settle
@@ -33,6 +33,7 @@ from omnisim.tableau import EXPLICIT
 TURNS_PER_STEP = 1000
 CUTS_PER_STEP = 100
 SLIPS_PER_STEP = 10**6  # sub-steps of slow slip in one step
+NEAR = 1e-3  # of a step, between two iterates that tell how good the root is
 REACH_GROWTH = 2.0  # of an implicit step over the last one that converged
 ROUNDING = 1e-14
 EPSILON = 4.0 * 2.0**-52
@@ -125,6 +126,8 @@ def grid_step(parameters, method, run, log):
             clock.status, clock.wheel = SLOW_SLIP, max(w, 0)
         elif clock.events - first_event > EVENTS_PER_STEP:
             clock.status, clock.wheel = CROWDED, w
+            if too_fast(parameters, run, w):
+                too_stiff(parameters, run, w)
         if clock.status != RUNNING:
             return
 
@@ -156,7 +159,7 @@ def step_to_event(parameters, method, run, t, h):
             return s, kind, w, side
         h *= 0.5
         if h < ROUNDING * clock.dt:
-            clock.status = NO_CONVERGENCE
+            clock.status = NO_CONVERGENCE if clock.implicit else NOT_FINITE
             return 0.0, -1, -1, 0
 
 
@@ -212,7 +215,9 @@ def locate(parameters, method, run, t, h, kind, w, side, value):
             low = s
         else:
             high = s
-        if g == 0.0 or abs(correction) <= tolerance or high - low <= tolerance:
+        # A chord over a guard that bends sharply gives a small correction far from the root: judge it at its scale.
+        near = abs(correction) <= tolerance and abs(s - s_last) <= NEAR * h
+        if g == 0.0 or near or high - low <= tolerance:
             break
         s_last, g_last = s, g
         s += correction

@@ -6,6 +6,7 @@ from omnisim.config import Config
 from omnisim.contact.kinematics import Slip
 from omnisim.contact.reaction import friction_factor
 from omnisim.parameters import Parameters
+from omnisim.status import SAFE_STEP
 from omnisim.tableau import AUTO, EXPLICIT, METHODS
 
 SAFE = 0.5  # of the stability limit of the explicit tableau, up to which "auto" is explicit throughout
@@ -60,5 +61,5 @@ def explanation(config: Config, parameters: Parameters) -> str:
         return f"{used}: {slip}, and steps are parted to follow; 'auto' takes slow slip in implicit steps"
     return (
         f"{used}: {slip}, but {name} follows {limit:.2g} 1/s with this step; where slip is that slow the run stops: "
-        f"time.step < {method.tableau.stability_limit / rate:.2g} s or method = 'auto' would do"
+        f"time.step < {SAFE_STEP * method.tableau.stability_limit / rate:.2g} s or method = 'auto' would do"
     )
