@@ -5,7 +5,7 @@ import math
 from omnisim.contact.kinematics import Slip, inverse_mass, largest
 from omnisim.contact.reaction import COULOMB, friction_factor
 from omnisim.contact.tracking import IMPLICIT, Heading, explicit_contact, roller_axis
-from omnisim.kernel import kernel, merged, outlined
+from omnisim.kernel import kernel, outlined
 from omnisim.state import YAW
 from omnisim.status import LOST_TRACK, NO_START, NOT_FINITE, TOO_STIFF
 from omnisim.tableau import EXPLICIT
@@ -16,7 +16,7 @@ STIFF_STEPS = 3  # surplus of steps too large for the rate at which slip relaxes
 LOST = 1e-3  # |rho|^2 - 1 at which the implicit tracking is no longer worth its name
 
 
-@merged
+@kernel
 def check(parameters, run):
     """Status of the state at a grid point: finite, and no slip relaxing faster than the method can follow.
 
@@ -70,7 +70,7 @@ def too_stiff(parameters, run, w):
     run.clock.rate, run.clock.wheel, run.clock.status = at_rest * mobility, w, TOO_STIFF
 
 
-@merged
+@outlined
 def slip_mobility(parameters, run, w):
     """Largest eigenvalue of the inverse mass of wheel w's contact, 1/kg: with the factor g, the rate of its slip."""
     heading = Heading(math.cos(run.y[YAW]), math.sin(run.y[YAW]))

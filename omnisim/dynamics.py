@@ -15,7 +15,7 @@ from omnisim.contact.coulomb import SLIP, grip_force
 from omnisim.contact.kinematics import Slip, inverse_mass, joint_rate, slip_acceleration
 from omnisim.contact.reaction import COULOMB, friction
 from omnisim.contact.tracking import IMPLICIT, Heading, rho_rate, roller_axis
-from omnisim.kernel import kernel
+from omnisim.kernel import kernel, outlined
 from omnisim.multipliers import normal_force
 from omnisim.shared import share_load
 from omnisim.state import YAW, X, Y, places, rate_place
@@ -61,7 +61,10 @@ def rhs(parameters, mode, piece, t, y, dy, watch):
         torque = drive_torque(parameters, piece, t, w)
         state = contact_state(parameters, mode[w], w, 0, heading, y)
         rollers = all_rollers(parameters, mode[w], w, state.cos_q, state.sin_q, y)
-        air_rates(parameters, mode[w], w, state, y, dy)
+        if machine.bearings:
+            air_rates(parameters, mode[w], w, state, y, dy)
+        else:
+            dy[at.roller_rate + 2 * w + 1] = 0.0  # unless two rollers carry
         seen.normal_force, seen.share = lift, 1.0
         if mode[w].shared:
             share_load(parameters, mode[w], w, heading, normal, wrench, torque, y, seen)
@@ -69,7 +72,8 @@ def rhs(parameters, mode, piece, t, y, dy, watch):
         reaction = contact_reaction(parameters, mode[w], w, 0, state, motion, normal, seen.share)
         spin, yaw = contact_moments(wheel, reaction)
         force_h, force_k, loss = force_h + reaction.force.h, force_k + reaction.force.k, loss + friction_loss(reaction)
-        dy[rate_place(parameters, mode[w].roller, w, 0)] += reaction.roller_torque / wheel.axial_inertia
+        rolling = motion.roller + reaction.roller_torque / wheel.axial_inertia
+        dy[rate_place(parameters, mode[w].roller, w, 0)] = rolling
         observe_contact(seen, 0, reaction)
         if mode[w].shared:
             state = contact_state(parameters, mode[w], w, 1, heading, y)
@@ -78,7 +82,9 @@ def rhs(parameters, mode, piece, t, y, dy, watch):
             yaw += more_yaw
             force_h, force_k = force_h + reaction.force.h, force_k + reaction.force.k
             loss += friction_loss(reaction)
-            dy[rate_place(parameters, mode[w].roller, w, 1)] += reaction.roller_torque / wheel.axial_inertia
+            rolling = free_motion(parameters, wheel, state, rollers, heading, wrench, torque).roller
+            rolling += reaction.roller_torque / wheel.axial_inertia
+            dy[rate_place(parameters, mode[w].roller, w, 1)] = rolling
             observe_contact(seen, 1, reaction)
             dy[at.spin_rate + w] = 0.0
         else:
@@ -98,21 +104,17 @@ def rhs(parameters, mode, piece, t, y, dy, watch):
         rho_rates(parameters, heading, y, dy)
 
 
-@kernel
+@outlined
 def air_rates(parameters, mode, w, state, y, dy):
-    """p' of the rollers of wheel w as if all were in the air."""
-    machine, wheel, at = parameters.machine, parameters.wheels[w], places(parameters)
-    first = at.roller_rate + machine.slots * w
-    for slot in range(machine.slots):
-        dy[first + slot] = 0.0
-    if machine.bearings:
-        here = mode.roller % wheel.rollers
-        for i in range(wheel.rollers):
-            sector = parameters.sector[w, (i - here) % wheel.rollers]
-            cos_i = state.cos_q * sector[0] - state.sin_q * sector[1]
-            sin_i = state.sin_q * sector[0] + state.cos_q * sector[1]
-            joint = joint_rate(roller_axis(wheel, cos_i, sin_i), y[first + i], state.spin_rate, state.yaw_rate)
-            dy[first + i] = bearing_torque(wheel, joint) / wheel.axial_inertia
+    """p' of the rollers of wheel w as if all were in the air, where their bearings have friction."""
+    wheel, at = parameters.wheels[w], places(parameters)
+    first, here = at.roller_rate + parameters.machine.slots * w, mode.roller % wheel.rollers
+    for i in range(wheel.rollers):
+        sector = parameters.sector[w, (i - here) % wheel.rollers]
+        cos_i = state.cos_q * sector[0] - state.sin_q * sector[1]
+        sin_i = state.sin_q * sector[0] + state.cos_q * sector[1]
+        joint = joint_rate(roller_axis(wheel, cos_i, sin_i), y[first + i], state.spin_rate, state.yaw_rate)
+        dy[first + i] = bearing_torque(wheel, joint) / wheel.axial_inertia
 
 
 @kernel

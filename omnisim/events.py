@@ -25,7 +25,7 @@ from omnisim.contact.coulomb import CREEP, SLIP, STICK
 from omnisim.contact.reaction import COULOMB, SATURATED
 from omnisim.exchange import comes_to_rest_between, hand_over, leave_edge, release_rollers
 from omnisim.grip import CONE, CREEP_SPEED, come_to_rest, rest_speed, start_slip
-from omnisim.kernel import kernel, outlined
+from omnisim.kernel import kernel, merged, outlined
 from omnisim.runge_kutta import refresh
 from omnisim.state import places
 from omnisim.status import LIFT_OFF
@@ -143,7 +143,7 @@ def transition(parameters, run, log, kind, w, side, time):
         start_slip(parameters, run, w, side, time)
 
 
-@outlined
+@merged
 def settle_slip(parameters, run, log, w, side, time):
     """A slip that has come to its end: the contact sticks or creeps on."""
     if come_to_rest(parameters, run, w, side, time):

@@ -17,7 +17,7 @@ from omnisim.contact.coulomb import CREEP, SLIP, STICK, TINY, slip_direction
 from omnisim.contact.kinematics import Motion, Slip, inverse_mass, largest, slip_acceleration
 from omnisim.contact.reaction import COULOMB
 from omnisim.contact.tracking import Heading
-from omnisim.kernel import kernel, merged, outlined
+from omnisim.kernel import kernel, outlined
 from omnisim.runge_kutta import refresh
 from omnisim.state import YAW, places, rate_place
 from omnisim.tableau import EXPLICIT, IMPLICIT
@@ -43,7 +43,7 @@ def heading_of(run):
     return Heading(math.cos(run.y[YAW]), math.sin(run.y[YAW]))
 
 
-@merged
+@kernel
 def slip_rate(parameters, run, w, side):
     """v' (Slip, m/s^2) at a contact of wheel w as the motion goes, and the largest mobility there, 1/kg."""
     wheel, at, slope, heading = parameters.wheels[w], places(parameters), run.slopes[0], heading_of(run)
@@ -59,7 +59,7 @@ def slip_rate(parameters, run, w, side):
     return slip_acceleration(wheel, state, motion), largest(mobility)
 
 
-@merged
+@kernel
 def step_length(parameters, run, t, h):
     """The step h, or less if slip could come to rest or change its course within it; sets the kind of the step.
 
@@ -161,7 +161,7 @@ def start_slip(parameters, run, w, side, t):
     refresh(parameters, run, t)
 
 
-@merged
+@kernel
 def hold(parameters, run, t):
     """Take the drift of sticking contacts away: they hold the slip acceleration at zero, the slip to rounding."""
     for w in range(len(run.mode)):

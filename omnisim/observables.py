@@ -11,7 +11,7 @@ from omnisim.dynamics import contact_reaction, rhs
 from omnisim.kernel import kernel
 from omnisim.multipliers import servo_load, servo_torque
 from omnisim.parameters import Parameters
-from omnisim.state import WATCH, YAW, Rows, X, Y, places
+from omnisim.state import WATCH, YAW, Rows, X, Y, places, places_in
 from omnisim.vector import Vec3, combine, cross
 from omnisim.wheel import all_rollers, azimuth, contact_state, drive_torque, external_wrench, free_motion, rho_of
 
@@ -140,7 +140,7 @@ def datasets(parameters: Parameters, rows: Rows, interval: float, names: list[st
 
 def body(parameters: Parameters, y: np.ndarray, slopes: np.ndarray) -> dict[str, np.ndarray]:
     """Motion of the wheel centre, at the constant height R."""
-    at = places(parameters)
+    at = places_in(parameters)
     height, flat = np.full(len(y), parameters.wheels[0].radius), np.zeros(len(y))
     return {
         "body/position": np.column_stack([y[:, X], y[:, Y], height]),
@@ -154,7 +154,7 @@ def body(parameters: Parameters, y: np.ndarray, slopes: np.ndarray) -> dict[str,
 
 def energy(parameters: Parameters, rows: Rows) -> dict[str, np.ndarray]:
     """Kinetic energy, the works since t = 0, and what is missing between them."""
-    machine, y, at = parameters.machine, rows.y, places(parameters)
+    machine, y, at = parameters.machine, rows.y, places_in(parameters)
     doubled = machine.mass * (y[:, at.velocity] ** 2 + y[:, at.velocity + 1] ** 2)
     doubled += machine.yaw_inertia * y[:, at.yaw_rate] ** 2
     for w, wheel in enumerate(parameters.wheels):
@@ -175,7 +175,7 @@ def energy(parameters: Parameters, rows: Rows) -> dict[str, np.ndarray]:
 
 def wheel(parameters: Parameters, w: int, rows: Rows, observed: Observed) -> dict[str, np.ndarray]:
     """Datasets of one wheel, by path below its group."""
-    count, at, contacts = parameters.wheels[w].rollers, places(parameters), observed.contacts[:, w]
+    count, at, contacts = parameters.wheels[w].rollers, places_in(parameters), observed.contacts[:, w]
     position, velocity, acceleration = observed.motion[:, :, w, :count]
     return {
         "spin_angle": rows.y[:, at.spin_angle + w],

@@ -95,36 +95,44 @@ class Parameters(NamedTuple):
 def pack(config: Config) -> Parameters:
     """Parameters of a validated scene."""
     types = [config.type_of(wheel) for wheel in config.wheels]
-    machine = np.zeros(1, MACHINE).view(np.recarray)
-    wheels = np.zeros(len(types), WHEEL).view(np.recarray)
-    for row, kind, wheel in zip(wheels, types, config.wheels, strict=True):
-        fill_wheel(row, kind, wheel)
-    fill_machine(machine[0], config, types)
-    machine[0].slip_mobility = max(slip_mobility_bound(machine[0], wheel) for wheel in wheels)
-    starts, inputs = merge_tables(config)
-    return Parameters(machine[0], wheels, sectors(wheels.rollers), starts, inputs, room(2 * len(types)))
+    wheels = [wheel_values(kind, wheel) for kind, wheel in zip(types, config.wheels, strict=True)]
+    machine = machine_values(config, types)
+    machine["slip_mobility"] = max(slip_mobility_bound(machine, wheel) for wheel in wheels)
+    packed, starts_inputs = records(WHEEL, wheels), merge_tables(config)
+    return Parameters(
+        records(MACHINE, [machine])[0], packed, sectors(packed.rollers), *starts_inputs, room(2 * len(types))
+    )
+
+
+def records(dtype: np.dtype, rows: list[dict]) -> np.recarray:
+    """Rows with a value for every field."""
+    return np.array([tuple(row[name] for name in dtype.names) for row in rows], dtype).view(np.recarray)
 
 
 def room(contacts: int) -> Room:
     return Room(np.zeros(contacts, CONTACT).view(np.recarray), np.zeros((contacts, contacts, 2, 2)))
 
 
-def fill_machine(machine: np.record, config: Config, types: list[WheelType]) -> None:
+def machine_values(config: Config, types: list[WheelType]) -> dict:
     friction = config.friction
-    machine.gravity = config.world.gravity
-    machine.mass = sum(kind.disk.mass + kind.roller_count * kind.roller.mass for kind in types)
-    machine.yaw_inertia = sum(diameter_inertia(kind) for kind in types)
-    machine.law = LAWS[friction.law]
-    machine.friction = friction.coefficient
-    machine.slip_speed = friction.slip_speed
-    machine.viscosity = friction.viscosity
-    machine.slip_floor = slip_floor(friction, machine.mass * machine.gravity)
-    machine.tracking = TRACKINGS[config.solver.tracking]
-    machine.patch_radius = friction.patch_radius if friction.contact_torque != "none" else 0.0
-    machine.bearings = any(kind.roller.has_bearing_friction for kind in types)
-    machine.bearing_relaxation = max(bearing_relaxation(kind.roller) for kind in types)
-    machine.slots = max(kind.roller_count for kind in types) if machine.bearings else 2
-    machine.body_frame = config.wrench.frame == "body"
+    mass = sum(kind.disk.mass + kind.roller_count * kind.roller.mass for kind in types)
+    bearings = any(kind.roller.has_bearing_friction for kind in types)
+    return {
+        "gravity": config.world.gravity,
+        "mass": mass,
+        "yaw_inertia": sum(diameter_inertia(kind) for kind in types),
+        "law": LAWS[friction.law],
+        "friction": friction.coefficient,
+        "slip_speed": friction.slip_speed,
+        "viscosity": friction.viscosity,
+        "slip_floor": slip_floor(friction, mass * config.world.gravity),
+        "tracking": TRACKINGS[config.solver.tracking],
+        "patch_radius": friction.patch_radius if friction.contact_torque != "none" else 0.0,
+        "bearings": bearings,
+        "bearing_relaxation": max(bearing_relaxation(kind.roller) for kind in types),
+        "slots": max(kind.roller_count for kind in types) if bearings else 2,
+        "body_frame": config.wrench.frame == "body",
+    }
 
 
 def slip_floor(friction: Friction, weight: float) -> float:
@@ -138,17 +146,26 @@ def bearing_relaxation(roller: Roller) -> float:
     return (roller.bearing_viscosity + roller.bearing_torque / roller.bearing_rate) / roller.inertia_axial
 
 
-def fill_wheel(row: np.record, kind: WheelType, wheel: Wheel) -> None:
+def wheel_values(kind: WheelType, wheel: Wheel) -> dict:
     psi = math.radians(-kind.roller_angle_deg if wheel.mirrored else kind.roller_angle_deg)
-    row.radius, row.roller_distance, row.rollers = kind.radius, kind.roller_distance, kind.roller_count
-    row.alpha = math.pi / kind.roller_count
-    row.sin_alpha, row.cos_alpha = math.sin(row.alpha), math.cos(row.alpha)
-    row.cos_psi, row.sin_psi, row.tan_psi = math.cos(psi), math.sin(psi), math.tan(psi)
-    row.phase = math.radians(wheel.phase_deg)
-    row.axle_inertia = axle_inertia(kind, row.sin_psi)
-    row.axial_inertia = kind.roller.inertia_axial
-    row.bearing_viscosity, row.bearing_torque = kind.roller.bearing_viscosity, kind.roller.bearing_torque
-    row.bearing_rate = kind.roller.bearing_rate
+    alpha = math.pi / kind.roller_count
+    return {
+        "radius": kind.radius,
+        "roller_distance": kind.roller_distance,
+        "rollers": kind.roller_count,
+        "alpha": alpha,
+        "sin_alpha": math.sin(alpha),
+        "cos_alpha": math.cos(alpha),
+        "cos_psi": math.cos(psi),
+        "sin_psi": math.sin(psi),
+        "tan_psi": math.tan(psi),
+        "phase": math.radians(wheel.phase_deg),
+        "axle_inertia": axle_inertia(kind, math.sin(psi)),
+        "axial_inertia": kind.roller.inertia_axial,
+        "bearing_viscosity": kind.roller.bearing_viscosity,
+        "bearing_torque": kind.roller.bearing_torque,
+        "bearing_rate": kind.roller.bearing_rate,
+    }
 
 
 def axle_inertia(kind: WheelType, sin_psi: float) -> float:
@@ -166,16 +183,18 @@ def diameter_inertia(kind: WheelType) -> float:
     return kind.disk.inertia_diameter + count * (0.5 * roller.mass * kind.roller_distance**2 + across)
 
 
-def slip_mobility_bound(machine: np.record, wheel: np.record) -> float:
+def slip_mobility_bound(machine: dict, wheel: dict) -> float:
     """Upper bound of the trace of `kinematics.inverse_mass` over the whole roller, 1/kg.
 
     Each entry of the Jacobian is bounded by its largest magnitude on [-alpha, alpha].
     """
-    h_0, c, s = wheel.radius - wheel.roller_distance, wheel.cos_psi, abs(wheel.sin_psi)
-    l = wheel.roller_distance * math.tan(wheel.alpha) * abs(wheel.tan_psi)
-    spin = (wheel.radius + s * s * h_0) ** 2 + (s * c * h_0) ** 2
-    yaw = (l + c * wheel.sin_alpha * s * h_0) ** 2 + (c * c * wheel.sin_alpha * h_0) ** 2
-    return 2.0 / machine.mass + spin / wheel.axle_inertia + yaw / machine.yaw_inertia + h_0**2 / wheel.axial_inertia
+    radius, distance = wheel["radius"], wheel["roller_distance"]
+    h_0, c, s = radius - distance, wheel["cos_psi"], abs(wheel["sin_psi"])
+    l = distance * math.tan(wheel["alpha"]) * abs(wheel["tan_psi"])
+    spin = (radius + s * s * h_0) ** 2 + (s * c * h_0) ** 2
+    yaw = (l + c * wheel["sin_alpha"] * s * h_0) ** 2 + (c * c * wheel["sin_alpha"] * h_0) ** 2
+    roller = h_0**2 / wheel["axial_inertia"]
+    return 2.0 / machine["mass"] + spin / wheel["axle_inertia"] + yaw / machine["yaw_inertia"] + roller
 
 
 def sectors(rollers: np.ndarray) -> np.ndarray:

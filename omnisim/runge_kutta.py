@@ -1,7 +1,7 @@
 """One explicit Runge-Kutta step with a frozen mode, the tableau as data."""
 
 from omnisim.dynamics import rhs
-from omnisim.kernel import kernel, outlined
+from omnisim.kernel import kernel
 
 
 @kernel
@@ -48,7 +48,7 @@ def accept(run):
         run.watch[w] = run.watch_end[w]
 
 
-@outlined
+@kernel
 def refresh(parameters, run, t):
     """Derivative at the state itself, after the mode has changed."""
     rhs(parameters, run.mode, run.clock.piece, t, run.y, run.slopes[0], run.watch)

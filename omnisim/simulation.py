@@ -70,6 +70,7 @@ def collect(
     if not stopped:
         stop_time = config.time.end
     stop_wheel = names[clock.wheel] if stopped and clock.wheel >= 0 else ""
+    method = method_used(config.solver.method, clock.choice)
     attributes = {
         "omnisim_version": installed_version(),
         "title": config.title,
@@ -77,12 +78,12 @@ def collect(
         "wheels": names,
         "model": describe(config).line,
         "tracking": config.solver.tracking,
-        "method": method_used(config, parameters),
+        "method": method,
         "step": config.time.step,
         "steps": int(clock.step),
         "rhs_evaluations": int(clock.rhs),
         "wall_time": wall_time,
-        "status": status.sentence(clock, stop_time, stop_wheel, method_used(config, parameters)),
+        "status": status.sentence(clock, stop_time, stop_wheel, method),
         "stop_time": float(stop_time),
         "stop_wheel": stop_wheel,
     }

@@ -7,7 +7,7 @@ import numpy as np
 from omnisim.config import Config
 from omnisim.contact.tracking import IMPLICIT
 from omnisim.parameters import Parameters
-from omnisim.state import CLOCK, MODE, WATCH, YAW, Newton, Rows, Run, X, Y, places
+from omnisim.state import CLOCK, MODE, WATCH, YAW, Newton, Rows, Run, X, Y, places_in
 from omnisim.stiffness import resolve
 from omnisim.tableau import EXPLICIT, METHODS
 
@@ -39,7 +39,7 @@ def begin(config: Config, parameters: Parameters) -> Run:
 
 def newton_room(parameters: Parameters, states: int) -> Newton:
     """Room for implicit steps: forces depend on yaw, spin angles and all rates."""
-    at = places(parameters)
+    at = places_in(parameters)
     active = np.arange(YAW, at.friction_loss) if states else np.zeros(0, np.int64)
     count = len(active)
     return Newton(
@@ -66,7 +66,7 @@ def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, n
     """State y (n,) without the rates of the rollers in contact, and rates (W, N) of all rollers, rad/s."""
     wheels, rollers = parameters.sector.shape[:2]
     implicit = parameters.machine.tracking == IMPLICIT
-    at = places(parameters)
+    at = places_in(parameters)
     y = np.zeros(at.rho + 3 * wheels * rollers * implicit)
     rates = np.zeros((wheels, rollers))
     y[[X, Y]], y[at.velocity : at.yaw_rate] = config.initial.position, config.initial.velocity

@@ -39,6 +39,11 @@ def places(parameters):
     return places_of(len(parameters.wheels), parameters.machine.slots, parameters.machine.bearings)
 
 
+def places_in(parameters):
+    """The same outside kernels, where handing over all parameters takes longer than the answer."""
+    return places_of(len(parameters.wheels), int(parameters.machine.slots), int(parameters.machine.bearings))
+
+
 @kernel
 def places_of(wheels, slots, bearings):
     """Places for so many wheels with so many slots of roller rates each; `bearings`: 1 with bearing friction."""

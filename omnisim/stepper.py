@@ -84,7 +84,7 @@ def write_row(parameters, run, rows):
     run.clock.row = row + 1
 
 
-@merged
+@kernel
 def grid_step(parameters, method, run, log):
     """One dt, with all its events and knots."""
     clock = run.clock
@@ -132,7 +132,7 @@ def grid_step(parameters, method, run, log):
             return
 
 
-@merged
+@kernel
 def piece_length(parameters, clock, start):
     """Length of the next piece of a grid step, s, and whether a knot of the tables ends it."""
     rest = clock.dt - clock.elapsed
@@ -143,7 +143,7 @@ def piece_length(parameters, clock, start):
     return rest, False
 
 
-@merged
+@kernel
 def step_to_event(parameters, method, run, t, h):
     """A trial step of at most h, up to its first event: its length, the guard that fired (or -1), wheel and contact."""
     clock = run.clock
@@ -163,7 +163,7 @@ def step_to_event(parameters, method, run, t, h):
             return 0.0, -1, -1, 0
 
 
-@merged
+@kernel
 def cut_at_event(parameters, method, run, t, h):
     """Shorten the trial step to its first event: its length, the guard that fired (or -1), wheel and contact.
 
@@ -226,7 +226,7 @@ def locate(parameters, method, run, t, h, kind, w, side, value):
     return s
 
 
-@merged
+@kernel
 def advance(parameters, method, run, t, h):
     """One step of length h from run.y into run.trial, explicit or implicit as the clock says."""
     clock = run.clock

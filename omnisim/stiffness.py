@@ -33,18 +33,19 @@ def resolve(config: Config, parameters: Parameters) -> int:
     return method.choice
 
 
-def method_used(config: Config, parameters: Parameters) -> str:
-    """Name of the method, for "auto" of what it has become."""
-    method = METHODS[config.solver.method]
+def method_used(name: str, choice: int) -> str:
+    """Name of a method, for "auto" of what it has become by the resolved `choice`."""
+    method = METHODS[name]
     if method.choice != AUTO:
-        return method.name
-    return method.tableau.name if resolve(config, parameters) == EXPLICIT else f"{method.tableau.name} + radau5"
+        return name
+    return method.tableau.name if choice == EXPLICIT else f"{method.tableau.name} + radau5"
 
 
 def explanation(config: Config, parameters: Parameters) -> str:
     """What steps are taken and why, for people."""
     method, step, rate = METHODS[config.solver.method], config.time.step, relaxation_rate(config, parameters)
-    used, limit = method_used(config, parameters), method.tableau.stability_limit / step
+    choice, limit = resolve(config, parameters), method.tableau.stability_limit / step
+    used = method_used(method.name, choice)
     if rate == 0.0:
         return used
     slip = f"friction relaxes slip at up to {rate:.2g} 1/s"
@@ -53,7 +54,7 @@ def explanation(config: Config, parameters: Parameters) -> str:
     if method.name == "radau5":
         return f"{used}: every step implicit; {slip}"
     name = method.tableau.name
-    if resolve(config, parameters) == AUTO:
+    if choice == AUTO:
         return f"{used}: {slip}; {name} follows {limit:.2g} 1/s with this step, steps beyond are implicit"
     if method.choice == AUTO or rate <= limit:
         return f"{used}: {slip}, and {name} follows {limit:.2g} 1/s with this step"

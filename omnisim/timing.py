@@ -14,7 +14,7 @@ from omnisim.parameters import Parameters, pack
 from omnisim.scene import Scene
 from omnisim.simulation import simulate
 from omnisim.start import initial_state, roller_azimuths, roller_directions
-from omnisim.state import YAW, places
+from omnisim.state import YAW, places, places_in
 from omnisim.trajectory import Trajectory
 from omnisim.wheel import azimuth, rho_of
 
@@ -105,7 +105,7 @@ def states_in_contact(scene: Scene, parameters: Parameters) -> np.ndarray:
     first, _ = initial_state(scene.config, parameters)
     states = np.tile(first, (STATES, 1))
     states[:, YAW] = np.linspace(0.0, 2.0 * np.pi, STATES)
-    at = places(parameters)
+    at = places_in(parameters)
     for w, wheel in enumerate(parameters.wheels):
         spin_angle = wheel.phase + wheel.alpha * np.linspace(-0.99, 0.99, STATES)
         states[:, at.spin_angle + w] = spin_angle

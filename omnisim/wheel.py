@@ -19,7 +19,7 @@ from omnisim.contact.tracking import (
     implicit_contact,
     roller_axis,
 )
-from omnisim.kernel import kernel
+from omnisim.kernel import kernel, outlined
 from omnisim.parameters import DRIVE, FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE
 from omnisim.state import places, rate_place
 from omnisim.vector import Vec3
@@ -135,7 +135,7 @@ def all_rollers(parameters, mode, w, cos_q, sin_q, y):
     return Rollers(g_h, along * total, g_n, 0.0, 0.0, 0.0, 0.0)
 
 
-@kernel
+@outlined
 def bearing_rollers(parameters, mode, w, cos_q, sin_q, y):
     """The same when every roller's rate is a state, with the friction of their bearings."""
     wheel, at, here = parameters.wheels[w], places(parameters), mode.roller % parameters.wheels[w].rollers
