@@ -36,6 +36,7 @@ CONTRACT = """
     wheels/wheel/slip_velocity               time tangent      m/s
     wheels/wheel/friction_force              time tangent      N
     wheels/wheel/contact_share               time              1
+    wheels/wheel/contact_torque              time              N m
     wheels/wheel/servo_torque                time              N m
     wheels/wheel/rollers/axial_rate          time roller       rad/s
     wheels/wheel/rollers/joint_rate          time roller       rad/s
@@ -44,6 +45,7 @@ CONTRACT = """
     wheels/wheel/rollers/center_acceleration time roller axis  m/s^2
     energy/kinetic                           time              J
     energy/friction_loss                     time              J
+    energy/bearing_loss                      time              J
     energy/drive_work                        time              J
     energy/wrench_work                       time              J
     energy/balance                           time              J

@@ -78,4 +78,4 @@ def test_only_bearing_friction_brings_the_rollers_in_the_air_into_the_state():
 def test_bearings_too_stiff_for_an_explicit_method_are_refused_at_the_start_with_the_step_that_would_do():
     scene = reference_scene("testbench_psi0", *STILL, f"{ROLLER}.bearing_torque=1e-2", f"{ROLLER}.bearing_rate=1e-4")
     trajectory = omnisim.simulate(scene)
-    assert len(trajectory.time) == 0 and "time.step < 1.7e-07 s" in trajectory.attributes["status"]
+    assert len(trajectory.time) == 0 and "time.step < 8.4e-08 s" in trajectory.attributes["status"]

@@ -2,9 +2,19 @@
 
 import numpy as np
 import pytest
-from scenes import final_state, reference_data, reference_scene, simulate
+from scenes import final_state, packed, reference_data, reference_scene, simulate
 
 import omnisim
+from omnisim.contact.coulomb import SLIP, STICK
+from omnisim.contact.tracking import Heading
+from omnisim.events import EVENT
+from omnisim.grip import slip_rate
+from omnisim.start import blank_rows
+from omnisim.state import YAW, places
+from omnisim.status import COMPLETE, RUNNING
+from omnisim.stepper import march
+from omnisim.tableau import METHODS
+from omnisim.wheel import contact_state
 
 CASE = "coulomb_wheel"
 STILL = ("initial.velocity=[0, 0]", "wheels.wheel.spin_rate=0")
@@ -142,3 +152,41 @@ def test_both_trackings_stick_and_slip_alike(psi):
     ]
     assert list(runs[0]["events/kind"]) == list(runs[1]["events/kind"])
     assert np.abs(runs[0]["body/position"] - runs[1]["body/position"]).max() < 1e-8
+
+
+@pytest.mark.parametrize(
+    ("step", "overrides"),
+    [
+        (1e-3, ()),
+        (1e-2, ()),
+        (1e-3, ("solver.method=radau5",)),
+        (1e-3, ("solver.method=auto", "wheel_types.omni.roller_angle_deg=45", "initial.yaw_rate=2.0",
+                "wheels.wheel.drive={kind='torque', times=[0.0, 0.5, 1.5], torque=[0.0, 0.12, 0.11]}")),
+    ],
+)  # fmt: skip
+def test_the_multipliers_hold_at_every_accepted_step(step, overrides):
+    """Sticking: no slip acceleration, force inside the cone, no slip. Slipping: the whole force, against the slip."""
+    parameters, run = packed(reference_scene(CASE, f"time.step={step}", *overrides))
+    rows, log = blank_rows(run, 10**5), np.zeros(10**5, EVENT).view(np.recarray)
+    stages, at, seen = METHODS["rk4"].stages, places(parameters), {SLIP: 0, STICK: 0}
+    while run.clock.step < run.clock.steps and run.clock.status == RUNNING:
+        run.clock.pause = run.clock.rhs + 1  # one step
+        march(parameters, stages, run, rows, log)
+        grip, limit = run.mode[0].grip[0], parameters.machine.friction * run.watch[0].normal_force
+        heading = Heading(np.cos(run.y[YAW]), np.sin(run.y[YAW]))
+        state = contact_state(parameters, run.mode[0], 0, 0, heading, run.y)
+        acceleration = np.hypot(*slip_rate(parameters, run, 0, 0)[0])
+        slope = run.slopes[0][[at.velocity, at.velocity + 1]] * parameters.machine.mass
+        force = np.array(
+            [heading.cos * slope[0] + heading.sin * slope[1], heading.cos * slope[1] - heading.sin * slope[0]]
+        )
+        size, slip = np.hypot(*force), np.hypot(*state.slip)
+        if grip == STICK:
+            assert acceleration < 1e-10  # m/s^2, of hundreds; measured 3e-12
+            assert size <= limit * (1 + 1e-11) and slip < 1e-10
+        elif grip == SLIP:
+            assert abs(size - limit) < 1e-12 * limit
+            assert force @ np.array(state.slip) + size * slip < 1e-9 * size * slip + 1e-15
+        seen[grip] = seen.get(grip, 0) + 1
+    assert run.clock.status in (RUNNING, COMPLETE)
+    assert seen[STICK] > 10 and (seen[SLIP] > 10 or step > 5e-3)

@@ -1,4 +1,4 @@
-"""The implicit method: its order, stiff scenes that explicit steps cannot follow, and the way from smooth to Coulomb."""
+"""The implicit method: order, stiff scenes that explicit steps cannot follow, and the way from smooth to Coulomb."""
 
 import numpy as np
 import pytest

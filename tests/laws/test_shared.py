@@ -37,7 +37,9 @@ def test_a_coasting_wheel_comes_to_rest_on_two_rollers(law):
     assert np.all(trajectory["wheels/wheel/spin_acceleration"][resting] == 0.0)
     assert np.ptp(trajectory["wheels/wheel/spin_angle"][resting]) == 0.0
     assert np.abs(trajectory["wheels/wheel/contact_angle"][resting] - math.pi / 4).max() < 1e-12  # the one at +alpha
-    assert np.abs(trajectory["wheels/wheel/contact_angle"]).max() < math.pi / 4 + 1e-12  # no roller carries beyond its end
+    assert (
+        np.abs(trajectory["wheels/wheel/contact_angle"]).max() < math.pi / 4 + 1e-12
+    )  # no roller carries beyond its end
     assert np.abs(trajectory["energy/balance"]).max() < 1e-9 * trajectory["energy/kinetic"][0]  # measured up to 3e-10
     finer = run(*LAWS[law], "time.step=1e-4")
     assert np.abs(final_state(trajectory) - final_state(finer)).max() < 1e-7  # measured 2.6e-9, 1.1e-9, 3.6e-9, 2.0e-8
