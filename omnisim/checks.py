@@ -61,13 +61,21 @@ def too_fast(parameters, run, w):
 @outlined
 def too_stiff(parameters, run, w):
     """Stop for friction at wheel w, with the largest rate at which it relaxes slip anywhere on a roller."""
-    machine, wheel, mobility = parameters.machine, parameters.wheels[w], 0.0
+    machine = parameters.machine
+    at_rest = friction_factor(machine, 0, run.watch[w].normal_force, Slip(0.0, 0.0))
+    run.clock.rate = at_rest * roller_mobility(machine, parameters.wheels[w])
+    run.clock.wheel, run.clock.status = w, TOO_STIFF
+
+
+@kernel
+def roller_mobility(machine, wheel):
+    """Largest eigenvalue of the inverse mass of a wheel's contact anywhere on a roller, 1/kg."""
+    mobility = 0.0
     for i in range(-32, 33):
         cos_q, sin_q = math.cos(wheel.alpha * i / 32), math.sin(wheel.alpha * i / 32)
         contact = explicit_contact(wheel, cos_q, sin_q)
         mobility = max(mobility, largest(inverse_mass(machine, wheel, roller_axis(wheel, cos_q, sin_q), contact)))
-    at_rest = friction_factor(machine, 0, run.watch[w].normal_force, Slip(0.0, 0.0))
-    run.clock.rate, run.clock.wheel, run.clock.status = at_rest * mobility, w, TOO_STIFF
+    return mobility
 
 
 @outlined

@@ -2,6 +2,7 @@
 
 import math
 
+from omnisim.checks import roller_mobility
 from omnisim.config import Config
 from omnisim.contact.kinematics import Slip
 from omnisim.contact.reaction import friction_factor
@@ -13,13 +14,14 @@ SAFE = 0.5  # of the stability limit of the explicit tableau, up to which "auto"
 
 
 def relaxation_rate(config: Config, parameters: Parameters) -> float:
-    """Upper bound of the rate at which friction relaxes slip anywhere in the scene, 1/s; infinite for coulomb."""
+    """Largest rate at which friction relaxes slip anywhere in the scene, 1/s; infinite for coulomb."""
     machine = parameters.machine
     lift = min(force[2] for force in config.wrench.table[1])
     normal = max(machine.mass * machine.gravity - lift, 0.0) / len(parameters.wheels)
     if config.friction.law == "coulomb":
         return math.inf if machine.friction * normal > 0.0 else 0.0
-    return friction_factor(machine, 0, normal, Slip(0.0, 0.0)) * machine.slip_mobility
+    mobility = max(roller_mobility(machine, wheel) for wheel in parameters.wheels)
+    return friction_factor(machine, 0, normal, Slip(0.0, 0.0)) * mobility
 
 
 def resolve(config: Config, parameters: Parameters) -> int:
