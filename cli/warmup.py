@@ -21,11 +21,14 @@ def warmup() -> None:
     from omnisim.kernel import CACHE_DIRECTORY
     from omnisim.parameters import pack
     from omnisim.scene import load
+    from omnisim.stiffness import explanation
     from omnisim_cli.info import wheel_facts
 
     for tracking in ("explicit", "implicit"):
         scene = load("six_rollers", [*TINY, f"solver.tracking={tracking}"])
         timing.simulate(scene)
         timing.tracking_cost(scene)
-        wheel_facts(pack(scene.config).wheels[0])
+        parameters = pack(scene.config)
+        explanation(scene.config, parameters)
+        wheel_facts(parameters.wheels[0])
     click.echo(f"kernels ready after {time.perf_counter() - begun:.2g} s, in {CACHE_DIRECTORY}")

@@ -23,7 +23,7 @@ import numpy as np
 
 from omnisim.contact.coulomb import CREEP, SLIP, STICK
 from omnisim.contact.reaction import COULOMB, SATURATED
-from omnisim.exchange import comes_to_rest_between, hand_over, leave_edge, release_rollers
+from omnisim.exchange import comes_to_rest_between, leave_edge, release_rollers, stand_on
 from omnisim.grip import CONE, CREEP_SPEED, come_to_rest, rest_speed, start_slip
 from omnisim.kernel import kernel, merged, outlined
 from omnisim.runge_kutta import refresh
@@ -119,7 +119,7 @@ def transition(parameters, run, log, kind, w, side, time):
         record(clock, log, time, EXCHANGE, w, mode.roller % rollers, roller % rollers)
         release_rollers(parameters, run, w)
         held = mode.grip[0] == STICK
-        hand_over(parameters, run, w, roller, time)
+        stand_on(parameters, run, w, roller, False, time)
         if held != (mode.grip[0] == STICK):
             record(clock, log, time, SLIPS if held else STUCK, w, -1, -1)
     elif kind == SHARE:

@@ -25,10 +25,10 @@ def settle(parameters, run, w):
     ahead, behind = touching(parameters, w, run.y)
     spin = run.y[at.spin_rate + w]
     mode.direction = -1 if spin < 0.0 else 1
-    hand_over(parameters, run, w, behind if spin < 0.0 else ahead, 0.0)
+    stand_on(parameters, run, w, behind if spin < 0.0 else ahead, False, 0.0)
     if spin == 0.0 and run.slopes[0, at.spin_rate + w] < 0.0:
         mode.direction = -1
-        hand_over(parameters, run, w, behind, 0.0)
+        stand_on(parameters, run, w, behind, False, 0.0)
         if ahead != behind and run.slopes[0, at.spin_rate + w] > 0.0:
             rest_on_both(parameters, run, w, ahead, 0.0)
     return mode.shared
@@ -49,9 +49,9 @@ def comes_to_rest_between(parameters, run, w, t):
         return False
     here, next = mode.roller, mode.roller + mode.direction
     release_rollers(parameters, run, w)
-    hand_over(parameters, run, w, next, t)
+    stand_on(parameters, run, w, next, False, t)
     if mode.direction * run.slopes[0, at.spin_rate + w] >= 0.0:
-        hand_over(parameters, run, w, here, t)
+        stand_on(parameters, run, w, here, False, t)
         return False
     rest_on_both(parameters, run, w, max(here, next), t)
     return True
@@ -65,8 +65,7 @@ def rest_on_both(parameters, run, w, ahead, t):
     run.y[at.spin_angle + w] = roller_end(parameters.wheels[w], ahead, -1)
     run.y[at.spin_rate + w] = 0.0
     run.carry[at.spin_angle + w] = run.carry[at.spin_rate + w] = 0.0
-    take_rollers(parameters, run, w, ahead, True)
-    renew_friction(parameters, run, w, t)
+    stand_on(parameters, run, w, ahead, True, t)
 
 
 @merged
@@ -77,18 +76,18 @@ def leave_edge(parameters, run, w, t):
     onto_behind = run.watch[w].share < 0.5
     left, kept = (mode.roller, mode.roller - 1) if onto_behind else (mode.roller - 1, mode.roller)
     mode.direction = -1 if onto_behind else 1
-    hand_over(parameters, run, w, kept, t)
+    stand_on(parameters, run, w, kept, False, t)
     return left
 
 
-@kernel
-def hand_over(parameters, run, w, roller, t):
-    """Make `roller` carry wheel w from time t on: its rate, the mode of its friction, the derivative."""
-    take_rollers(parameters, run, w, roller, False)
+@outlined
+def stand_on(parameters, run, w, roller, shared, t):
+    """Make `roller`, if shared also the one behind it, carry wheel w from time t on: rates, friction, derivative."""
+    take_rollers(parameters, run, w, roller, shared)
     renew_friction(parameters, run, w, t)
 
 
-@outlined
+@merged
 def renew_friction(parameters, run, w, t):
     """Mode of the friction at the contacts of wheel w as their slip is, and the derivative."""
     mode, slip_speed = run.mode[w], parameters.machine.slip_speed
@@ -126,7 +125,7 @@ def touching(parameters, w, y):
     return ahead, behind
 
 
-@kernel
+@merged
 def take_rollers(parameters, run, w, roller, shared):
     """Make `roller` (counted on through every turn), if shared also the one behind it, touch: rates enter the state.
 

@@ -97,7 +97,6 @@ CLOCK = np.dtype(
         ("choice", np.int64),  # tableau.EXPLICIT, IMPLICIT or AUTO
         ("implicit", np.int64),  # the step under way is implicit
         ("converged", np.int64),  # the last trial step: an implicit one may fail
-        ("implicit_steps", np.int64),  # taken, parts of steps counted each
         ("status", np.int64),
         ("wheel", np.int64),  # that caused the status, or -1
         ("dt", np.float64),  # s

@@ -84,7 +84,7 @@ def write_row(parameters, run, rows):
     run.clock.row = row + 1
 
 
-@kernel
+@merged
 def grid_step(parameters, method, run, log):
     """One dt, with all its events and knots."""
     clock = run.clock
@@ -154,7 +154,6 @@ def step_to_event(parameters, method, run, t, h):
         s, kind, w, side = cut_at_event(parameters, method, run, t, h)
         if clock.converged and not outrun(parameters, run, s):
             if clock.implicit:
-                clock.implicit_steps += 1
                 clock.reach = h
             return s, kind, w, side
         h *= 0.5
