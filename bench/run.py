@@ -1,6 +1,6 @@
 """Run the benchmarks: Markdown on stdout, progress on stderr.
 
-python bench/run.py [--quick] [--json FILE] [c_loop scipy_peer scaling kernels startup hard_cases]
+python bench/run.py [--quick] [--json FILE] [c_loop scipy_peer laws scaling kernels startup hard_cases]
 """
 
 import argparse
@@ -12,6 +12,7 @@ from pathlib import Path
 import c_loop
 import hard_cases
 import kernels
+import laws
 import numba
 import numpy
 import scaling
@@ -24,6 +25,7 @@ import omnisim
 BENCHMARKS = {
     "c_loop": (c_loop, "RK4 against a C loop", 31, 5),  # module, title, rounds, rounds with --quick
     "scipy_peer": (scipy_peer, "Against SciPy's LSODA at equal error", 9, 1),
+    "laws": (laws, "Set-valued against regularized friction at equal error", 20, 2),
     "scaling": (scaling, "64 rollers against 8", 31, 5),
     "kernels": (kernels, "Kernels", 31, 5),
     "startup": (startup, "Whole command", 5, 1),
@@ -78,6 +80,11 @@ def verdict(results: dict) -> str:
         text = f"At equal error it is at least {usual:.0f} times faster than LSODA with the right-hand side in NumPy"
         sentences.append(judge(text, scipy_peer.TARGET, usual, "least"))
         sentences.append(f"Against LSODA tuned by hand (Python scalars, odeint) it is {tuned:.0f} times.")
+    if friction := results.get("laws"):
+        (least, most), march = laws.span(friction, "simulate", "rk4"), laws.span(friction, "march", "rk4")
+        text = f"At equal error the regularized law takes {least:.0f} to {most:.0f} times as long as the set-valued one"
+        text += f" by rk4 (the march alone {march[0]:.0f} to {march[1]:.0f} times)"
+        sentences.append(judge(text, laws.TARGET, least, "least"))
     if wheels := results.get("scaling"):
         worst = max(row["ratio"] for row in wheels.values())
         sentences.append(judge(f"64 rollers take {worst:.2f} times as long as 8", scaling.TARGET, worst, "most"))

@@ -9,7 +9,10 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "bench"))
 import c_loop
+import laws
 from common import bare_wheel, ready, table
+
+import omnisim
 
 CASES = {
     "straight rollers": {},
@@ -48,14 +51,51 @@ def test_a_work_precision_curve_is_read_between_its_points():
     assert peer.time_at(1e-9, curve) is None
 
 
+def law_error(*setup):
+    return laws.error_of(omnisim.simulate(laws.Setup(*setup).scene()))
+
+
+@pytest.mark.parametrize("method", ["rk4", "auto", "radau5"])
+def test_the_set_valued_law_keeps_its_order_against_the_reference(method):
+    steps = (1e-2, 2e-3)
+    order = laws.observed_order(steps, [law_error(0.0, method, step) for step in steps])
+    assert order > 3.5  # measured: 3.61, 3.61, 4.18
+
+
+def test_the_regularized_law_tends_to_the_set_valued_one_at_first_order():
+    slip_speeds = (1e-3, 1e-4, 1e-5)
+    errors = [law_error(slip_speed, "radau5", 2e-3) for slip_speed in slip_speeds]
+    for pair in (slice(0, 2), slice(1, 3)):
+        assert laws.observed_order(slip_speeds[pair], errors[pair]) == pytest.approx(1.0, abs=0.01)  # measured: 0.999
+
+
+def test_a_rival_is_the_fastest_that_is_at_least_as_accurate():
+    setup = laws.Setup(1e-4, "radau5", 1e-3)
+    pool = [laws.Trial(setup, 1e-5, 1.0), laws.Trial(setup, 1e-6, 2.0), laws.Trial(setup, 1e-7, 3.0)]
+    assert laws.fastest(2e-6, pool) == pool[1]
+    assert laws.fastest(1e-8, pool) is None
+
+
+def test_an_unmatched_error_is_matched_by_the_slip_speed_that_just_reaches_it():
+    near = laws.Trial(laws.Setup(1e-3, "radau5", 2e-3), 6.05e-5, 20.0)
+    (found,) = laws.matched(3e-5, [near], [near])
+    assert laws.NEAR * 3e-5 < found.error < 3e-5
+    assert laws.matched(3e-5, [near], [found]) == []
+
+
+def test_a_run_that_stops_has_no_error_to_compare():
+    assert law_error(1e-3, "rk4", 1e-3) == np.inf
+
+
 def test_a_table_is_markdown():
     assert table(["a", "b"], [[1, 2]]) == "| a | b |\n| --- | --- |\n| 1 | 2 |"
 
 
 def test_every_benchmark_runs_and_reports():
     """The whole of `python bench/run.py --quick` but the start-up of commands, with its verdict."""
-    command = [sys.executable, "bench/run.py", "--quick", "c_loop", "scaling", "kernels"]
+    command = [sys.executable, "bench/run.py", "--quick", "c_loop", "laws", "scaling", "kernels"]
     done = subprocess.run(command, cwd=Path(__file__).parents[1], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "## Kernels" in done.stdout
+    assert "times as long as the set-valued one" in done.stdout
     assert "64 rollers take" in done.stdout
