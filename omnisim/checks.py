@@ -5,13 +5,14 @@ import math
 from omnisim.contact.kinematics import Slip, inverse_mass, largest
 from omnisim.contact.reaction import COULOMB, friction_factor
 from omnisim.contact.tracking import IMPLICIT, Heading, explicit_contact, roller_axis
-from omnisim.kernel import kernel, outlined
-from omnisim.state import YAW
-from omnisim.status import LOST_TRACK, NO_START, NOT_FINITE, TOO_STIFF
+from omnisim.kernel import kernel, merged, outlined
+from omnisim.state import YAW, places
+from omnisim.status import LOST_TRACK, NO_START, NOT_FINITE, RUNNING, TOO_STIFF, UNBALANCED
 from omnisim.tableau import EXPLICIT
 from omnisim.vector import dot
 from omnisim.wheel import contact_state, rho_of
 
+UNBALANCED_PART = 0.05  # of the energy of the scene
 STIFF_STEPS = 3  # surplus of steps too large for the rate at which slip relaxes, before the run stops
 LOST = 1e-3  # |rho|^2 - 1 at which the implicit tracking is no longer worth its name
 
@@ -45,6 +46,30 @@ def check(parameters, run):
     clock.stiff = clock.stiff + 1 if stiff >= 0 else max(clock.stiff - 1, 0)
     if clock.stiff >= STIFF_STEPS:
         too_stiff(parameters, run, stiff)
+
+
+@merged
+def check_energy(parameters, run):
+    """Stop a run of which a good part of the energy came from nowhere: its steps are too long, though none is stiff.
+
+    Needs the rates of all rollers as they are now: at an output row.
+    """
+    machine, clock, y, at, doubled = parameters.machine, run.clock, run.y, places(parameters), 0.0
+    for w in range(len(run.mode)):
+        wheel = parameters.wheels[w]
+        doubled += wheel.axle_inertia * y[at.spin_rate + w] ** 2
+        for i in range(wheel.rollers):
+            doubled += wheel.axial_inertia * run.rates[w, i] ** 2
+    doubled += (
+        machine.mass * (y[at.velocity] ** 2 + y[at.velocity + 1] ** 2) + machine.yaw_inertia * y[at.yaw_rate] ** 2
+    )
+    if clock.row == 0:
+        clock.energy = 0.5 * doubled
+    loss = y[at.friction_loss] + (y[at.bearing_loss] if machine.bearings else 0.0)
+    balance = 0.5 * doubled - clock.energy + loss - y[at.drive_work] - y[at.wrench_work]
+    turned_over = clock.energy + abs(y[at.drive_work]) + abs(y[at.wrench_work])
+    if abs(balance) > UNBALANCED_PART * turned_over and clock.status == RUNNING:
+        clock.status, clock.wheel = UNBALANCED, -1
 
 
 @kernel

@@ -64,7 +64,7 @@ def rhs(parameters, mode, piece, t, y, dy, watch):
         if machine.bearings:
             air_rates(parameters, mode[w], w, state, y, dy)
         else:
-            dy[at.roller_rate + 2 * w + 1] = 0.0  # unless two rollers carry
+            dy[rate_place(parameters, mode[w].roller, w, 1)] = 0.0  # unless two rollers carry
         seen.normal_force, seen.share = lift, 1.0
         if mode[w].shared:
             share_load(parameters, mode[w], w, heading, normal, wrench, torque, y, seen)

@@ -34,7 +34,7 @@ from omnisim.wheel import roller_end
 
 TURN, EXIT, SHARE, LOAD, KINK, GRIP, YOUNG = range(7)
 OF_WHEEL, GUARDS = 4, 7  # the first are of the wheel, the others of each of its contacts
-ROUNDING = 4.0 * 2.0**-53
+ANGLE_ROUNDING = 4.0 * 2.0**-53
 SLIP_ROUNDING = 0.1  # of the slip that no longer matters
 EXCHANGE, STUCK, SLIPS, LIFT, SHARED, PARTED, STOP = (
     EVENT_KINDS.index(kind) for kind in ("exchange", "stick", "slip", "lift_off", "share_begin", "share_end", "stop")
@@ -60,7 +60,7 @@ def guard(parameters, mode, kind, w, side, y, watch):
         return direction * y[at.spin_rate + w]
     if kind == EXIT:
         spin_angle = y[at.spin_angle + w]
-        rounding = ROUNDING * (1.0 + abs(spin_angle))  # an edge reached to rounding is reached
+        rounding = ANGLE_ROUNDING * (1.0 + abs(spin_angle))  # an edge reached to rounding is reached
         return direction * (roller_end(wheel, mode[w].roller, direction) - spin_angle) - rounding
     if kind == SHARE:
         return watch[w].share_margin + share_rounding(parameters, mode[w], w, y, watch[w]) if mode[w].shared else 0.0
@@ -139,7 +139,7 @@ def transition(parameters, run, log, kind, w, side, time):
         settle_slip(parameters, run, log, w, side, time)
     else:
         if mode.shared:
-            record(clock, log, time, SLIPS, w, -1, -1)
+            record(clock, log, time, SLIPS, w, (mode.roller - side) % rollers, -1)
         start_slip(parameters, run, w, side, time)
 
 
@@ -147,7 +147,9 @@ def transition(parameters, run, log, kind, w, side, time):
 def settle_slip(parameters, run, log, w, side, time):
     """A slip that has come to its end: the contact sticks or creeps on."""
     if come_to_rest(parameters, run, w, side, time):
-        record(run.clock, log, time, STUCK, w, -1, -1)
+        mode = run.mode[w]
+        which = (mode.roller - side) % parameters.wheels[w].rollers if mode.shared else -1  # of the two
+        record(run.clock, log, time, STUCK, w, which, -1)
 
 
 @kernel

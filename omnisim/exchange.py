@@ -47,13 +47,13 @@ def comes_to_rest_between(parameters, run, w, t):
     swing = SWING * run.clock.dt
     if depth > max(0.125 * push * swing * swing, ON_EDGE * (1.0 + abs(edge))):
         return False
-    here, next = mode.roller, mode.roller + mode.direction
+    here, neighbour = mode.roller, mode.roller + mode.direction
     release_rollers(parameters, run, w)
-    stand_on(parameters, run, w, next, False, t)
+    stand_on(parameters, run, w, neighbour, False, t)
     if mode.direction * run.slopes[0, at.spin_rate + w] >= 0.0:
         stand_on(parameters, run, w, here, False, t)
         return False
-    rest_on_both(parameters, run, w, max(here, next), t)
+    rest_on_both(parameters, run, w, max(here, neighbour), t)
     return True
 
 

@@ -23,12 +23,11 @@ from omnisim.state import YAW, places, rate_place
 from omnisim.tableau import EXPLICIT, IMPLICIT
 from omnisim.wheel import all_rollers, contact_state, drive_torque, external_wrench, free_motion
 
-SLIP_FRACTION = 0.75  # of the time in which friction could stop the slip, that one sub-step may take
-OUTRUN = 20.0  # stable steps by the end of one that is taken again at half its length
-IMPLICIT_FRACTION = 0.25  # the same of an implicit step, which is there for its accuracy
-LAYER_FRACTION = (
-    0.05  # the same with a smooth law: its layer near zero slip turns motion into heat that is accounted for
-)
+SLIP_FRACTION = 0.75  # of the time in which slip could stop, that one explicit sub-step may take
+FINE_FRACTION = 0.2  # the same for methods "auto" and "radau5", which are there for their accuracy
+# The same of implicit steps with a smooth law: its layer near zero slip turns motion into heat that is accounted for.
+LAYER_FRACTION = 0.05
+OUTRUN = 20.0  # stable steps by the end of an explicit one that is taken again at half its length
 AUTO_STIFF = 4.0  # relaxation of slip within a step, beyond which "auto" makes it implicit
 AUTO_ACCURATE = 0.5  # and up to which its explicit steps go
 TURN_FRACTION = 0.7  # of the largest stable step of the method for the turning of the slip's direction
@@ -67,7 +66,7 @@ def step_length(parameters, run, t, h):
     an implicit step.
     """
     clock, floor = run.clock, parameters.machine.slip_floor
-    fraction = IMPLICIT_FRACTION if parameters.machine.law == COULOMB else LAYER_FRACTION
+    fraction = FINE_FRACTION if parameters.machine.law == COULOMB else LAYER_FRACTION
     # rates at which friction relaxes slip or a roller's rate, and at which slip changes, 1/s
     relaxation, pace = max(parameters.machine.bearing_relaxation, TINY), TINY
     for w in range(len(run.mode)):
@@ -86,7 +85,7 @@ def step_length(parameters, run, t, h):
         return min(h, min(SLIP_FRACTION / pace, TURN_FRACTION * clock.stability_limit / relaxation))
     h_explicit, stiffness = h, clock.dt * relaxation
     if parameters.machine.law == COULOMB:
-        h_explicit = min(h, SLIP_FRACTION / pace)
+        h_explicit = min(h, FINE_FRACTION / pace)
         stiffness = h_explicit * relaxation
     clock.implicit = clock.choice == IMPLICIT or stiffness > AUTO_STIFF
     return min(h, fraction / pace) if clock.implicit else min(h_explicit, AUTO_ACCURATE / relaxation)

@@ -70,7 +70,7 @@ def evaluate(parameters, mode, piece, t, y, dy, watch):
 def differentiate(parameters, run, t):
     """Forward differences of the active slopes at the start of the step.
 
-    Friction changes over a slip of |v| + slip_speed: the shifts stay far below it.
+    Friction changes over a slip of |v| + slip_speed: the shifts stay far below it, as far as rounding allows.
     """
     newton, speed = run.newton, 1.0
     shifted, jacobian = newton.stages[6], newton.real[: len(newton.active)]

@@ -58,7 +58,12 @@ def describe(config: Config) -> Model:
         Part("plane motion", True, 6, "x, y and yaw of the wheel; the servo holds it upright on the flat floor"),
         Part("spin", True, 2, f"wheel '{wheel.name}' of type '{wheel.type}': R = {kind.radius:g} m"),
         Part("rollers in contact", True, 0 if bearings else 2, contacts),
-        Part("rollers in the air", bearings, count * bearings, air_reason(count, bearings)),
+        Part(
+            "roller rates" if bearings else "rollers in the air",
+            bearings,
+            count * bearings,
+            air_reason(count, bearings),
+        ),
         Part("works", True, 3 + bearings, "losses, drive and wrench work, integrated for the energy balance"),
         Part("rho", implicit, 3 * count * implicit, rho_reason(count, implicit)),
         Part("normal force", True, 0, "multiplier of the floor: the weight less the vertical force"),

@@ -79,7 +79,7 @@ WATCH = np.dtype(
         ("share", np.float64),  # of contact 0 in it, 1
         ("share_margin", np.float64),  # torque with which both contacts alone would push back to the edge, N m
         ("slip_square", np.float64, (2,)),  # |v|^2 at each contact, m^2/s^2
-        ("margin", np.float64, (2,)),  # coulomb: mu N - |F| while sticking, v . u while creeping
+        ("margin", np.float64, (2,)),  # coulomb: mu N - |F| while sticking, v . u while creeping; 0 on two rollers
         ("factor", np.float64, (2,)),  # g of the friction law F = -g v, N s/m
     ]
 )
@@ -97,6 +97,7 @@ CLOCK = np.dtype(
         ("choice", np.int64),  # tableau.EXPLICIT, IMPLICIT or AUTO
         ("implicit", np.int64),  # the step under way is implicit
         ("converged", np.int64),  # the last trial step: an implicit one may fail
+        ("energy", np.float64),  # kinetic, at the start, J
         ("status", np.int64),
         ("wheel", np.int64),  # that caused the status, or -1
         ("dt", np.float64),  # s

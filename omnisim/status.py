@@ -18,7 +18,9 @@ EVENTS_PER_STEP = 4096  # more than this in one step is no progress of time
     LOST_TRACK,
     NO_CONVERGENCE,
     STIFF_BEARING,
-) = range(14)
+    UNBALANCED,
+    RESTLESS,
+) = range(16)
 
 SENTENCES = {
     COMPLETE: "complete",
@@ -34,7 +36,16 @@ SENTENCES = {
     ),
     STIFF_BEARING: (
         "bearing friction stops a roller at {rate:.3g} 1/s, too fast for {method} with time.step = {step:.3g} s; use "
-        "time.step < {limit:.2g} s, method = 'auto', or a larger bearing_rate"
+        "time.step < {limit:.2g} s, method = 'auto', or softer bearings (a larger bearing_rate, a smaller "
+        "bearing_viscosity)"
+    ),
+    UNBALANCED: (
+        "inaccurate: at t = {time:.9g} s more than 5 % of the energy of the scene came from nowhere; time.step = "
+        "{step:.3g} s is too long for this motion with {method}: use time.step < {tenth:.2g} s or method = 'radau5'"
+    ),
+    RESTLESS: (
+        "friction at wheel '{wheel}' changed more than a thousand times in one step at t = {time:.9g} s: time.step = "
+        "{step:.3g} s is far too large for it; use a smaller one"
     ),
     ROCKING: (
         "wheel '{wheel}' rocks about the edge between two rollers without progress at t = {time:.9g} s: more than a "
@@ -64,5 +75,12 @@ def sentence(clock, time: float, wheel: str, method: str) -> str:
     """The status of a run in one sentence; "complete" if it reached its end."""
     limit = SAFE_STEP * clock.stability_limit / clock.rate if clock.rate > 0.0 else 0.0
     return SENTENCES[int(clock.status)].format(
-        time=time, wheel=wheel, method=method, step=clock.dt, rate=clock.rate, limit=limit, events=EVENTS_PER_STEP
+        time=time,
+        wheel=wheel,
+        method=method,
+        step=clock.dt,
+        rate=clock.rate,
+        limit=limit,
+        tenth=0.1 * clock.dt,
+        events=EVENTS_PER_STEP,
     )

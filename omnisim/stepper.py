@@ -4,7 +4,7 @@ The grid k * dt never shifts. A grid step is cut at events and at knots of the t
 is taken from there, each piece with the mode frozen, so the order of the method survives.
 """
 
-from omnisim.checks import check, too_fast, too_stiff
+from omnisim.checks import check, check_energy, too_fast, too_stiff
 from omnisim.contact.reaction import COULOMB
 from omnisim.events import EXIT, GUARDS, OF_WHEEL, SHARED, TURN, all_hold, guard, record, settle_slip, transition
 from omnisim.exchange import release_rollers, settle
@@ -20,6 +20,7 @@ from omnisim.status import (
     LOST_TRACK,
     NO_CONVERGENCE,
     NOT_FINITE,
+    RESTLESS,
     ROCKING,
     RUNNING,
     SLOW_SLIP,
@@ -28,14 +29,12 @@ from omnisim.status import (
 )
 from omnisim.tableau import EXPLICIT
 
-# More reversals of spin in one step are swings about an edge that never come to rest on both rollers; more changes of
-# friction, a step that no branch of the law survives.
-TURNS_PER_STEP = 1000
-CUTS_PER_STEP = 100
+TURNS_PER_STEP = 1000  # reversals of spin, swings about an edge that never come to rest on both rollers
+CUTS_PER_STEP = 1000  # changes of friction, in a step that no branch of the law survives
 SLIPS_PER_STEP = 10**6  # sub-steps of slow slip in one step
 NEAR = 1e-3  # of a step, between two iterates that tell how good the root is
 REACH_GROWTH = 2.0  # of an implicit step over the last one that converged
-ROUNDING = 1e-14
+GRID_ROUNDING = 1e-14
 EPSILON = 4.0 * 2.0**-52
 
 
@@ -53,15 +52,17 @@ def march(parameters, method, run, rows, log):
                 record(clock, log, 0.0, SHARED, w, ahead % rollers, (ahead - 1) % rollers)
         check(parameters, run)
         stiffest = parameters.machine.bearing_relaxation
-        if clock.choice == EXPLICIT and stiffest * clock.dt > clock.stability_limit:
-            clock.status, clock.rate = STIFF_BEARING, stiffest
         if clock.status == RUNNING:
             write_row(parameters, run, rows)
+        if clock.choice == EXPLICIT and stiffest * clock.dt > clock.stability_limit:
+            clock.status, clock.rate = STIFF_BEARING, stiffest
     while clock.status == RUNNING and clock.step < clock.steps and clock.rhs < clock.pause:
         if clock.events + 2 * EVENTS_PER_STEP > len(log):
             return LOG_FULL
         grid_step(parameters, method, run, log)
-        if clock.dt - clock.elapsed <= ROUNDING * clock.dt * (clock.step + 1):  # it may have stopped at its very end
+        if clock.dt - clock.elapsed <= GRID_ROUNDING * clock.dt * (
+            clock.step + 1
+        ):  # it may have stopped at its very end
             clock.step += 1
             clock.elapsed = 0.0
             check(parameters, run)
@@ -77,6 +78,8 @@ def write_row(parameters, run, rows):
     row = run.clock.row
     for w in range(len(run.mode)):
         release_rollers(parameters, run, w)
+    check_energy(parameters, run)
+    for w in range(len(run.mode)):
         rows.mode[row, w] = run.mode[w]
         copy(run.rates[w], rows.rates[row, w])
     copy(run.y, rows.y[row])
@@ -122,8 +125,10 @@ def grid_step(parameters, method, run, log):
             clock.status, clock.wheel = ROCKING, w
         elif others > CUTS_PER_STEP and not coulomb:
             too_stiff(parameters, run, w)
-        elif slips > SLIPS_PER_STEP or others > CUTS_PER_STEP:
+        elif slips > SLIPS_PER_STEP:
             clock.status, clock.wheel = SLOW_SLIP, max(w, 0)
+        elif others > CUTS_PER_STEP:
+            clock.status, clock.wheel = RESTLESS, w
         elif clock.events - first_event > EVENTS_PER_STEP:
             clock.status, clock.wheel = CROWDED, w
             if too_fast(parameters, run, w):
@@ -138,7 +143,7 @@ def piece_length(parameters, clock, start):
     rest = clock.dt - clock.elapsed
     if clock.piece + 1 < len(parameters.starts):
         to_knot = parameters.starts[clock.piece + 1] - start - clock.elapsed
-        if to_knot <= rest + ROUNDING * (start + clock.dt):
+        if to_knot <= rest + GRID_ROUNDING * (start + clock.dt):
             return max(min(to_knot, rest), 0.0), True
     return rest, False
 
@@ -151,13 +156,14 @@ def step_to_event(parameters, method, run, t, h):
         h = min(h, REACH_GROWTH * clock.reach)
     while True:
         advance(parameters, method, run, t, h)
-        s, kind, w, side = cut_at_event(parameters, method, run, t, h)
-        if clock.converged and not outrun(parameters, run, s):
-            if clock.implicit:
-                clock.reach = h
-            return s, kind, w, side
+        if clock.converged:
+            s, kind, w, side = cut_at_event(parameters, method, run, t, h)
+            if clock.converged and not outrun(parameters, run, s):
+                if clock.implicit:
+                    clock.reach = h
+                return s, kind, w, side
         h *= 0.5
-        if h < ROUNDING * clock.dt:
+        if h < GRID_ROUNDING * clock.dt:
             clock.status = NO_CONVERGENCE if clock.implicit else NOT_FINITE
             return 0.0, -1, -1, 0
 
@@ -197,7 +203,7 @@ def locate(parameters, method, run, t, h, kind, w, side, value):
     g_low, g_high = guard(parameters, run.mode, kind, w, side, run.y, run.watch), value
     while g_low <= 0.0:
         s = 0.5 * high
-        if s < ROUNDING * run.clock.dt:
+        if s < GRID_ROUNDING * run.clock.dt:
             advance(parameters, method, run, t, 0.0)
             return 0.0
         g = trial_guard(parameters, method, run, t, s, kind, w, side)

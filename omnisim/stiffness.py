@@ -48,10 +48,13 @@ def explanation(config: Config, parameters: Parameters) -> str:
     method, step, rate = METHODS[config.solver.method], config.time.step, relaxation_rate(config, parameters)
     choice, limit = resolve(config, parameters), method.tableau.stability_limit / step
     used = method_used(method.name, choice)
-    if rate == 0.0:
+    bearings = parameters.machine.bearing_relaxation
+    if max(rate, bearings) == 0.0:
         return used
     slip = f"friction relaxes slip at up to {rate:.2g} 1/s"
-    if config.friction.law == "coulomb":
+    if bearings > rate:
+        slip, rate = f"bearings stop rollers at up to {bearings:.2g} 1/s", bearings
+    elif config.friction.law == "coulomb":
         slip = "coulomb friction turns slow slip at mu N A / |v|"
     if method.name == "radau5":
         return f"{used}: every step implicit; {slip}"
@@ -63,6 +66,6 @@ def explanation(config: Config, parameters: Parameters) -> str:
     if config.friction.law == "coulomb":
         return f"{used}: {slip}, and steps are parted to follow; 'auto' takes slow slip in implicit steps"
     return (
-        f"{used}: {slip}, but {name} follows {limit:.2g} 1/s with this step; where slip is that slow the run stops: "
+        f"{used}: {slip}, but {name} follows {limit:.2g} 1/s with this step, and the run stops where it must: "
         f"time.step < {SAFE_STEP * method.tableau.stability_limit / rate:.2g} s or method = 'auto' would do"
     )

@@ -1,10 +1,11 @@
-"""Explicit Runge-Kutta methods as checked data.
+"""Runge-Kutta methods as checked data.
 
 A method is its Butcher tableau. Order conditions are asserted when this module is imported, so a mistyped
 coefficient cannot run; stages and stability limit are derived from the coefficients.
 
 Sources: Butcher, Numerical Methods for Ordinary Differential Equations (2016), sections 23 and 31; Dormand & Prince,
-J. Comput. Appl. Math. 6 (1980) 19-26 (the weights of order 5; fixed steps need no error estimate).
+J. Comput. Appl. Math. 6 (1980) 19-26 (the weights of order 5; fixed steps need no error estimate);
+Hairer & Wanner, Solving Ordinary Differential Equations II (1996), section IV.8 (Radau IIA).
 """
 
 import math

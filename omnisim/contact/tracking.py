@@ -95,11 +95,11 @@ def rho_rate(heading, axis, spin_rate, yaw_rate, rho):
     w = Vec3(-spin_rate * heading.sin, spin_rate * heading.cos, yaw_rate)
     k1 = Vec3(-heading.sin, heading.cos, 0.0)
     i2 = world_axis(heading, axis)
-    k1_i2 = cross(k1, rho)
+    k1_rho = cross(k1, rho)
     b1 = -dot(rho, cross(w, i2))
     b2 = -dot(rho, cross(w, k1))
-    determinant = dot(i2, k1_i2)
-    return combine(b1 / determinant, k1_i2, b2 / determinant, cross(rho, i2), 0.0, rho)
+    determinant = dot(i2, k1_rho)
+    return combine(b1 / determinant, k1_rho, b2 / determinant, cross(rho, i2), 0.0, rho)
 
 
 @kernel

@@ -5,6 +5,7 @@ import pytest
 from scenes import packed, reference_scene
 
 import omnisim
+from omnisim.stiffness import explanation
 
 STILL = (
     "friction.law=none", "initial.velocity=[0, 0]", "initial.yaw_rate=0", "wheels.wheel.spin_rate=0",
@@ -78,4 +79,6 @@ def test_only_bearing_friction_brings_the_rollers_in_the_air_into_the_state():
 def test_bearings_too_stiff_for_an_explicit_method_are_refused_at_the_start_with_the_step_that_would_do():
     scene = reference_scene("testbench_psi0", *STILL, f"{ROLLER}.bearing_torque=1e-2", f"{ROLLER}.bearing_rate=1e-4")
     trajectory = omnisim.simulate(scene)
-    assert len(trajectory.time) == 0 and "time.step < 8.4e-08 s" in trajectory.attributes["status"]
+    assert len(trajectory.time) == 1 and "time.step < 8.4e-08 s" in trajectory.attributes["status"]
+    assert trajectory.attributes["stop_time"] == 0.0 and list(trajectory["events/kind"]) == ["stop"]
+    assert "bearings stop rollers at up to 1.7e+07 1/s" in explanation(scene.config, packed(scene)[0])

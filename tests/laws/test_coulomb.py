@@ -190,3 +190,21 @@ def test_the_multipliers_hold_at_every_accepted_step(step, overrides):
         seen[grip] = seen.get(grip, 0) + 1
     assert run.clock.status in (RUNNING, COMPLETE)
     assert seen[STICK] > 10 and (seen[SLIP] > 10 or step > 5e-3)
+
+
+@pytest.mark.parametrize(
+    ("name", "overrides"),
+    [
+        ("testbench_psi30", ("wrench.times=[0.0]", "wrench.force=[[0.5, 1.0, 0.0]]", "time.step=0.1", "time.end=100",
+                             "time.output_interval=1.0", "initial.velocity=[0, 0]", "initial.yaw_rate=0",
+                             "wheels.wheel.spin_rate=0", "wheels.wheel.roller_rates=0")),
+        (CASE, ("time.step=2.0", "time.output_interval=2.0")),
+    ],
+)  # fmt: skip
+def test_steps_far_too_long_for_coulomb_friction_are_found_out_by_their_energy(name, overrides):
+    """What such steps make is no motion: the run ends early, and names a shorter step."""
+    run = omnisim.simulate(reference_scene(name, "friction.law=coulomb", *overrides))
+    assert "came from nowhere" in run.attributes["status"] and "use time.step <" in run.attributes["status"]
+    assert run["events/kind"][-1] == "stop" and run.time[-1] == run.attributes["stop_time"]
+    finer = ("time.step=0.001", "solver.method=radau5", "time.end=2.0")
+    assert omnisim.simulate(reference_scene(name, "friction.law=coulomb", *overrides, *finer)).complete

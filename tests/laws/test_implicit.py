@@ -115,13 +115,11 @@ def test_light_rollers_are_no_obstacle():
         (("solver.method=auto", "time.step=1e-5"), "rk4: friction relaxes slip at up to"),
         (("solver.method=auto", "time.step=1e-2"), "rk4 + radau5"),
         (("solver.method=radau5",), "every step implicit"),
-        (("time.step=1e-2",), "where slip is that slow the run stops"),
+        (("time.step=1e-2",), "and the run stops where it must"),
         (("friction.law=none",), "rk4"),
         (("friction.law=coulomb", "solver.method=auto"), "rk4 + radau5: coulomb friction turns slow slip"),
     ],
 )
 def test_info_says_which_method_is_used_and_why(overrides, words):
     scene = reference_scene("testbench_psi30", *overrides)
-    assert explanation(scene.config, packed(scene)[0]).startswith(words) or words in explanation(
-        scene.config, packed(scene)[0]
-    )
+    assert words in explanation(scene.config, packed(scene)[0])
