@@ -23,13 +23,14 @@ from omnisim.state import YAW, places, rate_place
 from omnisim.tableau import EXPLICIT, IMPLICIT
 from omnisim.wheel import all_rollers, contact_state, drive_torque, external_wrench, free_motion
 
-SLIP_FRACTION = 0.75  # of the time in which slip could stop, that one explicit sub-step may take
+SLIP_FRACTION = 0.75  # of the time in which slip could stop, that one explicit sub-step may take at most
 FINE_FRACTION = 0.2  # the same for methods "auto" and "radau5", which are there for their accuracy
 # The same of implicit steps with a smooth law: its layer near zero slip turns motion into heat that is accounted for.
 LAYER_FRACTION = 0.05
 OUTRUN = 20.0  # stable steps by the end of an explicit one that is taken again at half its length
 AUTO_STIFF = 4.0  # relaxation of slip within a step, beyond which "auto" makes it implicit
 AUTO_ACCURATE = 0.5  # and up to which its explicit steps go
+COARSE_STEP = 1e-2  # s: a grid step from which on sub-steps are as coarse as is safe
 TURN_FRACTION = 0.7  # of the largest stable step of the method for the turning of the slip's direction
 REST = 1e-11  # of 1 m/s and of the speeds that make up the slip, below which it no longer matters
 CREEP_SPEED = 1e-7  # m/s: slip that has a direction of its own
@@ -66,7 +67,6 @@ def step_length(parameters, run, t, h):
     an implicit step.
     """
     clock, floor = run.clock, parameters.machine.slip_floor
-    fraction = FINE_FRACTION if parameters.machine.law == COULOMB else LAYER_FRACTION
     # rates at which friction relaxes slip or a roller's rate, and at which slip changes, 1/s
     relaxation, pace = max(parameters.machine.bearing_relaxation, TINY), TINY
     for w in range(len(run.mode)):
@@ -82,13 +82,34 @@ def step_length(parameters, run, t, h):
                 relaxation = max(relaxation, factor * mobility)
     if clock.choice == EXPLICIT:
         clock.implicit = False
-        return min(h, min(SLIP_FRACTION / pace, TURN_FRACTION * clock.stability_limit / relaxation))
-    h_explicit, stiffness = h, clock.dt * relaxation
+        fraction = slip_fraction(SLIP_FRACTION, pace, clock)
+        turn = TURN_FRACTION * fraction / SLIP_FRACTION
+        return min(h, min(fraction / pace, turn * clock.stability_limit / relaxation))
+    h_explicit, fraction, stiffness = h, LAYER_FRACTION, clock.dt * relaxation
     if parameters.machine.law == COULOMB:
-        h_explicit = min(h, FINE_FRACTION / pace)
+        fraction = slip_fraction(FINE_FRACTION, pace, clock)
+        h_explicit = min(h, fraction / pace)
         stiffness = h_explicit * relaxation
     clock.implicit = clock.choice == IMPLICIT or stiffness > AUTO_STIFF
     return min(h, fraction / pace) if clock.implicit else min(h_explicit, AUTO_ACCURATE / relaxation)
+
+
+@kernel
+def slip_fraction(coarsest, pace, clock):
+    """Part of the time 1 / pace in which slip changes, that a sub-step of a grid step dt may take.
+
+    Slip of which a whole step is the part f is of the size dt / f, and a sub-step errs by f^5 of the slip it starts
+    from: f ~ dt^(3/4) there lets these errors fall with dt^4. Where slip is less, and changes faster, f^5 ~ pace makes
+    every sub-step err by the same amount, up to the coarsest part that is safe.
+    """
+    largest_slip, ratio = coarsest * clock.fineness, 1.0 / clock.fineness
+    less = max(pace * clock.dt / largest_slip, 1.0)
+    return coarsest if less >= ratio**5 else largest_slip * less**0.2
+
+
+def fineness(dt: float) -> float:
+    """Part of the coarsest fraction that a step dt (s) allows for the largest slip."""
+    return min(1.0, (dt / COARSE_STEP) ** 0.75)
 
 
 @kernel

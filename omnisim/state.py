@@ -101,6 +101,7 @@ CLOCK = np.dtype(
         ("status", np.int64),
         ("wheel", np.int64),  # that caused the status, or -1
         ("dt", np.float64),  # s
+        ("fineness", np.float64),  # of sub-steps of slip: grip.fineness
         ("elapsed", np.float64),  # in the grid step under way, s
         ("reach", np.float64),  # length of the last implicit step that converged, s
         ("rate", np.float64),  # relaxation rate of slip when found too stiff, 1/s

@@ -208,3 +208,21 @@ def test_steps_far_too_long_for_coulomb_friction_are_found_out_by_their_energy(n
     assert run["events/kind"][-1] == "stop" and run.time[-1] == run.attributes["stop_time"]
     finer = ("time.step=0.001", "solver.method=radau5", "time.end=2.0")
     assert omnisim.simulate(reference_scene(name, "friction.law=coulomb", *overrides, *finer)).complete
+
+
+@pytest.mark.parametrize(
+    ("method", "steps", "order"),
+    [("rk4", (1e-3, 1e-4), 3.6), ("auto", (1e-3, 1e-4), 2.8), ("radau5", (1e-3, 1e-4), 4.0)],
+)
+def test_the_order_holds_through_releases_and_slow_slip_of_a_driven_wheel(method, steps, order):
+    """A mecanum wheel from rest under a torque that rises beyond its limit and falls back, against radau5 at 2e-5."""
+    driven = (
+        "wheel_types.omni.roller_angle_deg=45", *STILL,
+        "wheels.wheel.drive={kind='torque', times=[0.0, 1.0, 2.0], torque=[0.0, 0.25, 0.0]}",
+    )  # fmt: skip
+    exact = final_state(simulate(CASE, *driven, "solver.method=radau5", "time.step=2e-5"))
+    runs = [simulate(CASE, *driven, f"solver.method={method}", f"time.step={step}") for step in steps]
+    assert list(runs[0]["events/kind"]).count("slip") >= 10
+    errors = [np.abs(final_state(run) - exact).max() for run in runs]
+    assert np.log10(errors[0] / errors[1]) > order, errors  # measured 3.88, 3.04, 4.34
+    assert errors[1] < 1e-6  # measured 1.1e-7, 8.9e-8, 3.4e-11
