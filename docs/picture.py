@@ -47,7 +47,7 @@ def draw_wheel(axes, scene, view):
         quads.append(surface)
         shades.append(0.35 + 0.6 * np.abs(normal @ (light / np.linalg.norm(light))))
     quads, shades = np.concatenate(quads), np.concatenate(shades)
-    order = np.argsort((quads.mean(axis=1) @ direction))
+    order = np.argsort(quads.mean(axis=1) @ direction)
     colours = plt.cm.bone(0.15 + 0.75 * shades[order])
     axes.add_collection(PolyCollection(quads[order][:, :, columns], facecolors=colours, edgecolors=colours, lw=0.3))
     radius = wheel.radius
