@@ -4,6 +4,8 @@ The grid k * dt never shifts. A grid step is cut at events and at knots of the t
 is taken from there, each piece with the mode frozen, so the order of the method survives.
 """
 
+import math
+
 from omnisim.checks import check, check_energy, too_fast, too_stiff
 from omnisim.contact.reaction import COULOMB
 from omnisim.events import EXIT, GUARDS, OF_WHEEL, SHARED, TURN, all_hold, guard, record, settle_slip, transition
@@ -215,6 +217,8 @@ def locate(parameters, method, run, t, h, kind, w, side, value):
     s, s_last, g_last = low + (high - low) * g_low / (g_low - g_high), high, g_high
     for iteration in range(60):
         g = trial_guard(parameters, method, run, t, s, kind, w, side)
+        if not math.isfinite(g + s):  # of a state that has burst nothing can be located
+            return h
         correction = g * (s - s_last) / (g_last - g)
         if g > 0.0:
             low = s
