@@ -236,10 +236,14 @@ def test_a_start_that_cannot_be_says_so():
 def test_a_state_that_bursts_within_a_step_leaves_no_event_without_a_time():
     """Stiff friction, skew rollers, a step a thousand times too long: guards become NaN while roots are sought."""
     run = omnisim.simulate(reference_scene(
-        "testbench_psi30", "wheel_types.omni.roller_count=8", "wheel_types.omni.roller_distance=0.0877685",
+        "testbench_psi30", "wheel_types.omni.roller_count=8", "wheel_types.omni.roller_distance=0.08776855558857224",
         "wheel_types.omni.roller_angle_deg=80", "friction.law=viscous", "friction.viscosity=1e4", "time.step=0.01",
         "time.output_interval=0.1", "time.end=0.6", "initial.velocity=[-2.91359, 0.40621]", "initial.yaw_rate=1.75433",
         "wheels.wheel.spin_rate=-2.41345", "wheels.wheel.spin_angle_deg=22.501114085523064",
+        "wheels.wheel.drive={kind='torque', times=[0.0, 0.2, 0.2, 0.4], torque=[0.0079, -0.0079, 0.00395, 0.0]}",
+        "wrench.times=[0.0, 0.3]", "wrench.force=[[0.0745, -0.0632, 0.0], [0.0, 0.0, 0.0]]",
+        "wrench.yaw_torque=[0.0055, 0.0]",
+        "wheel_types.omni.roller={mass=0.05, inertia_axial=3e-05, inertia_transverse=2e-5}",
     ))  # fmt: skip
     assert not run.complete and "time.step <" in run.attributes["status"]
     assert np.isfinite(run["events/time"]).all()
