@@ -8,7 +8,7 @@ import math
 import re
 from collections.abc import Iterable
 from functools import lru_cache
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -34,7 +34,30 @@ FRICTION_KEYS = {
     "none": (),
 }
 FRICTION_DEFAULTS = {"saturated": {"slip_speed": 1e-6}}
-DRIVE_KEYS = {"free": (), "torque": ("times", "torque")}
+
+
+class DriveKeys(NamedTuple):
+    """What a drive reads: the key that is a number or a list over `times`, the keys it needs, those with defaults."""
+
+    given: str | None = None
+    needed: tuple[str, ...] = ()
+    optional: tuple[str, ...] = ()
+
+    @property
+    def all(self) -> set[str]:
+        return {"times", self.given, *self.needed, *self.optional} if self.given else set()
+
+
+DRIVE_KEYS = {
+    "free": DriveKeys(),
+    "torque": DriveKeys("torque", needed=("torque",)),
+    "rate": DriveKeys("rate", needed=("proportional",), optional=("integral", "torque_limit")),
+    "dc_motor": DriveKeys(
+        "voltage",
+        needed=("voltage", "resistance", "torque_constant"),
+        optional=("gear_ratio", "rotor_inertia", "viscosity", "friction_torque", "friction_rate"),
+    ),
+}
 
 Real = Annotated[float, Field(description="a finite number")]
 Positive = Annotated[float, Field(gt=0, description="a finite number > 0")]
@@ -49,7 +72,7 @@ Rates = Annotated[
     float | tuple[float, ...],
     Field(description="one finite number, or a list of roller_count finite numbers"),
 ]
-Torque = Annotated[
+Tabulated = Annotated[
     float | tuple[float, ...],
     Field(description="a finite number or, with times, a list of as many finite numbers"),
 ]
@@ -57,6 +80,12 @@ Vectors = Annotated[
     tuple[tuple[float, float, float], ...],
     Field(min_length=1, description="a list of one or more vectors [x, y, z] of finite numbers"),
 ]
+Twists = Annotated[
+    tuple[tuple[float, float, float], ...],
+    Field(min_length=1, description="a list of one or more twists [vx, vy, yaw_rate] of finite numbers"),
+]
+Point = Annotated[tuple[Real, Real, NonNegative], Field(description="three finite numbers [x, y, z], z >= 0")]
+Inertia = Annotated[tuple[Positive, Positive, Positive], Field(description="three finite numbers > 0 [Ixx, Iyy, Izz]")]
 
 
 class Table(BaseModel):
@@ -66,10 +95,10 @@ class Table(BaseModel):
 
 
 class World(Table):
-    """[scene]: gravity in m/s^2, and what carries roll and pitch."""
+    """[scene]: gravity in m/s^2, and what carries roll and pitch (None: see Config.upright)."""
 
     gravity: NonNegative = 9.81
-    upright: _choice("servo") = "servo"
+    upright: _choice("servo", "contacts") = None
 
 
 class Time(Table):
@@ -167,17 +196,59 @@ class WheelType(Table):
     roller: Roller
 
 
+class Chassis(Table):
+    """[chassis]: mass (kg), centre of mass (m, z above the floor), inertia about it along chassis axes (kg m^2)."""
+
+    mass: Positive
+    center_of_mass: Point
+    inertia: Inertia
+
+
 class Drive(Table):
-    """drive of a wheel: nothing, or a torque (N m) about the axle, constant or linear between `times` (s)."""
+    """drive of a wheel: what turns it about its axle. The kind says which keys it reads (DRIVE_KEYS).
+
+    free      nothing
+    torque    a torque (N m)
+    rate      a controller of the spin rate: a target (rad/s; None: that of [command]), proportional gain (N m s/rad),
+              integral gain (N m/rad), and the largest torque (N m)
+    dc_motor  a voltage (V) on a resistance (ohm); torque constant (N m/A, which is V s/rad too), gear ratio, inertia
+              of the rotor itself (kg m^2); friction at the wheel: viscosity (N m s), and a Coulomb torque (N m)
+              that changes its sign over a rate (rad/s)
+
+    Torque, target and voltage are constant, or linear between `times` (s).
+    """
 
     kind: _choice(*DRIVE_KEYS)
     times: Reals = ()
-    torque: Torque = 0.0
+    torque: Tabulated = 0.0
+    rate: Tabulated = None
+    proportional: Positive = 0.0
+    integral: NonNegative = 0.0
+    torque_limit: Positive = math.inf
+    voltage: Tabulated = 0.0
+    resistance: Positive = 0.0
+    torque_constant: Positive = 0.0
+    gear_ratio: Positive = 1.0
+    rotor_inertia: NonNegative = 0.0
+    viscosity: NonNegative = 0.0
+    friction_torque: NonNegative = 0.0
+    friction_rate: Positive = 0.1
+
+    @property
+    def follows_command(self) -> bool:
+        return self.kind == "rate" and self.rate is None
 
     @property
     def table(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Times and torques; a constant is a table of one point, since tables are held outside."""
-        return (self.times, self.torque) if self.times else ((0.0,), (self.torque,))
+        """Times, and torques, target rates or voltages; 0 where nothing is given or [command] gives it.
+
+        A constant is a table of one point, since tables are held outside.
+        """
+        given = DRIVE_KEYS[self.kind].given
+        if given is None or self.follows_command:
+            return (0.0,), (0.0,)
+        values = getattr(self, given)
+        return (self.times, values) if self.times else ((0.0,), (values,))
 
 
 class Wheel(Table):
@@ -210,6 +281,16 @@ class Wrench(Table):
         return times, self.force or ((0.0, 0.0, 0.0),) * len(times), self.yaw_torque or (0.0,) * len(times)
 
 
+class Command(Table):
+    """[command]: twist [vx, vy, yaw_rate] (m/s, m/s, rad/s) of the chassis origin in its axes, linear between `times`.
+
+    It gives a target to every rate drive that has none of its own: the rate of an ideal wheel in this motion.
+    """
+
+    times: Reals
+    twist: Twists
+
+
 class Initial(Table):
     """[initial]: position (m), yaw (deg), velocity (m/s, world) and yaw rate (rad/s) at t = 0."""
 
@@ -231,9 +312,16 @@ class Config(Table):
     wheel_types: Annotated[
         dict[Name, WheelType], Field(min_length=1, description="one or more tables [wheel_types.NAME]")
     ]
+    chassis: Chassis | None = None
     wheels: Annotated[tuple[Wheel, ...], Field(min_length=1, description="one or more tables [[wheels]]")]
+    command: Command | None = None
     wrench: Wrench = Wrench()
     initial: Initial = Initial()
+
+    @property
+    def upright(self) -> str:
+        """What carries roll and pitch: "servo" or "contacts"."""
+        return self.world.upright or ("contacts" if self.chassis else "servo")
 
     def type_of(self, wheel: Wheel) -> WheelType:
         return self.wheel_types[wheel.type]

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from omnisim.config import DRIVE_KEYS, FRICTION_KEYS, Config, Drive
+from omnisim.config import DRIVE_KEYS, FRICTION_KEYS, Config, Drive, Wheel
 from omnisim.problems import Problem, allowed_at, did_you_mean
 from omnisim.toml_text import KeyPath
 
@@ -73,6 +73,16 @@ def _wheel_type_rules(config: Config) -> Iterator[Problem]:
             yield Problem((*path, "roller", "inertia_axial"), f"must be at most {allowed}")
 
 
+def _chassis_rules(config: Config) -> Iterator[Problem]:
+    """Moments of inertia that a mass distribution can have (a flat plate is the limit)."""
+    inertia = config.chassis.inertia if config.chassis else ()
+    for axis, moment in enumerate(inertia):
+        limit = sum(inertia) - moment
+        if moment > limit * (1 + DECIMAL_TOLERANCE):
+            allowed = f"the sum of the other two = {limit:.12g}: no body has more"
+            yield Problem(("chassis", "inertia", axis), f"must be at most {allowed}")
+
+
 def _wheel_rules(config: Config) -> Iterator[Problem]:
     names = [wheel.name for wheel in config.wheels]
     for index, wheel in enumerate(config.wheels):
@@ -91,9 +101,20 @@ def _wheel_rules(config: Config) -> Iterator[Problem]:
         yield from _drive_rules((*path, "drive"), wheel.drive)
 
 
-def _bare_wheel_rules(config: Config) -> Iterator[Problem]:
-    """Without a chassis a wheel stands where [initial] puts it, and nowhere else."""
-    wheel = config.wheels[0]
+def _place_rules(config: Config) -> Iterator[Problem]:
+    """A chassis says where its wheels are; without one a wheel stands where [initial] puts it, and nowhere else."""
+    if config.chassis:
+        for index, wheel in enumerate(config.wheels):
+            if "position" not in wheel.model_fields_set:
+                path = ("wheels", index, "position")
+                yield Problem(path, f"missing; on a chassis it must be {allowed_at(path)}, of the wheel centre")
+    elif len(config.wheels) > 1:
+        yield Problem(("wheels", 1), "several wheels need a [chassis]; without one a scene has one wheel")
+    else:
+        yield from _bare_wheel_rules(config.wheels[0])
+
+
+def _bare_wheel_rules(wheel: Wheel) -> Iterator[Problem]:
     for key, value, zero, instead in (
         ("position", wheel.position, "[0, 0]", "position"),
         ("heading_deg", wheel.heading_deg, "0", "yaw_deg"),
@@ -104,20 +125,30 @@ def _bare_wheel_rules(config: Config) -> Iterator[Problem]:
 
 
 def _drive_rules(path: KeyPath, drive: Drive) -> Iterator[Problem]:
-    for key in sorted(drive.model_fields_set - {"kind", *DRIVE_KEYS[drive.kind]}):
+    keys, present = DRIVE_KEYS[drive.kind], drive.model_fields_set - {"kind"}
+    for key in sorted(present - keys.all):
         yield Problem((*path, key), f"not a key of a drive with kind = '{drive.kind}'")
-    if drive.kind == "free":
-        return
-    if "torque" not in drive.model_fields_set:
-        yield Problem((*path, "torque"), f"missing; must be {allowed_at((*path, 'torque'))}")
-    elif isinstance(drive.torque, float) and drive.times:
-        allowed = f"a list of {len(drive.times)} finite numbers, as many as times"
-        yield Problem((*path, "torque"), f"must be {allowed}")
-    elif isinstance(drive.torque, tuple):
-        if not drive.times:
-            yield Problem((*path, "times"), "missing; a list of torques needs a list of as many times")
-        else:
-            yield from _table_rules(path, drive.times, torque=drive.torque)
+    for key in keys.needed:
+        if key not in present:
+            yield Problem((*path, key), f"missing; must be {allowed_at((*path, key))}")
+    if keys.given in present:
+        yield from _given_rules(path, keys.given, getattr(drive, keys.given), drive.times)
+    elif drive.follows_command and drive.times:
+        yield Problem((*path, "rate"), "missing; times need a list of as many rates")
+
+
+def _given_rules(
+    path: KeyPath, key: str, value: float | tuple[float, ...], times: tuple[float, ...]
+) -> Iterator[Problem]:
+    """One number, or a list of numbers and one of times."""
+    if isinstance(value, float):
+        if times:
+            allowed = f"a list of {len(times)} finite numbers, as many as times"
+            yield Problem((*path, key), f"must be {allowed}")
+    elif not times:
+        yield Problem((*path, "times"), f"missing; a list for {key} needs a list of as many times")
+    else:
+        yield from _table_rules(path, times, **{key: value})
 
 
 def _wrench_rules(config: Config) -> Iterator[Problem]:
@@ -126,6 +157,25 @@ def _wrench_rules(config: Config) -> Iterator[Problem]:
         yield from _table_rules(("wrench",), wrench.times, force=wrench.force, yaw_torque=wrench.yaw_torque)
     elif "wrench" in config.model_fields_set:
         yield Problem(("wrench", "times"), f"missing; must be {allowed_at(('wrench', 'times'))}")
+
+
+def _command_rules(config: Config) -> Iterator[Problem]:
+    """A command moves a chassis, and some wheel follows it; no wheel waits for one in vain."""
+    followers = [index for index, wheel in enumerate(config.wheels) if wheel.drive.follows_command]
+    if not config.command:
+        for index in followers:
+            path = ("wheels", index, "drive", "rate")
+            if not config.wheels[index].drive.times:  # a list of times without rates is a problem already
+                allowed = f"must be {allowed_at(path)}, or the scene has a [command] that the wheel follows"
+                yield Problem(path, f"missing; {allowed}")
+    elif not config.chassis:
+        yield Problem(("command",), "needs a [chassis] to move")
+    elif not followers:
+        yield Problem(
+            ("command",), "no wheel follows it; needs a drive with kind = 'rate' and without a rate of its own"
+        )
+    else:
+        yield from _table_rules(("command",), config.command.times, twist=config.command.twist)
 
 
 def _table_rules(path: KeyPath, times: tuple[float, ...], **columns: tuple) -> Iterator[Problem]:
@@ -145,7 +195,9 @@ RULES = (
     _friction_rules,
     _contact_torque_rules,
     _wheel_type_rules,
+    _chassis_rules,
     _wheel_rules,
-    _bare_wheel_rules,
+    _place_rules,
     _wrench_rules,
+    _command_rules,
 )

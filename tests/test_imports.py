@@ -15,8 +15,8 @@ PACKAGE = Path(omnisim.__file__).parent
 LAYERS = (
     ("kernel", "toml_text"),
     ("vector", "state", "tableau", "status", "config"),
-    ("roller", "contact.tracking", "problems", "model", "trajectory"),
-    ("rules",),
+    ("roller", "contact.tracking", "problems", "model", "trajectory", "ideal"),
+    ("rules", "machine_rules"),
     ("validation",),
     ("scene",),
     ("contact.kinematics", "storage"),

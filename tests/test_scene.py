@@ -8,6 +8,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from vehicles import VEHICLE
 
 from omnisim.scene import Scene, SceneError, load, packaged_scenes, parse
 
@@ -181,6 +182,47 @@ def test_loading_the_text_of_a_scene_with_overrides_repeats_it(text):
     assert config.initial.yaw_deg == 90.0
 
 
+VEHICLE_OVERRIDES = [
+    "wheels.rl.drive.torque=2",
+    "wheels.rl.drive.kind=torque",
+    "wheels.fr.drive={kind = 'dc_motor', voltage = 12, resistance = 2, torque_constant = 0.1}",
+    "wheels.fl.drive={kind = 'rate', rate = 3, proportional = 1}",
+    "wheels.fl.drive.torque_limit=0.5",
+    "wheels.rr.position=[-0.3, -0.1]",
+    "chassis.mass=7",
+    "scene.upright=servo",
+]
+
+
+def test_overrides_find_each_of_several_wheels_by_its_name():
+    scene = parse(VEHICLE, "s.toml", VEHICLE_OVERRIDES)
+    assert parse(scene.text).config == scene.config
+    fl, fr, rl, rr = scene.config.wheels
+    assert (fl.drive.kind, fl.drive.table, fl.drive.torque_limit) == ("rate", ((0.0,), (3.0,)), 0.5)
+    assert (fr.drive.kind, fr.drive.table) == ("dc_motor", ((0.0,), (12.0,)))
+    assert (rl.drive.kind, rl.drive.table) == ("torque", ((0.0,), (2.0,)))
+    assert (rr.drive.kind, rr.position, scene.config.chassis.mass) == ("free", (-0.3, -0.1), 7.0)
+    assert scene.config.upright == "servo"
+
+
+@pytest.mark.parametrize(
+    ("override", "said"),
+    [
+        ("wheels.rl.drive.kind=rate", "wheels.rl.drive.proportional: missing; must be a finite number > 0"),
+        ("wheels.rl.drive={kind='torque', torque=1, rate=1}", "wheels.rl.drive.rate = 1: not a key of a drive with"),
+        ("chassis.center_of_mass=[1, 0, 0]", "chassis.center_of_mass = [1, 0, 0]: the common centre of mass"),
+        ("chassis.inertia=[1, 1, 3]", "chassis.inertia[2] = 3: must be at most the sum of the other two = 2:"),
+        ("scene.upright=srevo", "scene.upright = 'srevo': must be \"servo\" or \"contacts\"; did you mean 'servo'?"),
+        ("wheels.rx.spin_rate=1", "no wheel is called 'rx'. Wheels: fl, fr, rl, rr"),
+        ("command={times=[0], twist=[[1, 0, 0]]}", "command = {times = [0], twist = [[1, 0, 0]]}: no wheel follows it"),
+    ],
+)
+def test_a_defect_of_a_vehicle_that_was_set_is_placed_at_its_set(override, said):
+    with pytest.raises(SceneError) as error:
+        parse(VEHICLE, "s.toml", [override])
+    assert str(error.value).splitlines()[0].startswith(f"--set {override}: {said}")
+
+
 def test_each_single_override_survives_in_the_text():
     for override in OVERRIDES[:11]:
         scene = parse(TEXT, "s.toml", [override])
@@ -221,7 +263,7 @@ def test_a_renamed_wheel_answers_to_its_new_name():
         ("time.stepp=1", "time.stepp = 1: unknown key; did you mean 'step'?"),
         ("time=3", "time = 3: must be a table with the keys end, step, output_interval"),
         ("wheels=3", "wheels = 3: must be one or more tables [[wheels]]"),
-        ("scene.upright=contacts", "scene.upright = 'contacts': not in this version"),
+        ("scene.upright=contacts", "scene.upright = 'contacts': must be \"servo\" without"),
         ("wrench.frame=body", "wrench.times: missing"),
         ("wheels.wheel.drive.torque=1", "wheels.wheel.drive.kind: missing"),
         ("time={step = 0, end = 1}", "time.step = 0: must be a finite number > 0"),
