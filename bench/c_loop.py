@@ -36,7 +36,7 @@ FROM_WHEEL = (
 )
 FROM_SCENE = ("friction_limit", "torque", "force_x", "force_y", "yaw_torque")
 
-AT = places_of(1, 2, 0)
+AT = places_of(1, 2, 0, 0, 0)
 ORDER = [X, Y, YAW, AT.velocity, AT.velocity + 1, AT.yaw_rate, AT.friction_loss, AT.drive_work, AT.wrench_work]
 ORDER += [AT.spin_angle, AT.spin_rate, AT.roller_rate]  # where the states of C stand in ours
 

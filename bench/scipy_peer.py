@@ -20,7 +20,7 @@ from omnisim.parameters import DRIVE
 from omnisim.state import YAW, X, Y, places_of
 
 TARGET = 100.0  # times faster than LSODA
-AT = places_of(1, 2, 0)
+AT = places_of(1, 2, 0, 0, 0)
 MOTION = [X, Y, YAW, AT.velocity, AT.velocity + 1, AT.yaw_rate, AT.spin_angle, AT.spin_rate, AT.roller_rate]
 PLACES = [0, 1, 2, 6]  # of x, y, yaw and spin angle in MOTION
 SPIN, RATE, ROLLER = 6, 7, 8

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from omnisim.trajectory import EVENT, TIME, Quantity, Trajectory, layout
+from omnisim.trajectory import EVENT, TIME, Quantity, Trajectory
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ def compare(a: Trajectory, b: Trajectory) -> Comparison:
         path = f"wheels/{wheel}/contact_roller"
         same &= a[path][:rows] == b[path][:rows]
     chosen = {TIME: np.flatnonzero(same), EVENT: np.arange(min(events))}
-    table = [row for row in layout(a.wheels).values() if not row.is_scale]
+    table = [row for row in a.quantities if not row.is_scale and row.path in b]
     differences = tuple(difference(row, a[row.path], b[row.path], chosen) for row in table)
     return Comparison(rows, rows - int(same.sum()), events, differences, centre_height(a, b, chosen[TIME]))
 

@@ -2,15 +2,15 @@
 
 import math
 
-from omnisim.contact.kinematics import Slip, inverse_mass, largest
+from omnisim.contact.kinematics import Slip, inverse_mass, largest, spin_inertia
 from omnisim.contact.reaction import COULOMB, friction_factor
-from omnisim.contact.tracking import IMPLICIT, Heading, explicit_contact, roller_axis
+from omnisim.contact.tracking import IMPLICIT, explicit_contact, roller_axis
 from omnisim.kernel import kernel, merged, outlined
-from omnisim.state import YAW, places
+from omnisim.state import places
 from omnisim.status import LOST_TRACK, NO_START, NOT_FINITE, RUNNING, TOO_STIFF, UNBALANCED
 from omnisim.tableau import EXPLICIT
 from omnisim.vector import dot
-from omnisim.wheel import contact_state, rho_of
+from omnisim.wheel import body_motion, contact_state, rho_of
 
 UNBALANCED_PART = 0.05  # of the energy of the scene
 STIFF_STEPS = 3  # surplus of steps too large for the rate at which slip relaxes, before the run stops
@@ -57,7 +57,7 @@ def check_energy(parameters, run):
     machine, clock, y, at, doubled = parameters.machine, run.clock, run.y, places(parameters), 0.0
     for w in range(len(run.mode)):
         wheel = parameters.wheels[w]
-        doubled += wheel.axle_inertia * y[at.spin_rate + w] ** 2
+        doubled += spin_inertia(wheel) * y[at.spin_rate + w] ** 2
         for i in range(wheel.rollers):
             doubled += wheel.axial_inertia * run.rates[w, i] ** 2
     doubled += (
@@ -106,6 +106,5 @@ def roller_mobility(machine, wheel):
 @outlined
 def slip_mobility(parameters, run, w):
     """Largest eigenvalue of the inverse mass of wheel w's contact, 1/kg: with the factor g, the rate of its slip."""
-    heading = Heading(math.cos(run.y[YAW]), math.sin(run.y[YAW]))
-    state = contact_state(parameters, run.mode[w], w, 0, heading, run.y)
+    state = contact_state(parameters, run.mode[w], w, 0, body_motion(parameters, run.y), run.y)
     return largest(inverse_mass(parameters.machine, parameters.wheels[w], state.axis, state.contact))

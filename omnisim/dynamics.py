@@ -1,107 +1,163 @@
-"""The right-hand side y' = f(t, y): the three contact stages in order, then Newton and Euler.
+"""The right-hand side y' = f(t, y): the three contact stages for every wheel, then Newton and Euler.
 
-    M V' = F + f                                                               F = (F_h, F_k) on the roller
+    M V' = sum F + f                                                           F = (F_h, F_k) on the roller
     Ia p' = arm . F + M_n (a . n) + T                                          M_n contact torque, T bearing torque
-    J_k phi'' + sum Ia p' s + theta' G_h = tau - R F_h                         G = sum Ia p_i a_i, all rollers
-    I_z theta'' + sum Ia p' (a . n) - phi' G_h = -l F_h + M_n + yaw torque
+    (J_k + J_r) phi'' + sum Ia p' s + theta' G_h = tau - R F_h                 G = sum Ia p_i a_i, all rollers
+    I_z theta'' = sum (lever . F + M_n (1 - (a . n)^2) + phi' G_h) + yaw torque
 
-summed over both contacts of a wheel that rests on two rollers; its spin is held (shared.py).
+First what each wheel finds at its contacts goes into the room (`observe_wheel`), then the forces are found together
+(body.py, coupled.py), then each wheel takes its share (`move_wheel`).
 """
 
 import math
-from typing import NamedTuple
 
-from omnisim.contact.coulomb import SLIP, grip_force
-from omnisim.contact.kinematics import Slip, inverse_mass, joint_rate, slip_acceleration
-from omnisim.contact.reaction import COULOMB, friction
-from omnisim.contact.tracking import IMPLICIT, Heading, rho_rate, roller_axis
-from omnisim.kernel import kernel, outlined
-from omnisim.multipliers import normal_force
-from omnisim.shared import share_load
+from omnisim.body import assemble, holding_force, place_load, set_contact, set_external, set_held, set_moment, solve
+from omnisim.contact.coulomb import SLIP, STICK, TINY
+from omnisim.contact.kinematics import Motion, joint_rate, slip_acceleration, spin_inertia
+from omnisim.contact.reaction import COULOMB, VISCOUS, friction
+from omnisim.contact.tracking import IMPLICIT, rho_rate, roller_axis
+from omnisim.coupled import settle_forces
+from omnisim.kernel import kernel, merged, outlined
 from omnisim.state import YAW, X, Y, places, rate_place
 from omnisim.wheel import (
-    ContactState,
     all_rollers,
     bearing_torque,
+    body_motion,
+    centre_acceleration,
     contact_state,
+    drive_command,
+    drive_input,
     drive_torque,
     external_wrench,
-    free_motion,
     rho_index,
     rho_of,
+    world_heading,
 )
-
-
-class Reaction(NamedTuple):
-    """What the floor does to a wheel at one contact."""
-
-    state: ContactState
-    factor: float  # g in F = -g v, N s/m
-    force: Slip  # friction on the roller, N
-    torque: float  # M_n on the roller about the normal, N m
-    margin: float  # coulomb: what is left of the cone while sticking, N; slip along its direction while creeping, m/s
-    roller_torque: float  # on the roller about its axis, N m
 
 
 @kernel
 def rhs(parameters, mode, piece, t, y, dy, watch):
-    """Write y' into `dy`, and what the events need to know of each contact into `watch`."""
-    machine, wheels, at = parameters.machine, parameters.wheels, places(parameters)
+    """Write y' into `dy`, and what the events need to know of each wheel into `watch`."""
+    machine, wheels, room, at = parameters.machine, parameters.wheels, parameters.room, places(parameters)
     # Rates of positions first: the sine and cosine of the next stage can then start while the forces are computed.
     dy[X], dy[Y], dy[YAW] = y[at.velocity], y[at.velocity + 1], y[at.yaw_rate]
     for w in range(len(wheels)):
         dy[at.spin_angle + w] = y[at.spin_rate + w]
-    heading = Heading(math.cos(y[YAW]), math.sin(y[YAW]))
-    wrench = external_wrench(parameters, piece, t, heading)
-    lift = normal_force(machine, len(wheels), wrench.z)
-    normal = max(lift, 0.0)  # a wheel that is lifted has no friction; the march stops there
-    force_h, force_k, moment, loss, drive_power, bearing_loss = 0.0, 0.0, wrench.yaw, 0.0, 0.0, 0.0
-    for w in range(len(wheels)):
-        wheel, seen = wheels[w], watch[w]
-        torque = drive_torque(parameters, piece, t, w)
-        state = contact_state(parameters, mode[w], w, 0, heading, y)
-        rollers = all_rollers(parameters, mode[w], w, state.cos_q, state.sin_q, y)
-        if machine.bearings:
-            air_rates(parameters, mode[w], w, state, y, dy)
-        else:
-            dy[rate_place(parameters, mode[w].roller, w, 1)] = 0.0  # unless two rollers carry
-        seen.normal_force, seen.share = lift, 1.0
-        if mode[w].shared:
-            share_load(parameters, mode[w], w, heading, normal, wrench, torque, y, seen)
-        motion = free_motion(parameters, wheel, state, rollers, heading, wrench, torque)
-        reaction = contact_reaction(parameters, mode[w], w, 0, state, motion, normal, seen.share)
-        spin, yaw = contact_moments(wheel, reaction)
-        force_h, force_k, loss = force_h + reaction.force.h, force_k + reaction.force.k, loss + friction_loss(reaction)
-        rolling = motion.roller + reaction.roller_torque / wheel.axial_inertia
-        dy[rate_place(parameters, mode[w].roller, w, 0)] = rolling
-        observe_contact(seen, 0, reaction)
-        if mode[w].shared:
-            state = contact_state(parameters, mode[w], w, 1, heading, y)
-            reaction = contact_reaction(parameters, mode[w], w, 1, state, motion, normal, 1.0 - seen.share)
-            _, more_yaw = contact_moments(wheel, reaction)
-            yaw += more_yaw
-            force_h, force_k = force_h + reaction.force.h, force_k + reaction.force.k
-            loss += friction_loss(reaction)
-            rolling = free_motion(parameters, wheel, state, rollers, heading, wrench, torque).roller
-            rolling += reaction.roller_torque / wheel.axial_inertia
-            dy[rate_place(parameters, mode[w].roller, w, 1)] = rolling
-            observe_contact(seen, 1, reaction)
-            dy[at.spin_rate + w] = 0.0
-        else:
-            gyroscopic = y[at.yaw_rate] * rollers.g_h
-            dy[at.spin_rate + w] = (torque - rollers.bearing_k - gyroscopic + spin) / wheel.axle_inertia
-        moment += yaw - rollers.bearing_n + y[at.spin_rate + w] * rollers.g_h
-        drive_power += torque * y[at.spin_rate + w]
-        bearing_loss += rollers.bearing_loss
-    dy[at.velocity] = (wrench.x + force_h * heading.cos - force_k * heading.sin) / machine.mass
-    dy[at.velocity + 1] = (wrench.y + force_h * heading.sin + force_k * heading.cos) / machine.mass
-    dy[at.yaw_rate] = moment / machine.yaw_inertia
-    dy[at.friction_loss], dy[at.drive_work] = loss, drive_power
-    dy[at.wrench_work] = wrench.x * y[at.velocity] + wrench.y * y[at.velocity + 1] + wrench.yaw * y[at.yaw_rate]
+    body = body_motion(parameters, y)
+    wrench = external_wrench(parameters, piece, t, body)
+    set_external(machine, room.external, wrench, body.yaw_rate)
+    load, sought = machine.mass * machine.gravity - wrench.z, 0
+    dy[at.friction_loss] = dy[at.drive_work] = 0.0
     if machine.bearings:
-        dy[at.bearing_loss] = bearing_loss
+        dy[at.bearing_loss] = 0.0
+    for w in range(len(wheels)):
+        room.parts[w].normal_force = load / len(wheels)  # unless the contacts carry roll and pitch
+        sought += observe_wheel(parameters, mode[w], piece, t, w, body, y, dy, watch[w])
+    if sought:
+        acceleration, regular = settle_forces(machine, wheels, room, load)
+    else:
+        assemble(machine, room, load)
+        acceleration, regular = solve(machine, room)
+    for w in range(len(wheels)):
+        watch[w].regular = regular
+        move_wheel(parameters, mode[w], w, acceleration, y, dy, watch[w])
+    dy[at.velocity] = acceleration.x * body.cos - acceleration.y * body.sin
+    dy[at.velocity + 1] = acceleration.x * body.sin + acceleration.y * body.cos
+    dy[at.yaw_rate] = acceleration.yaw
+    dy[at.wrench_work] = wrench.x * body.x + wrench.y * body.y + wrench.yaw * body.yaw_rate
+    if machine.odometry:
+        odometry_rates(parameters, y, dy)
     if machine.tracking == IMPLICIT:
-        rho_rates(parameters, heading, y, dy)
+        rho_rates(parameters, body, y, dy)
+
+
+@merged
+def observe_wheel(parameters, mode, piece, t, w, body, y, dy, watch):
+    """What wheel w finds at its contacts, into the room; whether its forces must be sought."""
+    machine, wheel, room, at = parameters.machine, parameters.wheels[w], parameters.room, places(parameters)
+    part, spin_rate = room.parts[w], y[at.spin_rate + w]
+    state = contact_state(parameters, mode, w, 0, body, y)
+    rollers = all_rollers(parameters, mode, w, state.cos_q, state.sin_q, y)
+    watch.command = drive_command(parameters, piece, t, w, y)
+    part.drive_torque = drive_torque(wheel, mode.drive, watch.command, spin_rate)
+    part.free_spin = part.drive_torque - rollers.bearing_k - body.yaw_rate * rollers.g_h
+    set_moment(wheel, part, rollers, spin_rate, body.yaw_rate, mode.shared)
+    part.contacts, part.loaded = 1 + mode.shared, mode.loaded
+    part.sought = mode.loaded and (mode.shared or (mode.grip[0] != SLIP and mode.grip[0] != STICK))
+    dy[at.drive_work] += part.drive_torque * spin_rate
+    if machine.integrals:
+        dy[at.integral + w] = integral_rate(parameters, piece, t, w, mode, watch.command, spin_rate)
+    if machine.bearings:
+        dy[at.bearing_loss] += rollers.bearing_loss
+        air_rates(parameters, mode, w, state, y, dy)
+    else:
+        for side in range(2):
+            dy[rate_place(parameters, mode.roller, w, side)] = 0.0
+    observe_contact(parameters, mode, w, 0, body, state)
+    if mode.shared:
+        observe_contact(parameters, mode, w, 1, body, contact_state(parameters, mode, w, 1, body, y))
+    place_load(wheel, room, w)
+    return part.sought
+
+
+@kernel
+def observe_contact(parameters, mode, w, side, body, state):
+    """A contact of wheel w and its friction by the load, into the room; state: its ContactState."""
+    machine, wheel, contact = parameters.machine, parameters.wheels[w], parameters.room.contacts[2 * w + side]
+    slip = state.slip
+    set_contact(machine, wheel, contact, state, mode.shared)
+    factor, torque = friction(machine, mode.saturated[side], 1.0, slip, state.turn)
+    unit, constant = (0.0, factor) if machine.law == VISCOUS else (factor, 0.0)
+    contact.unit[0], contact.unit[1], contact.unit_torque = -unit * slip.h, -unit * slip.k, torque
+    contact.constant[0], contact.constant[1] = -constant * slip.h, -constant * slip.k
+    contact.factor = factor
+    contact.rest = machine.law == COULOMB and mode.grip[side] != SLIP
+    if contact.rest:
+        spin = 0.0 if mode.shared else parameters.room.parts[w].free_spin / spin_inertia(wheel)
+        roller = bearing_torque(wheel, state.joint) / wheel.axial_inertia if machine.bearings else 0.0
+        centre = centre_acceleration(wheel, body, 0.0, 0.0, 0.0)
+        bias = slip_acceleration(wheel, state, Motion(centre.h, centre.k, spin, 0.0, roller))
+        set_held(machine, wheel, contact, state, bias)
+
+
+@merged
+def move_wheel(parameters, mode, w, acceleration, y, dy, watch):
+    """Forces on wheel w from the body's acceleration and the loads, and the rates that follow."""
+    machine, wheel, room, at = parameters.machine, parameters.wheels[w], parameters.room, places(parameters)
+    part = room.parts[w]
+    normal = max(part.normal_force, 0.0) if part.loaded else 0.0
+    spin, loss = part.free_spin, 0.0
+    for side in range(part.contacts):
+        contact, load = room.contacts[2 * w + side], normal
+        if not part.loaded:
+            contact.force[0], contact.force[1], contact.torque = 0.0, 0.0, 0.0
+        elif part.sought:
+            load = contact.share * normal
+        elif contact.rest:
+            contact.force[0], contact.force[1] = holding_force(contact, acceleration)
+        else:
+            contact.force[0] = contact.constant[0] + contact.unit[0] * normal
+            contact.force[1] = contact.constant[1] + contact.unit[1] * normal
+            contact.torque = contact.unit_torque * normal
+        force_h, force_k, slip = contact.force[0], contact.force[1], contact.slip
+        rolling = contact.arm[0] * force_h + contact.arm[1] * force_k + contact.torque * contact.axis[2]
+        dy[rate_place(parameters, mode.roller, w, side)] += rolling / wheel.axial_inertia
+        spin += contact.spin[0] * force_h + contact.spin[1] * force_k
+        spin -= contact.axis[1] * contact.axis[2] * contact.torque
+        loss -= force_h * slip[0] + force_k * slip[1] + contact.torque * contact.turn
+        watch.slip_square[side] = slip[0] * slip[0] + slip[1] * slip[1]
+        watch.factor[side] = contact.factor * (contact.share * part.loaded if machine.law == VISCOUS else load)
+        watch.margin[side] = 0.0
+        if contact.rest and not mode.shared:
+            size = math.sqrt(force_h * force_h + force_k * force_k)
+            watch.margin[side] = machine.friction * normal - size
+            if part.sought:  # slip along the direction in which it creeps
+                watch.margin[side] = -(force_h * slip[0] + force_k * slip[1]) / max(size, TINY)
+    dy[at.spin_rate + w] = 0.0 if mode.shared else spin / spin_inertia(wheel)
+    dy[at.friction_loss] += loss
+    watch.normal_force, watch.share, watch.share_margin = part.normal_force, 1.0, 0.0
+    if mode.shared:
+        watch.share, watch.share_margin = room.contacts[2 * w].share, part.share_margin
 
 
 @outlined
@@ -118,56 +174,35 @@ def air_rates(parameters, mode, w, state, y, dy):
 
 
 @kernel
-def contact_reaction(parameters, mode, w, side, state, motion, normal, share):
-    """What the floor does to a contact of wheel w that carries `share` of the normal force (N): a Reaction.
-
-    state: ContactState; motion: Motion of the wheel without contact forces.
-    """
-    machine, wheel = parameters.machine, parameters.wheels[w]
-    factor, torque = friction(machine, mode.saturated[side], normal, state.slip, state.turn)
-    factor, torque = share * factor, share * torque
-    force, margin = Slip(-factor * state.slip.h, -factor * state.slip.k), 0.0
-    if machine.law == COULOMB and mode.grip[side] != SLIP:
-        if mode.shared:
-            solved = parameters.room.contacts[2 * w + side].force
-            force = Slip(solved[0], solved[1])
-        else:
-            a = inverse_mass(machine, wheel, state.axis, state.contact)
-            b = slip_acceleration(wheel, state, motion)
-            force, margin = grip_force(mode.grip[side], a, b, machine.friction * normal, state.slip)
-    roller_torque = state.contact.arm_h * force.h + state.contact.arm_k * force.k + torque * state.axis.n
-    return Reaction(state, factor, force, torque, margin, roller_torque)
+def integral_rate(parameters, piece, t, w, mode, command, spin_rate):
+    """Rate of the integrated error of a drive, rad/s: its error, and back from what the limit cuts off its torque."""
+    wheel = parameters.wheels[w]
+    if wheel.drive_integral == 0.0:
+        return 0.0
+    error = drive_input(parameters, piece, t, w) - spin_rate
+    return error if mode.drive == 0 else error + (mode.drive * wheel.drive_limit - command) / wheel.drive_gain
 
 
 @kernel
-def contact_moments(wheel, reaction):
-    """What a contact does to J_k phi'' and to I_z theta'', N m."""
-    axis, force, roller_torque = reaction.state.axis, reaction.force, reaction.roller_torque
-    spin = -wheel.radius * force.h - roller_torque * axis.k
-    return spin, -reaction.state.contact.l * force.h - roller_torque * axis.n + reaction.torque
+def odometry_rates(parameters, y, dy):
+    """Velocity of the chassis origin as the ideal wheels tell it, in a world that their own yaw tells."""
+    at, yaw, x_rate, y_rate = places(parameters), parameters.machine.odometry_yaw, 0.0, 0.0
+    for w in range(len(parameters.wheels)):
+        twist = parameters.wheels[w].odometry
+        yaw += twist[2] * y[at.spin_angle + w]
+        x_rate += twist[0] * y[at.spin_rate + w]
+        y_rate += twist[1] * y[at.spin_rate + w]
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    dy[at.odometry], dy[at.odometry + 1] = x_rate * cos - y_rate * sin, x_rate * sin + y_rate * cos
 
 
 @kernel
-def friction_loss(reaction):
-    """-F . v - M_n w_n, W."""
-    state = reaction.state
-    return -reaction.force.h * state.slip.h - reaction.force.k * state.slip.k - reaction.torque * state.turn
-
-
-@kernel
-def observe_contact(watch, side, reaction):
-    """By-products of the right-hand side that events are decided on."""
-    slip = reaction.state.slip
-    watch.slip_square[side] = slip.h * slip.h + slip.k * slip.k
-    watch.factor[side], watch.margin[side] = reaction.factor, reaction.margin
-
-
-@kernel
-def rho_rates(parameters, heading, y, dy):
+def rho_rates(parameters, body, y, dy):
     """rho' of every roller: the implicit tracking integrates it for those in the air as well."""
     at = places(parameters)
     for w in range(len(parameters.wheels)):
         wheel = parameters.wheels[w]
+        heading = world_heading(wheel, body)
         angle = wheel.phase - y[at.spin_angle + w]
         cos_0, sin_0 = math.cos(angle), math.sin(angle)
         for i in range(wheel.rollers):

@@ -7,7 +7,10 @@ tells what changes there.
     TURN   the spin keeps its sense: direction phi' >= 0  direction reversed; so EXIT is monotone within every step
     EXIT   the roller's end ahead is not passed yet       the neighbour takes over: an exchange
     SHARE  each of two rollers alone would push back      one of them carries on alone
-    LOAD   N >= 0                                         the wheel leaves the floor: the march stops
+    LOAD   N >= 0, of a wheel in the air N <= 0           it leaves the floor or touches down
+    JAM    friction leaves the loads determined           the march stops
+    DRIVE  the drive is asked for less than its limit, or  it gives its limit, or less again
+           for more while it gives its limit
     KINK   |v| stays on its side of slip_speed            the other branch of the saturated law
     GRIP   a sticking force stays inside the cone         it creeps off
            a creeping slip keeps its sense                it comes to rest
@@ -21,24 +24,27 @@ import math
 
 import numpy as np
 
+from omnisim.body import LEAST_REGULAR
 from omnisim.contact.coulomb import CREEP, SLIP, STICK
 from omnisim.contact.reaction import COULOMB, SATURATED
 from omnisim.exchange import comes_to_rest_between, leave_edge, release_rollers, stand_on
 from omnisim.grip import CONE, CREEP_SPEED, come_to_rest, rest_speed, start_slip
 from omnisim.kernel import kernel, merged, outlined
+from omnisim.parameters import CONTACTS
 from omnisim.runge_kutta import refresh
 from omnisim.state import places
-from omnisim.status import LIFT_OFF
+from omnisim.status import JAMMED, LIFT_OFF, RUNNING, TIPPING
 from omnisim.trajectory import EVENT_KINDS
 from omnisim.wheel import roller_end
 
-TURN, EXIT, SHARE, LOAD, KINK, GRIP, YOUNG = range(7)
-OF_WHEEL, GUARDS = 4, 7  # the first are of the wheel, the others of each of its contacts
+TURN, EXIT, SHARE, LOAD, JAM, DRIVE, KINK, GRIP, YOUNG = range(9)
+OF_WHEEL, GUARDS = 6, 9  # the first are of the wheel, the others of each of its contacts
 ANGLE_ROUNDING = 4.0 * 2.0**-53
+DRIVE_PLAY = 1e-12  # of its limit
+MOST_CHANGES = 50  # of modes that follow one another at one instant
+ON_A_LINE = 1e-9  # of the extent of the wheels squared
 SLIP_ROUNDING = 0.1  # of the slip that no longer matters
-EXCHANGE, STUCK, SLIPS, LIFT, SHARED, PARTED, STOP = (
-    EVENT_KINDS.index(kind) for kind in ("exchange", "stick", "slip", "lift_off", "share_begin", "share_end", "stop")
-)
+EXCHANGE, STUCK, SLIPS, LIFT, LANDING, SHARED, PARTED, STOP = range(len(EVENT_KINDS))
 
 EVENT = np.dtype(
     [
@@ -65,7 +71,11 @@ def guard(parameters, mode, kind, w, side, y, watch):
     if kind == SHARE:
         return watch[w].share_margin + share_rounding(parameters, mode[w], w, y, watch[w]) if mode[w].shared else 0.0
     if kind == LOAD:
-        return watch[w].normal_force
+        return watch[w].normal_force if mode[w].loaded else -watch[w].normal_force
+    if kind == JAM:
+        return watch[w].regular - LEAST_REGULAR
+    if kind == DRIVE:
+        return drive_guard(wheel, mode[w], watch[w])
     if kind == KINK:
         if machine.law != SATURATED:
             return 0.0
@@ -78,6 +88,14 @@ def guard(parameters, mode, kind, w, side, y, watch):
         return watch[w].margin[side] + rounding
     young = mode[w].grip[side] == CREEP or mode[w].shared
     return CREEP_SPEED - math.sqrt(watch[w].slip_square[side]) if young else 0.0
+
+
+@kernel
+def drive_guard(wheel, mode, watch):
+    """How far a drive is inside its limit, or beyond it while it gives its limit, N m; a little play between both."""
+    if mode.drive == 0:
+        return wheel.drive_limit - abs(watch.command)
+    return mode.drive * watch.command - wheel.drive_limit * (1.0 - DRIVE_PLAY)
 
 
 @kernel
@@ -96,6 +114,8 @@ def all_hold(parameters, mode, w, y, watch):
     held = held and guard(parameters, mode, EXIT, w, 0, y, watch) >= 0.0
     held = held and guard(parameters, mode, SHARE, w, 0, y, watch) >= 0.0
     held = held and guard(parameters, mode, LOAD, w, 0, y, watch) >= 0.0
+    held = held and guard(parameters, mode, JAM, w, 0, y, watch) >= 0.0
+    held = held and guard(parameters, mode, DRIVE, w, 0, y, watch) >= 0.0
     if parameters.machine.law in (COULOMB, SATURATED):
         for side in range(1 + mode[w].shared):
             held = held and guard(parameters, mode, KINK, w, side, y, watch) >= 0.0
@@ -126,8 +146,12 @@ def transition(parameters, run, log, kind, w, side, time):
         left = leave_edge(parameters, run, w, time)
         record(clock, log, time, PARTED, w, left % rollers, mode.roller % rollers)
     elif kind == LOAD:
-        record(clock, log, time, LIFT, w, -1, -1)
-        clock.status, clock.wheel = LIFT_OFF, w
+        change_load(parameters, run, log, w, time)
+    elif kind == JAM:
+        clock.status, clock.wheel = JAMMED, heaviest(run)
+    elif kind == DRIVE:
+        mode.drive = 0 if mode.drive != 0 else (1 if run.watch[w].command > 0.0 else -1)
+        refresh(parameters, run, time)
     elif kind == KINK:
         mode.saturated[side] = 1 - mode.saturated[side]
         refresh(parameters, run, time)
@@ -141,6 +165,69 @@ def transition(parameters, run, log, kind, w, side, time):
         if mode.shared:
             record(clock, log, time, SLIPS, w, (mode.roller - side) % rollers, -1)
         start_slip(parameters, run, w, side, time)
+
+
+@outlined
+def change_load(parameters, run, log, w, time):
+    """A wheel leaves the floor or touches down; of fewer than three that the machine stands on it falls."""
+    mode, clock = run.mode[w], run.clock
+    record(clock, log, time, LIFT if mode.loaded else LANDING, w, -1, -1)
+    if parameters.machine.upright != CONTACTS:
+        clock.status, clock.wheel = LIFT_OFF, w
+        return
+    mode.loaded = 1 - mode.loaded
+    mode.grip[0] = mode.grip[1] = SLIP
+    if not carried(parameters, run):
+        mode.loaded = 1
+        clock.status, clock.wheel = TIPPING, w
+    refresh(parameters, run, time)
+
+
+@merged
+def carried(parameters, run):
+    """Whether the wheels on the floor do not all stand on one line: less than that carries no machine."""
+    count, x, y, xx, xy, yy = 0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for w in range(len(run.mode)):
+        if run.mode[w].loaded:
+            point = parameters.room.parts[w].point
+            count, x, y = count + 1, x + point[0], y + point[1]
+            xx, xy, yy = xx + point[0] * point[0], xy + point[0] * point[1], yy + point[1] * point[1]
+    if count < 3:
+        return False
+    xx, xy, yy = xx - x * x / count, xy - x * y / count, yy - y * y / count
+    return xx * yy - xy * xy > ON_A_LINE * (xx + yy) * (xx + yy)
+
+
+@kernel
+def heaviest(run):
+    """The wheel with the largest load."""
+    found = 0
+    for w in range(len(run.mode)):
+        if run.watch[w].normal_force > run.watch[found].normal_force:
+            found = w
+    return found
+
+
+@outlined
+def settle_others(parameters, run, log, time):
+    """Guards that the last change has left behind: modes follow until all agree.
+
+    Edges reached at the same instant, and what jumps with the forces: cones, loads, limits of drives.
+    """
+    for _ in range(MOST_CHANGES):
+        changed = -1
+        for kind in (EXIT, DRIVE, GRIP, LOAD):
+            for w in range(len(run.mode)):
+                sticks = run.mode[w].grip[0] == STICK and not run.mode[w].shared
+                if run.clock.status != RUNNING or (kind == GRIP and not sticks):
+                    continue
+                if guard(parameters, run.mode, kind, w, 0, run.y, run.watch) < 0.0:
+                    transition(parameters, run, log, kind, w, 0, time)
+                    changed = kind
+        if changed < 0 or run.clock.status != RUNNING:
+            return
+    if changed == LOAD:  # what else does not come to an end is found out by the step that tries to go on
+        run.clock.status, run.clock.wheel = JAMMED, heaviest(run)
 
 
 @merged

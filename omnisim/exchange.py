@@ -16,6 +16,19 @@ SWING = 1 / 200  # of a step: a swing about an edge and back that is shorter is 
 
 
 @outlined
+def stand_up(parameters, run):
+    """The mode of every wheel at t = 0 as far as its spin tells it; friction is not asked yet."""
+    at = places(parameters)
+    for w in range(len(run.mode)):
+        mode = run.mode[w]
+        ahead, behind = touching(parameters, w, run.y)
+        backwards = run.y[at.spin_rate + w] < 0.0
+        mode.direction, mode.loaded = -1 if backwards else 1, 1
+        take_rollers(parameters, run, w, behind if backwards else ahead, False)
+    refresh(parameters, run, 0.0)
+
+
+@outlined
 def settle(parameters, run, w):
     """The mode of wheel w at t = 0: on an edge the sense of spin tells the roller, and without spin its acceleration.
 
@@ -23,10 +36,8 @@ def settle(parameters, run, w):
     """
     at, mode = places(parameters), run.mode[w]
     ahead, behind = touching(parameters, w, run.y)
-    spin = run.y[at.spin_rate + w]
-    mode.direction = -1 if spin < 0.0 else 1
-    stand_on(parameters, run, w, behind if spin < 0.0 else ahead, False, 0.0)
-    if spin == 0.0 and run.slopes[0, at.spin_rate + w] < 0.0:
+    stand_on(parameters, run, w, mode.roller, False, 0.0)
+    if run.y[at.spin_rate + w] == 0.0 and run.slopes[0, at.spin_rate + w] < 0.0:
         mode.direction = -1
         stand_on(parameters, run, w, behind, False, 0.0)
         if ahead != behind and run.slopes[0, at.spin_rate + w] > 0.0:

@@ -13,15 +13,23 @@ starts in that limit direction, which the contact equation gives in closed form,
 
 import math
 
-from omnisim.contact.coulomb import CREEP, SLIP, STICK, TINY, slip_direction
-from omnisim.contact.kinematics import Motion, Slip, inverse_mass, largest, slip_acceleration
+from omnisim.body import add_held, eliminate, holding_force, plane, set_contact, set_held
+from omnisim.contact.coulomb import CREEP, SLIP, STICK, TINY
+from omnisim.contact.kinematics import (
+    Motion,
+    Slip,
+    inverse_mass,
+    largest,
+    slip_acceleration,
+    slip_jacobian,
+    spin_inertia,
+)
 from omnisim.contact.reaction import COULOMB
-from omnisim.contact.tracking import Heading
 from omnisim.kernel import kernel, outlined
 from omnisim.runge_kutta import refresh
-from omnisim.state import YAW, places, rate_place
+from omnisim.state import places, rate_place
 from omnisim.tableau import EXPLICIT, IMPLICIT
-from omnisim.wheel import all_rollers, contact_state, drive_torque, external_wrench, free_motion
+from omnisim.wheel import body_motion, centre_acceleration, contact_state, world_heading
 
 SLIP_FRACTION = 0.75  # of the time in which slip could stop, that one explicit sub-step may take at most
 FINE_FRACTION = 0.2  # the same for methods "auto" and "radau5", which are there for their accuracy
@@ -39,22 +47,14 @@ CONE = 1e-12  # of mu N, by which a sticking force may pass the cone in rounding
 
 
 @kernel
-def heading_of(run):
-    return Heading(math.cos(run.y[YAW]), math.sin(run.y[YAW]))
-
-
-@kernel
 def slip_rate(parameters, run, w, side):
     """v' (Slip, m/s^2) at a contact of wheel w as the motion goes, and the largest mobility there, 1/kg."""
-    wheel, at, slope, heading = parameters.wheels[w], places(parameters), run.slopes[0], heading_of(run)
-    state = contact_state(parameters, run.mode[w], w, side, heading, run.y)
-    motion = Motion(
-        slope[at.velocity] * heading.cos + slope[at.velocity + 1] * heading.sin,
-        slope[at.velocity + 1] * heading.cos - slope[at.velocity] * heading.sin,
-        slope[at.spin_rate + w],
-        slope[at.yaw_rate],
-        slope[rate_place(parameters, run.mode[w].roller, w, side)],
-    )
+    wheel, at, slope, body = parameters.wheels[w], places(parameters), run.slopes[0], body_motion(parameters, run.y)
+    state = contact_state(parameters, run.mode[w], w, side, body, run.y)
+    x, y, yaw = slope[at.velocity], slope[at.velocity + 1], slope[at.yaw_rate]
+    centre = centre_acceleration(wheel, body, x * body.cos + y * body.sin, y * body.cos - x * body.sin, yaw)
+    roller = slope[rate_place(parameters, run.mode[w].roller, w, side)]
+    motion = Motion(centre.h, centre.k, slope[at.spin_rate + w], yaw, roller)
     mobility = inverse_mass(parameters.machine, wheel, state.axis, state.contact)
     return slip_acceleration(wheel, state, motion), largest(mobility)
 
@@ -140,9 +140,10 @@ def rest_speed(parameters, mode, w, side, y):
     """Slip of a contact that no longer matters, m/s: it follows the speeds whose rounding the slip inherits."""
     wheel, at = parameters.wheels[w], places(parameters)
     spin = wheel.radius * abs(y[at.spin_rate + w])
+    yaw = (abs(wheel.offset[0]) + abs(wheel.offset[1])) * abs(y[at.yaw_rate])
     rate = y[rate_place(parameters, mode.roller, w, side)]
     roller = (wheel.radius - wheel.roller_distance) * abs(rate)
-    return REST * (1.0 + abs(y[at.velocity]) + abs(y[at.velocity + 1]) + spin + roller)
+    return REST * (1.0 + abs(y[at.velocity]) + abs(y[at.velocity + 1]) + spin + yaw + roller)
 
 
 @outlined
@@ -152,8 +153,11 @@ def come_to_rest(parameters, run, w, side, t):
     On two rollers, sticking is being at rest: there the force follows from Gauss' principle, cone included.
     """
     mode = run.mode[w]
-    change_slip(parameters, run, w, side, Slip(0.0, 0.0))
     mode.grip[side] = STICK
+    if mode.shared:
+        change_slip(parameters, run, w, side, Slip(0.0, 0.0))
+    else:
+        stop_slip(parameters, run)
     refresh(parameters, run, t)
     limit = parameters.machine.friction * run.watch[w].normal_force
     if not mode.shared and run.watch[w].margin[side] < -CONE * limit:
@@ -166,17 +170,12 @@ def come_to_rest(parameters, run, w, side, t):
 def start_slip(parameters, run, w, side, t):
     """Let a contact slip whose slip has grown; a creeping one in the direction of the contact equation."""
     mode = run.mode[w]
-    if mode.grip[side] == CREEP:
-        wheel, heading = parameters.wheels[w], heading_of(run)
-        state = contact_state(parameters, mode, w, side, heading, run.y)
-        rollers = all_rollers(parameters, mode, w, state.cos_q, state.sin_q, run.y)
-        wrench = external_wrench(parameters, run.clock.piece, t, heading)
-        torque = drive_torque(parameters, run.clock.piece, t, w)
-        b = slip_acceleration(wheel, state, free_motion(parameters, wheel, state, rollers, heading, wrench, torque))
-        a = inverse_mass(parameters.machine, wheel, state.axis, state.contact)
-        u = slip_direction(a, b, parameters.machine.friction * run.watch[w].normal_force)
+    if mode.grip[side] == CREEP and not mode.shared:
+        refresh(parameters, run, t)
+        force = parameters.room.contacts[2 * w].force  # against that direction
+        size = max(math.sqrt(force[0] * force[0] + force[1] * force[1]), TINY)
         speed = math.sqrt(run.watch[w].slip_square[side])
-        change_slip(parameters, run, w, side, Slip(speed * u.h, speed * u.k))
+        change_slip(parameters, run, w, side, Slip(-speed * force[0] / size, -speed * force[1] / size))
     mode.grip[side] = SLIP
     refresh(parameters, run, t)
 
@@ -184,27 +183,68 @@ def start_slip(parameters, run, w, side, t):
 @kernel
 def hold(parameters, run, t):
     """Take the drift of sticking contacts away: they hold the slip acceleration at zero, the slip to rounding."""
+    drifts = False
     for w in range(len(run.mode)):
-        sticks = run.mode[w].grip[0] == STICK and not run.mode[w].shared
-        if sticks and run.watch[w].slip_square[0] > 0.01 * rest_speed(parameters, run.mode[w], w, 0, run.y) ** 2:
-            change_slip(parameters, run, w, 0, Slip(0.0, 0.0))
-            refresh(parameters, run, t)
+        if run.mode[w].grip[0] == STICK and not run.mode[w].shared:
+            rest = rest_speed(parameters, run.mode[w], w, 0, run.y)
+            drifts = drifts or run.watch[w].slip_square[0] > 0.01 * rest * rest
+    if drifts:
+        stop_slip(parameters, run)
+        refresh(parameters, run, t)
+
+
+@outlined
+def stop_slip(parameters, run):
+    """Change the speeds by the impulses at all sticking contacts that leave none of them any slip.
+
+    The equations of body.py for a sticking contact, with its slip in the place of its slip acceleration.
+    """
+    machine, room, y, at = parameters.machine, parameters.room, run.y, places(parameters)
+    body, balance = body_motion(parameters, run.y), room.balance
+    for i in range(3):
+        for j in range(7):
+            balance[i, j] = 0.0
+    balance[0, 0] = balance[1, 1] = machine.mass
+    balance[2, 2] = machine.yaw_inertia
+    for w in range(len(run.mode)):
+        if run.mode[w].grip[0] == STICK and not run.mode[w].shared:
+            wheel, contact = parameters.wheels[w], room.contacts[2 * w]
+            state = contact_state(parameters, run.mode[w], w, 0, body, y)
+            set_contact(machine, wheel, contact, state, 0)
+            set_held(machine, wheel, contact, state, state.slip)
+            add_held(balance, contact, 3)
+    eliminate(balance, 3, 7)
+    change = plane(balance)
+    for w in range(len(run.mode)):
+        if run.mode[w].grip[0] == STICK and not run.mode[w].shared:
+            wheel, contact = parameters.wheels[w], room.contacts[2 * w]
+            impulse_h, impulse_k = holding_force(contact, change)
+            spin = contact.spin[0] * impulse_h + contact.spin[1] * impulse_k
+            roller = contact.arm[0] * impulse_h + contact.arm[1] * impulse_k
+            y[at.spin_rate + w] += spin / spin_inertia(wheel)
+            y[rate_place(parameters, run.mode[w].roller, w, 0)] += roller / wheel.axial_inertia
+    y[at.velocity] += change.x * body.cos - change.y * body.sin
+    y[at.velocity + 1] += change.x * body.sin + change.y * body.cos
+    y[at.yaw_rate] += change.yaw
 
 
 @outlined
 def change_slip(parameters, run, w, side, slip):
     """Change the speeds by the one impulse at a contact of wheel w that gives it the slip velocity `slip`."""
     machine, wheel, mode, at, y = parameters.machine, parameters.wheels[w], run.mode[w], places(parameters), run.y
-    heading = heading_of(run)
-    state = contact_state(parameters, mode, w, side, heading, y)
+    body = body_motion(parameters, y)
+    state = contact_state(parameters, mode, w, side, body, y)
     hh, hk, kk = inverse_mass(machine, wheel, state.axis, state.contact, mode.shared)
     change_h, change_k = slip.h - state.slip.h, slip.k - state.slip.k
     determinant = hh * kk - hk * hk
     impulse_h, impulse_k = (kk * change_h - hk * change_k) / determinant, (hh * change_k - hk * change_h) / determinant
-    roller = state.contact.arm_h * impulse_h + state.contact.arm_k * impulse_k
+    j = slip_jacobian(wheel, state.axis, state.contact)
+    heading = world_heading(wheel, body)
     y[at.velocity] += (impulse_h * heading.cos - impulse_k * heading.sin) / machine.mass
     y[at.velocity + 1] += (impulse_h * heading.sin + impulse_k * heading.cos) / machine.mass
     if not mode.shared:
-        y[at.spin_rate + w] -= (wheel.radius * impulse_h + roller * state.axis.k) / wheel.axle_inertia
-    y[at.yaw_rate] -= (state.contact.l * impulse_h + roller * state.axis.n) / machine.yaw_inertia
-    y[rate_place(parameters, mode.roller, w, side)] += roller / wheel.axial_inertia
+        y[at.spin_rate + w] += (j.spin_h * impulse_h + j.spin_k * impulse_k) / spin_inertia(wheel)
+    y[at.yaw_rate] += (j.yaw_h * impulse_h + j.yaw_k * impulse_k) / machine.yaw_inertia
+    y[rate_place(parameters, mode.roller, w, side)] += (
+        j.roller_h * impulse_h + j.roller_k * impulse_k
+    ) / wheel.axial_inertia

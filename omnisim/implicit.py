@@ -11,9 +11,8 @@ J couples the states `Newton.active` alone, those that forces depend on; the oth
 
 import math
 
-from omnisim.dynamics import rhs
 from omnisim.kernel import kernel, merged, outlined
-from omnisim.runge_kutta import copy
+from omnisim.runge_kutta import copy, evaluate
 
 MOST_ITERATIONS = 25
 SETTLED = 4e-15  # change of the stages, relative to 1 + |y|, below which nothing is left to gain
@@ -58,12 +57,6 @@ def implicit_step(parameters, method, run, t, h):
     evaluate(parameters, mode, piece, t + h, run.trial, run.slopes[-1], run.watch_end)
     run.clock.rhs += 1
     return converged
-
-
-@outlined
-def evaluate(parameters, mode, piece, t, y, dy, watch):
-    """The right-hand side, compiled once for all its uses here."""
-    rhs(parameters, mode, piece, t, y, dy, watch)
 
 
 @merged

@@ -5,21 +5,28 @@ from typing import NamedTuple
 
 import numpy as np
 
+from omnisim.body import servo
+from omnisim.config import Config
 from omnisim.contact.kinematics import joint_rate
-from omnisim.contact.tracking import IMPLICIT, Heading, roller_axis
-from omnisim.dynamics import contact_reaction, rhs
+from omnisim.contact.tracking import IMPLICIT, roller_axis
 from omnisim.kernel import kernel
-from omnisim.multipliers import servo_load, servo_torque
-from omnisim.parameters import Parameters
+from omnisim.parameters import SERVO, Parameters
+from omnisim.runge_kutta import evaluate
 from omnisim.state import WATCH, YAW, Rows, X, Y, places, places_in
 from omnisim.vector import Vec3, combine, cross
-from omnisim.wheel import all_rollers, azimuth, contact_state, drive_torque, external_wrench, free_motion, rho_of
+from omnisim.wheel import (
+    azimuth,
+    body_motion,
+    centre_acceleration,
+    centre_velocity,
+    rho_of,
+    world_heading,
+)
 
 CONTACT = np.dtype(
     [
         ("normal_force", np.float64),  # N
         ("drive_torque", np.float64),  # N m
-        ("servo_torque", np.float64),  # N m
         ("share", np.float64),  # of the roller ahead while two carry the load, 1
         ("contact_torque", np.float64),  # on the roller about the normal, N m
         ("angle", np.float64),  # q of the roller in contact, rad
@@ -33,11 +40,12 @@ CONTACT = np.dtype(
 class Observed(NamedTuple):
     """What `observe` finds in T rows of W wheels of at most N rollers.
 
-    slopes (T, n): y'; contacts (T, W): records CONTACT; joint_rate (T, W, N), rad/s; motion (3, T, W, N, 3): position,
-    velocity and acceleration of every roller centre, world axes, SI.
+    slopes (T, n): y'; servo (T, 2): torque about chassis x and y, N m; contacts (T, W): records CONTACT; joint_rate
+    (T, W, N), rad/s; motion (3, T, W, N, 3): position, velocity and acceleration of every roller centre, world axes.
     """
 
     slopes: np.ndarray
+    servo: np.ndarray
     contacts: np.recarray
     joint_rate: np.ndarray
     motion: np.ndarray
@@ -46,33 +54,24 @@ class Observed(NamedTuple):
 @kernel
 def observe(parameters, rows, times, watch, observed):
     """Evaluate every row."""
-    at = places(parameters)
+    at, room = places(parameters), parameters.room
     for row in range(len(times)):
-        t, piece, y, mode = times[row], rows.piece[row], rows.y[row], rows.mode[row]
-        rhs(parameters, mode, piece, t, y, observed.slopes[row], watch)
-        heading = Heading(math.cos(y[YAW]), math.sin(y[YAW]))
-        wrench = external_wrench(parameters, piece, t, heading)
+        y, mode, slopes = rows.y[row], rows.mode[row], observed.slopes[row]
+        evaluate(parameters, mode, rows.piece[row], times[row], y, slopes, watch)
+        body = body_motion(parameters, y)
+        observed.servo[row, 0], observed.servo[row, 1] = servo(parameters.machine, room, slopes[at.yaw_rate])
         for w in range(len(parameters.wheels)):
-            wheel, contact, normal = parameters.wheels[w], observed.contacts[row, w], max(watch[w].normal_force, 0.0)
-            torque, share = drive_torque(parameters, piece, t, w), watch[w].share
-            state = contact_state(parameters, mode[w], w, 0, heading, y)
-            rollers = all_rollers(parameters, mode[w], w, state.cos_q, state.sin_q, y)
-            motion = free_motion(parameters, wheel, state, rollers, heading, wrench, torque)
-            reaction = contact_reaction(parameters, mode[w], w, 0, state, motion, normal, share)
-            servo = servo_torque(wheel, rollers, y[at.spin_rate + w], y[at.yaw_rate])
-            contact.servo_torque = servo + servo_load(wheel, reaction, share * normal)
-            if mode[w].shared:
-                other = contact_state(parameters, mode[w], w, 1, heading, y)
-                second = contact_reaction(parameters, mode[w], w, 1, other, motion, normal, 1.0 - share)
-                contact.servo_torque += servo_load(wheel, second, (1.0 - share) * normal)
-            contact.normal_force, contact.drive_torque, contact.share = normal, torque, share
-            contact.contact_torque = reaction.torque
-            contact.angle = contact_angle(parameters, mode[w], w, heading, y)
-            contact.point[0] = y[X] - state.contact.l * heading.sin
-            contact.point[1] = y[Y] + state.contact.l * heading.cos
-            contact.slip_velocity[0], contact.slip_velocity[1] = state.slip.h, state.slip.k
-            contact.friction_force[0], contact.friction_force[1] = reaction.force.h, reaction.force.k
-            observe_rollers(parameters, rows, row, w, heading, observed)
+            wheel, seen, part = parameters.wheels[w], observed.contacts[row, w], room.parts[w]
+            contact, heading = room.contacts[2 * w], world_heading(wheel, body)
+            seen.normal_force = max(part.normal_force, 0.0) if part.loaded else 0.0
+            seen.drive_torque, seen.share, seen.contact_torque = part.drive_torque, contact.share, contact.torque
+            seen.angle = contact_angle(parameters, mode[w], w, heading, y)
+            along, across = wheel.offset[0], wheel.offset[1] + contact.l
+            seen.point[0] = y[X] + along * heading.cos - across * heading.sin
+            seen.point[1] = y[Y] + along * heading.sin + across * heading.cos
+            for i in range(2):
+                seen.slip_velocity[i], seen.friction_force[i] = contact.slip[i], contact.force[i]
+            observe_rollers(parameters, rows, row, w, body, observed)
 
 
 @kernel
@@ -86,18 +85,21 @@ def contact_angle(parameters, mode, w, heading, y):
 
 
 @kernel
-def observe_rollers(parameters, rows, row, w, heading, observed):
+def observe_rollers(parameters, rows, row, w, body, observed):
     """Joint rates of the rollers of wheel w, and the rigid motion of their centres O + R1 d with the wheel."""
     wheel, y, dy, at = parameters.wheels[w], rows.y[row], observed.slopes[row], places(parameters)
-    spin_rate, yaw_rate = y[at.spin_rate + w], y[at.yaw_rate]
+    heading, spin_rate, yaw_rate = world_heading(wheel, body), y[at.spin_rate + w], y[at.yaw_rate]
     spin_acceleration, turning = dy[at.spin_rate + w], spin_rate * yaw_rate
     h, k = Vec3(heading.cos, heading.sin, 0.0), Vec3(-heading.sin, heading.cos, 0.0)
     up = Vec3(0.0, 0.0, 1.0)
     rate = combine(spin_rate, k, yaw_rate, up, 0.0, up)
     rate_rate = combine(spin_acceleration, k, dy[at.yaw_rate], up, -turning, h)  # k' = -theta' h
-    centre = Vec3(y[X], y[Y], wheel.radius)
-    velocity = Vec3(y[at.velocity], y[at.velocity + 1], 0.0)
-    acceleration = Vec3(dy[at.velocity], dy[at.velocity + 1], 0.0)
+    slow, x, y_rate = centre_velocity(wheel, body), dy[at.velocity], dy[at.velocity + 1]
+    fast = centre_acceleration(
+        wheel, body, x * body.cos + y_rate * body.sin, y_rate * body.cos - x * body.sin, dy[at.yaw_rate]
+    )
+    centre = combine(wheel.offset[0], h, wheel.offset[1], k, 1.0, Vec3(y[X], y[Y], wheel.radius))
+    velocity, acceleration = combine(slow.h, h, slow.k, k, 0.0, up), combine(fast.h, h, fast.k, k, 0.0, up)
     for i in range(wheel.rollers):
         q = azimuth(wheel, i, y[at.spin_angle + w])
         axis = roller_axis(wheel, math.cos(q), math.sin(q))
@@ -120,35 +122,67 @@ def store(target, vector):
 
 
 @np.errstate(over="ignore", invalid="ignore")  # the caller drops rows that are not finite
-def datasets(parameters: Parameters, rows: Rows, interval: float, names: list[str]) -> dict[str, np.ndarray]:
+def datasets(parameters: Parameters, rows: Rows, interval: float, config: Config) -> dict[str, np.ndarray]:
     """All datasets of T rows, `interval` seconds apart, but the events: by path in the trajectory file."""
     times, (count, wheels, rollers) = np.arange(len(rows.y)) * interval, rows.rates.shape
     watch = np.zeros(wheels, WATCH).view(np.recarray)
     observed = Observed(
         slopes=np.empty_like(rows.y),
+        servo=np.empty((count, 2)),
         contacts=np.zeros((count, wheels), CONTACT).view(np.recarray),
         joint_rate=np.empty((count, wheels, rollers)),
         motion=np.empty((3, count, wheels, rollers, 3)),
     )
     observe(parameters, rows, times, watch, observed)
-    data = {"time": times} | body(parameters, rows.y, observed.slopes) | energy(parameters, rows)
-    for w, name in enumerate(names):
-        group = wheel(parameters, w, rows, observed)
-        data |= {f"wheels/{name}/{path}": values for path, values in group.items()}
+    data = {"time": times} | body(parameters, rows.y, observed.slopes, config.chassis is None)
+    data |= energy(parameters, rows)
+    if parameters.machine.odometry:
+        data |= odometry(parameters, rows.y, data["body/position"])
+    if config.chassis is not None and parameters.machine.upright == SERVO:
+        data["body/servo_torque"] = observed.servo
+    for w, wheel in enumerate(config.wheels):
+        group = wheel_datasets(parameters, w, rows, observed)
+        if config.chassis is None:
+            group["servo_torque"] = observed.servo[:, 0]
+        data |= {f"wheels/{wheel.name}/{path}": values for path, values in group.items()}
     return data
 
 
-def body(parameters: Parameters, y: np.ndarray, slopes: np.ndarray) -> dict[str, np.ndarray]:
-    """Motion of the wheel centre, at the constant height R."""
-    at = places_in(parameters)
-    height, flat = np.full(len(y), parameters.wheels[0].radius), np.zeros(len(y))
+def body(parameters: Parameters, y: np.ndarray, slopes: np.ndarray, bare: bool) -> dict[str, np.ndarray]:
+    """Motion of the centre of a bare wheel at the constant height R, or of the chassis origin on the floor."""
+    at, (ahead, left) = places_in(parameters), parameters.machine.centre
+    height, flat = np.full(len(y), parameters.wheels[0].radius if bare else 0.0), np.zeros(len(y))
+    cos, sin = np.cos(y[:, YAW]), np.sin(y[:, YAW])
+    x_arm, y_arm = ahead * cos - left * sin, ahead * sin + left * cos  # C from the origin
+    rate, bend = y[:, at.yaw_rate], slopes[:, at.yaw_rate]
     return {
-        "body/position": np.column_stack([y[:, X], y[:, Y], height]),
-        "body/velocity": np.column_stack([y[:, at.velocity], y[:, at.velocity + 1], flat]),
-        "body/acceleration": np.column_stack([slopes[:, at.velocity], slopes[:, at.velocity + 1], flat]),
+        "body/position": np.column_stack([y[:, X] - x_arm, y[:, Y] - y_arm, height]),
+        "body/velocity": np.column_stack(
+            [y[:, at.velocity] + rate * y_arm, y[:, at.velocity + 1] - rate * x_arm, flat]
+        ),
+        "body/acceleration": np.column_stack(
+            [
+                slopes[:, at.velocity] + bend * y_arm + rate**2 * x_arm,
+                slopes[:, at.velocity + 1] - bend * x_arm + rate**2 * y_arm,
+                flat,
+            ]
+        ),
         "body/yaw": y[:, YAW],
-        "body/yaw_rate": y[:, at.yaw_rate],
-        "body/yaw_acceleration": slopes[:, at.yaw_rate],
+        "body/yaw_rate": rate,
+        "body/yaw_acceleration": bend,
+    }
+
+
+def odometry(parameters: Parameters, y: np.ndarray, position: np.ndarray) -> dict[str, np.ndarray]:
+    """The pose that the ideal wheels report, and its error."""
+    at, columns = places_in(parameters), parameters.wheels.odometry
+    spin_angles = y[:, at.spin_angle : at.spin_angle + len(columns)]
+    reported, yaw = y[:, at.odometry : at.odometry + 2], parameters.machine.odometry_yaw + spin_angles @ columns[:, 2]
+    return {
+        "odometry/position": reported,
+        "odometry/yaw": yaw,
+        "odometry/position_error": reported - position[:, :2],
+        "odometry/yaw_error": yaw - y[:, YAW],
     }
 
 
@@ -158,7 +192,7 @@ def energy(parameters: Parameters, rows: Rows) -> dict[str, np.ndarray]:
     doubled = machine.mass * (y[:, at.velocity] ** 2 + y[:, at.velocity + 1] ** 2)
     doubled += machine.yaw_inertia * y[:, at.yaw_rate] ** 2
     for w, wheel in enumerate(parameters.wheels):
-        doubled += wheel.axle_inertia * y[:, at.spin_rate + w] ** 2
+        doubled += (wheel.axle_inertia + wheel.rotor_inertia) * y[:, at.spin_rate + w] ** 2
         doubled += wheel.axial_inertia * np.sum(rows.rates[:, w, : wheel.rollers] ** 2, axis=1)
     kinetic = 0.5 * doubled
     loss, drive, wrench = y[:, at.friction_loss], y[:, at.drive_work], y[:, at.wrench_work]
@@ -173,7 +207,7 @@ def energy(parameters: Parameters, rows: Rows) -> dict[str, np.ndarray]:
     }
 
 
-def wheel(parameters: Parameters, w: int, rows: Rows, observed: Observed) -> dict[str, np.ndarray]:
+def wheel_datasets(parameters: Parameters, w: int, rows: Rows, observed: Observed) -> dict[str, np.ndarray]:
     """Datasets of one wheel, by path below its group."""
     count, at, contacts = parameters.wheels[w].rollers, places_in(parameters), observed.contacts[:, w]
     position, velocity, acceleration = observed.motion[:, :, w, :count]
@@ -182,6 +216,7 @@ def wheel(parameters: Parameters, w: int, rows: Rows, observed: Observed) -> dic
         "spin_rate": rows.y[:, at.spin_rate + w],
         "spin_acceleration": observed.slopes[:, at.spin_rate + w],
         "drive_torque": contacts.drive_torque,
+        "drive_power": contacts.drive_torque * rows.y[:, at.spin_rate + w],
         "normal_force": contacts.normal_force,
         "contact_angle": contacts.angle,
         "contact_roller": rows.mode[:, w].roller % count,
@@ -190,7 +225,6 @@ def wheel(parameters: Parameters, w: int, rows: Rows, observed: Observed) -> dic
         "friction_force": contacts.friction_force,
         "contact_share": contacts.share,
         "contact_torque": contacts.contact_torque,
-        "servo_torque": contacts.servo_torque,
         "rollers/axial_rate": rows.rates[:, w, :count],
         "rollers/joint_rate": observed.joint_rate[:, w, :count],
         "rollers/center_position": position,

@@ -9,12 +9,19 @@ import numpy as np
 from omnisim.config import Config, Friction, Roller, Wheel, WheelType
 from omnisim.contact.reaction import LAWS
 from omnisim.contact.tracking import TRACKINGS
+from omnisim.drives import drive_law, drive_table
+from omnisim.ideal import invertible, pseudo_inverse, rms_distance, wheel_rows
 
 MACHINE = np.dtype(
     [
         ("gravity", np.float64),  # m/s^2
         ("mass", np.float64),  # M: everything, kg
         ("yaw_inertia", np.float64),  # I_z, kg m^2
+        ("height", np.float64),  # z_C: of the common centre of mass C, m
+        ("moment", np.float64, (2,)),  # S = sum m z e, chassis axes, kg m^2
+        ("centre", np.float64, (2,)),  # C from the chassis origin, chassis axes, m
+        ("lever", np.float64, (3,)),  # r: from C to where the wrench acts, chassis axes, m
+        ("upright", np.int64),  # SERVO or CONTACTS: what carries roll and pitch
         ("law", np.int64),  # reaction.LAWS
         ("friction", np.float64),  # mu, 1
         ("slip_speed", np.float64),  # m/s
@@ -25,12 +32,18 @@ MACHINE = np.dtype(
         ("bearings", np.int64),  # 1: bearing friction, so that every roller is in the state
         ("bearing_relaxation", np.float64),  # fastest rate at which bearing friction stops a roller, 1/s
         ("slots", np.int64),  # of roller rates in the state, for each wheel
+        ("integrals", np.int64),  # 1: drives integrate the error of their rate, a state for each wheel
+        ("odometry", np.int64),  # 1: the ideal kinematics of the wheels tell a pose
+        ("odometry_yaw", np.float64),  # of that pose at spin angles 0, rad
         ("body_frame", np.int64),  # 1: the wrench turns with the yaw
         ("slip_mobility", np.float64),  # upper bound of the contact's inverse mass, 1/kg
     ]
 )
 WHEEL = np.dtype(
     [
+        ("cos_heading", np.float64),  # of h from chassis x
+        ("sin_heading", np.float64),
+        ("offset", np.float64, (2,)),  # e: of the wheel centre from C, along h and k, m
         ("radius", np.float64),  # R, m
         ("roller_distance", np.float64),  # R1, m
         ("rollers", np.int64),  # N_r
@@ -42,37 +55,87 @@ WHEEL = np.dtype(
         ("tan_psi", np.float64),
         ("phase", np.float64),  # azimuth of roller 0 at spin angle 0, rad
         ("axle_inertia", np.float64),  # J_k, kg m^2
+        ("rotor_inertia", np.float64),  # of the motor, reflected to the axle, kg m^2
         ("axial_inertia", np.float64),  # Ia of one roller, kg m^2
         ("bearing_viscosity", np.float64),  # N m s
         ("bearing_torque", np.float64),  # N m
         ("bearing_rate", np.float64),  # over which the torque changes its sign, rad/s
+        ("drive_gain", np.float64),  # torque by the input of the drive
+        ("drive_damping", np.float64),  # by the spin rate, N m s
+        ("drive_integral", np.float64),  # by the integrated error of the spin rate, N m
+        ("drive_limit", np.float64),  # of what these three command, N m
+        ("drive_friction", np.float64),  # N m
+        ("drive_friction_rate", np.float64),  # over which that changes its sign, rad/s
+        ("odometry", np.float64, (3,)),  # chassis twist by the spin rate: m, m, 1
     ]
 )
-FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE, DRIVE = range(5)  # channels of the inputs; DRIVE + w is the torque of wheel w
+FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE, DRIVE = range(5)  # channels of the inputs; DRIVE + w is the drive of wheel w
 SHORTEST = 1e-14  # relative: pieces of tables that are no longer than rounding are left out
+SERVO, CONTACTS = 0, 1
+UPRIGHT = {"servo": SERVO, "contacts": CONTACTS}
 
-
+# What the right-hand side finds at a contact (two of each wheel) and at a wheel.
 CONTACT = np.dtype(
     [
-        ("rest", np.int64),  # at zero slip: its force is sought
-        ("limit", np.float64),  # mu N, N
-        ("bias", np.float64, (2,)),  # slip acceleration along h and k without any contact's force, m/s^2
+        ("rest", np.int64),  # at zero slip
+        ("axis", np.float64, (3,)),  # of the roller, along h, k and n
+        ("l", np.float64),  # where it is along the axle, m
+        ("slip", np.float64, (2,)),  # along h and k, m/s
+        ("turn", np.float64),  # of the roller about the normal, rad/s
+        ("arm", np.float64, (2,)),  # slip by the roller's rate, and torque of the force on the roller, m
+        ("spin", np.float64, (2,)),  # the same of the spin, m
+        ("lever", np.float64, (5, 2)),  # of the force in the rows of body.py
+        ("twist", np.float64, (5,)),  # of the contact torque there
+        ("mass", np.float64, (3,)),  # E (hh, hk, kk), kg: F = -E v' keeps the slip, as far as spin and roller can
+        ("bias", np.float64, (2,)),  # slip acceleration without its force and the body's acceleration, m/s^2
+        ("factor", np.float64),  # g of the friction law F = -g v, by the normal force; of viscous friction N s/m
+        ("unit", np.float64, (2,)),  # friction of its slip by the normal force, 1
+        ("unit_torque", np.float64),  # contact torque by the normal force, m
+        ("constant", np.float64, (2,)),  # friction that does not depend on the normal force, N
+        ("force", np.float64, (2,)),  # of the floor on the roller, N
+        ("torque", np.float64),  # about the normal, N m
+        ("share", np.float64),  # of the load of its wheel, 1
+    ]
+)
+PART = np.dtype(
+    [
+        ("loaded", np.int64),  # 1: the floor carries the wheel
+        ("contacts", np.int64),  # 1, or 2 while it rests on two rollers
+        ("sought", np.int64),  # 1: its forces are sought by iteration, see coupled.py
+        ("point", np.float64, (2,)),  # where it does, from C along chassis axes, m
+        ("drive_torque", np.float64),  # tau on the disk about k, N m
+        ("free_spin", np.float64),  # J phi'' without the contacts, N m
+        ("moment", np.float64, (5,)),  # of the wheel on the body without its contacts, in the rows of body.py
+        ("normal_force", np.float64),  # N, N; below 0 of a wheel that the floor does not carry
+        ("last_force", np.float64),  # N of the iteration before, N
+        ("share_margin", np.float64),  # torque with which both contacts alone would push back to the edge, N m
+    ]
+)
+
+
+RESTING = np.dtype(
+    [
+        ("rest", np.int64),  # its force is sought
+        ("limit", np.float64),  # of the force, N
+        ("bias", np.float64, (2,)),  # slip acceleration without the force of any of them, m/s^2
         ("force", np.float64, (2,)),  # N
-        ("full", np.float64, (2,)),  # friction under the whole load of the wheel while it slips, N
-        ("torque", np.float64),  # contact torque under the whole load, N m
-        ("lever", np.float64, (2,)),  # of the force, m, and
-        ("lean", np.float64),  # of the contact torque, on the spin, 1
     ]
 )
 
 
 class Room(NamedTuple):
-    """Room for the solve of C coupled contacts, two for each wheel; not constant, but without memory either.
+    """Room for the forces of an instant, W wheels; not constant, but without memory either.
 
-    contacts: (C,) records CONTACT. mobility (C, C, 2, 2), 1/kg: slip acceleration of one by the force of another.
+    contacts: (2 W,) records CONTACT, two for each wheel. parts: (W,) records PART. external (5,): wrench in the rows
+    of body.py. balance (6, 7): the equations there. resting (2,): records RESTING of the contacts of one wheel, coupled
+    by mobility (2, 2, 2, 2), 1/kg: slip acceleration of one by the force of another.
     """
 
     contacts: np.recarray
+    parts: np.recarray
+    external: np.ndarray
+    balance: np.ndarray
+    resting: np.recarray
     mobility: np.ndarray
 
 
@@ -80,8 +143,8 @@ class Parameters(NamedTuple):
     """Constants of a run, W wheels of at most N rollers, S pieces between knots of the tables.
 
     machine: record MACHINE. wheels: (W,) records WHEEL. sector: (W, N, 2) cosine and sine of 2 pi i / N_r.
-    starts: (S,) where the pieces begin, s. inputs: (S, 4 + W, 2) value at the start
-    of the piece and slope of every channel. room: Room.
+    starts: (S,) where the pieces begin, s. inputs: (S, 4 + W, 2) value at the start of the piece and slope of every
+    channel. room: Room.
     """
 
     machine: np.record
@@ -95,13 +158,16 @@ class Parameters(NamedTuple):
 def pack(config: Config) -> Parameters:
     """Parameters of a validated scene."""
     types = [config.type_of(wheel) for wheel in config.wheels]
-    wheels = [wheel_values(kind, wheel) for kind, wheel in zip(types, config.wheels, strict=True)]
     machine = machine_values(config, types)
+    wheels = [wheel_values(*pair, machine["centre"]) for pair in zip(types, config.wheels, strict=True)]
+    if machine["odometry"]:
+        columns = pseudo_inverse(wheel_rows(config)).T
+        starts = np.radians([wheel.spin_angle_deg for wheel in config.wheels])
+        wheels = [wheel | {"odometry": tuple(column)} for wheel, column in zip(wheels, columns, strict=True)]
+        machine["odometry_yaw"] = math.radians(config.initial.yaw_deg) - starts @ columns[:, 2]
     machine["slip_mobility"] = max(slip_mobility_bound(machine, wheel) for wheel in wheels)
     packed, starts_inputs = records(WHEEL, wheels), merge_tables(config)
-    return Parameters(
-        records(MACHINE, [machine])[0], packed, sectors(packed.rollers), *starts_inputs, room(2 * len(types))
-    )
+    return Parameters(records(MACHINE, [machine])[0], packed, sectors(packed.rollers), *starts_inputs, room(len(types)))
 
 
 def records(dtype: np.dtype, rows: list[dict]) -> np.recarray:
@@ -109,28 +175,64 @@ def records(dtype: np.dtype, rows: list[dict]) -> np.recarray:
     return np.array([tuple(row[name] for name in dtype.names) for row in rows], dtype).view(np.recarray)
 
 
-def room(contacts: int) -> Room:
-    return Room(np.zeros(contacts, CONTACT).view(np.recarray), np.zeros((contacts, contacts, 2, 2)))
+def room(wheels: int) -> Room:
+    contacts, parts, resting = np.zeros(2 * wheels, CONTACT), np.zeros(wheels, PART), np.zeros(2, RESTING)
+    contacts, parts = contacts.view(np.recarray), parts.view(np.recarray)
+    return Room(contacts, parts, np.zeros(5), np.zeros((6, 7)), resting.view(np.recarray), np.zeros((2, 2, 2, 2)))
+
+
+class Bodies(NamedTuple):
+    """What the bodies of a machine make up: M, the common centre of mass (x, y, z), I_z and S about it, SI."""
+
+    mass: float
+    centre: np.ndarray
+    yaw_inertia: float
+    moment: np.ndarray
+
+
+def bodies(config: Config) -> Bodies:
+    """The chassis, and each wheel with its rollers as one body at the wheel centre; chassis axes."""
+    types = [config.type_of(wheel) for wheel in config.wheels]
+    masses = [kind.disk.mass + kind.roller_count * kind.roller.mass for kind in types]
+    points = [(*wheel.position, kind.radius) for wheel, kind in zip(config.wheels, types, strict=True)]
+    inertias = [diameter_inertia(kind) for kind in types]
+    if config.chassis is not None:
+        masses.append(config.chassis.mass)
+        points.append(config.chassis.center_of_mass)
+        inertias.append(config.chassis.inertia[2])
+    mass, places = np.array(masses), np.array(points)
+    centre = mass @ places / mass.sum()
+    planar = places[:, :2] - centre[:2]
+    yaw_inertia = sum(inertias) + mass @ np.sum(planar**2, axis=1)
+    return Bodies(float(mass.sum()), centre, float(yaw_inertia), (mass * places[:, 2]) @ planar)
 
 
 def machine_values(config: Config, types: list[WheelType]) -> dict:
-    friction = config.friction
-    mass = sum(kind.disk.mass + kind.roller_count * kind.roller.mass for kind in types)
+    friction, whole = config.friction, bodies(config)
     bearings = any(kind.roller.has_bearing_friction for kind in types)
+    pushed = whole.centre if config.chassis is None else np.array(config.chassis.center_of_mass)
     return {
         "gravity": config.world.gravity,
-        "mass": mass,
-        "yaw_inertia": sum(diameter_inertia(kind) for kind in types),
+        "mass": whole.mass,
+        "yaw_inertia": whole.yaw_inertia,
+        "height": whole.centre[2],
+        "moment": whole.moment,
+        "centre": whole.centre[:2],
+        "lever": pushed - whole.centre,
+        "upright": UPRIGHT[config.upright],
         "law": LAWS[friction.law],
         "friction": friction.coefficient,
         "slip_speed": friction.slip_speed,
         "viscosity": friction.viscosity,
-        "slip_floor": slip_floor(friction, mass * config.world.gravity),
+        "slip_floor": slip_floor(friction, whole.mass * config.world.gravity),
         "tracking": TRACKINGS[config.solver.tracking],
         "patch_radius": friction.patch_radius if friction.contact_torque != "none" else 0.0,
         "bearings": bearings,
         "bearing_relaxation": max(bearing_relaxation(kind.roller) for kind in types),
         "slots": max(kind.roller_count for kind in types) if bearings else 2,
+        "integrals": any(drive_law(wheel.drive).integral > 0.0 for wheel in config.wheels),
+        "odometry": config.chassis is not None and invertible(wheel_rows(config), rms_distance(config)),
+        "odometry_yaw": 0.0,
         "body_frame": config.wrench.frame == "body",
     }
 
@@ -146,10 +248,17 @@ def bearing_relaxation(roller: Roller) -> float:
     return (roller.bearing_viscosity + roller.bearing_torque / roller.bearing_rate) / roller.inertia_axial
 
 
-def wheel_values(kind: WheelType, wheel: Wheel) -> dict:
+def wheel_values(kind: WheelType, wheel: Wheel, centre: np.ndarray) -> dict:
+    """Values of a WHEEL record; centre: of the machine's mass, chassis axes, m."""
+    law = drive_law(wheel.drive)
+    cos, sin = exact_cos_sin(wheel.heading_deg)
     psi = math.radians(-kind.roller_angle_deg if wheel.mirrored else kind.roller_angle_deg)
     alpha = math.pi / kind.roller_count
+    from_centre = np.array(wheel.position) - centre
     return {
+        "cos_heading": cos,
+        "sin_heading": sin,
+        "offset": (from_centre @ (cos, sin), from_centre @ (-sin, cos)),
         "radius": kind.radius,
         "roller_distance": kind.roller_distance,
         "rollers": kind.roller_count,
@@ -161,11 +270,28 @@ def wheel_values(kind: WheelType, wheel: Wheel) -> dict:
         "tan_psi": math.tan(psi),
         "phase": math.radians(wheel.phase_deg),
         "axle_inertia": axle_inertia(kind, math.sin(psi)),
+        "rotor_inertia": law.rotor_inertia,
         "axial_inertia": kind.roller.inertia_axial,
         "bearing_viscosity": kind.roller.bearing_viscosity,
         "bearing_torque": kind.roller.bearing_torque,
         "bearing_rate": kind.roller.bearing_rate,
+        "drive_gain": law.gain,
+        "drive_damping": law.damping,
+        "drive_integral": law.integral,
+        "drive_limit": law.limit,
+        "drive_friction": law.friction_torque,
+        "drive_friction_rate": law.friction_rate,
+        "odometry": (0.0, 0.0, 0.0),
     }
+
+
+def exact_cos_sin(degrees: float) -> tuple[float, float]:
+    """Cosine and sine, exact at multiples of 90 deg, so that symmetric machines are symmetric to the last bit."""
+    turns, rest = divmod(degrees, 90.0)
+    cos, sin = math.cos(math.radians(rest)), math.sin(math.radians(rest))
+    for _ in range(int(turns) % 4):
+        cos, sin = -sin, cos
+    return cos, sin
 
 
 def axle_inertia(kind: WheelType, sin_psi: float) -> float:
@@ -192,9 +318,15 @@ def slip_mobility_bound(machine: dict, wheel: dict) -> float:
     h_0, c, s = radius - distance, wheel["cos_psi"], abs(wheel["sin_psi"])
     l = distance * math.tan(wheel["alpha"]) * abs(wheel["tan_psi"])
     spin = (radius + s * s * h_0) ** 2 + (s * c * h_0) ** 2
-    yaw = (l + c * wheel["sin_alpha"] * s * h_0) ** 2 + (c * c * wheel["sin_alpha"] * h_0) ** 2
+    e_h, e_k = map(abs, wheel["offset"])
+    yaw = (e_k + l + c * wheel["sin_alpha"] * s * h_0) ** 2 + (e_h + c * c * wheel["sin_alpha"] * h_0) ** 2
     roller = h_0**2 / wheel["axial_inertia"]
-    return 2.0 / machine["mass"] + spin / wheel["axle_inertia"] + yaw / machine["yaw_inertia"] + roller
+    return (
+        2.0 / machine["mass"]
+        + spin / (wheel["axle_inertia"] + wheel["rotor_inertia"])
+        + yaw / machine["yaw_inertia"]
+        + roller
+    )
 
 
 def sectors(rollers: np.ndarray) -> np.ndarray:
@@ -212,7 +344,7 @@ def merge_tables(config: Config) -> tuple[np.ndarray, np.ndarray]:
     times, forces, yaw_torques = config.wrench.table
     tables = {FORCE_X + axis: (times, values) for axis, values in enumerate(zip(*forces, strict=True))}
     tables[YAW_TORQUE] = (times, yaw_torques)
-    tables |= {DRIVE + number: wheel.drive.table for number, wheel in enumerate(config.wheels)}
+    tables |= {DRIVE + number: drive_table(config, number) for number in range(len(config.wheels))}
     knots = sorted({time for times, _ in tables.values() for time in times if time > 0.0})
     edges = np.array([0.0, *knots, math.inf])
     lasting = np.diff(edges) > SHORTEST * (1.0 + edges[:-1])  # two knots that rounding cannot part are a jump

@@ -1,7 +1,7 @@
 """One explicit Runge-Kutta step with a frozen mode, the tableau as data."""
 
 from omnisim.dynamics import rhs
-from omnisim.kernel import kernel
+from omnisim.kernel import kernel, outlined
 
 
 @kernel
@@ -10,13 +10,16 @@ def explicit_step(parameters, method, run, t, h):
     a, b, c = method.a, method.b, method.c
     y, trial, stage, slopes = run.y, run.trial, run.stage, run.slopes
     stages = len(b)
-    for i in range(1, stages):
-        combine(y, h, a[i], i, slopes, stage)
-        rhs(parameters, run.mode, run.clock.piece, t + c[i] * h, stage, slopes[i], run.watch_end)
-    combine(run.carry, h, b, stages, slopes, run.increment)
-    for m in range(len(y)):
-        trial[m] = y[m] + run.increment[m]
-    rhs(parameters, run.mode, run.clock.piece, t + h, trial, slopes[stages], run.watch_end)
+    for i in range(1, stages + 1):
+        if i < stages:
+            point, time = stage, t + c[i] * h
+            combine(y, h, a[i], i, slopes, stage)
+        else:
+            point, time = trial, t + h
+            combine(run.carry, h, b, stages, slopes, run.increment)
+            for m in range(len(y)):
+                trial[m] = y[m] + run.increment[m]
+        rhs(parameters, run.mode, run.clock.piece, time, point, slopes[i], run.watch_end)
     run.clock.rhs += stages
 
 
@@ -48,10 +51,16 @@ def accept(run):
         run.watch[w] = run.watch_end[w]
 
 
+@outlined
+def evaluate(parameters, mode, piece, t, y, dy, watch):
+    """The right-hand side, compiled once for all its uses but the stages of explicit steps."""
+    rhs(parameters, mode, piece, t, y, dy, watch)
+
+
 @kernel
 def refresh(parameters, run, t):
     """Derivative at the state itself, after the mode has changed."""
-    rhs(parameters, run.mode, run.clock.piece, t, run.y, run.slopes[0], run.watch)
+    evaluate(parameters, run.mode, run.clock.piece, t, run.y, run.slopes[0], run.watch)
     run.clock.rhs += 1
 
 

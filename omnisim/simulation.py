@@ -63,7 +63,7 @@ def collect(
     """The Trajectory of a march that has ended."""
     config, clock, names = scene.config, run.clock, [wheel.name for wheel in scene.config.wheels]
     interval = config.time.output_interval
-    sampled = datasets(parameters, Rows(*(values[: clock.row] for values in rows)), interval, names)
+    sampled = datasets(parameters, Rows(*(values[: clock.row] for values in rows)), interval, config)
     stop_time, kept = clock.step * clock.dt + clock.elapsed, finite_rows(sampled)
     if kept < clock.row:  # a state that overflows only when it is squared, say
         clock.status, clock.wheel, stop_time = status.NOT_FINITE, -1, kept * interval

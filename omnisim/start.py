@@ -70,8 +70,13 @@ def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, n
     at = places_in(parameters)
     y = np.zeros(at.rho + 3 * wheels * rollers * implicit)
     rates = np.zeros((wheels, rollers))
-    y[[X, Y]], y[at.velocity : at.yaw_rate] = config.initial.position, config.initial.velocity
     y[YAW], y[at.yaw_rate] = math.radians(config.initial.yaw_deg), config.initial.yaw_rate
+    cos, sin, (x, y_centre) = math.cos(y[YAW]), math.sin(y[YAW]), parameters.machine.centre
+    to_centre = np.array([x * cos - y_centre * sin, x * sin + y_centre * cos])  # C from the chassis origin, world axes
+    y[[X, Y]] = config.initial.position + to_centre
+    y[at.velocity : at.yaw_rate] = config.initial.velocity + y[at.yaw_rate] * np.array([-to_centre[1], to_centre[0]])
+    if parameters.machine.odometry:
+        y[[at.odometry, at.odometry + 1]] = config.initial.position
     for w, wheel in enumerate(config.wheels):
         record = parameters.wheels[w]
         y[at.spin_angle + w], y[at.spin_rate + w] = math.radians(wheel.spin_angle_deg), wheel.spin_rate
@@ -80,7 +85,7 @@ def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, n
         rates[w, : record.rollers] = wheel.roller_rates + wheel.spin_rate * record.sin_psi + y[at.yaw_rate] * axis_n
         if implicit:
             rho = y[at.rho + 3 * rollers * w :][: 3 * record.rollers].reshape(-1, 3)
-            rho[:] = -roller_directions(q, y[YAW])
+            rho[:] = -roller_directions(q, y[YAW] + math.radians(wheel.heading_deg))
     return y, rates
 
 

@@ -1,8 +1,11 @@
 """The records of a march by lifetime: the state vector, the mode that is frozen within a step, the clock, the rows.
 
     y = [ positions: x y yaw, spin_angle of each wheel | their rates, in the same order |
-          roller rates of each wheel | friction_loss drive_work wrench_work, with bearing friction bearing_loss |
+          roller rates of each wheel | integrated rate error of each wheel's drive |
+          friction_loss drive_work wrench_work, with bearing friction bearing_loss | x y of the wheels' odometry |
           rho of every roller (implicit tracking) ]
+
+x, y: of the common centre of mass C. Drive integrals, bearing loss and odometry are there only if the scene has them.
 
 Roller rates are absolute axial rates p. A roller in the air keeps its own exactly, so only those of the rollers in
 contact are states: two slots for each wheel, the second in use while two rollers carry it; the others stand in
@@ -26,30 +29,37 @@ class Places(NamedTuple):
     yaw_rate: int
     spin_rate: int
     roller_rate: int  # wheel w's slots begin w * slots further
+    integral: int
     friction_loss: int
     drive_work: int
     wrench_work: int
     bearing_loss: int
+    odometry: int
     rho: int
 
 
 @kernel
 def places(parameters):
     """The Places of the state of a machine."""
-    return places_of(len(parameters.wheels), parameters.machine.slots, parameters.machine.bearings)
+    machine = parameters.machine
+    return places_of(len(parameters.wheels), machine.slots, machine.integrals, machine.bearings, machine.odometry)
 
 
 def places_in(parameters):
     """The same outside kernels, where handing over all parameters takes longer than the answer."""
-    return places_of(len(parameters.wheels), int(parameters.machine.slots), int(parameters.machine.bearings))
+    machine = parameters.machine
+    flags = (int(flag) for flag in (machine.slots, machine.integrals, machine.bearings, machine.odometry))
+    return places_of(len(parameters.wheels), *flags)
 
 
 @kernel
-def places_of(wheels, slots, bearings):
-    """Places for so many wheels with so many slots of roller rates each; `bearings`: 1 with bearing friction."""
-    rates, rollers, works = 3 + wheels, 6 + 2 * wheels, 6 + 2 * wheels + slots * wheels
-    rho = works + 3 + bearings
-    return Places(3, rates, rates + 2, rates + 3, rollers, works, works + 1, works + 2, works + 3, rho)
+def places_of(wheels, slots, integrals, bearings, odometry):
+    """Places for so many wheels with so many slots of roller rates each; the others: 1 if the scene has them."""
+    rates, rollers, integral = 3 + wheels, 6 + 2 * wheels, 6 + 2 * wheels + slots * wheels
+    works = integral + integrals * wheels
+    pose = works + 3 + bearings
+    rho = pose + 2 * odometry
+    return Places(3, rates, rates + 2, rates + 3, rollers, integral, works, works + 1, works + 2, works + 3, pose, rho)
 
 
 @kernel
@@ -66,6 +76,8 @@ MODE = np.dtype(
         ("roller", np.int64),  # of contact 0, counted on through every turn: its index is roller mod N_r
         ("direction", np.int64),  # +1 or -1: sense in which the spin angle runs throughout a step
         ("shared", np.int64),  # 1: the wheel rests on `roller` at q = +alpha and on the one behind it, contact 1
+        ("loaded", np.int64),  # 1: the floor carries the wheel
+        ("drive", np.int64),  # +1 or -1: the drive gives its largest torque in this sense; 0: what it is asked for
         ("saturated", np.int64, (2,)),  # branch of the saturated friction law at each contact
         ("grip", np.int64, (2,)),  # coulomb.SLIP, STICK or CREEP
         ("air_cos", np.float64),  # sums over the rollers in the air, D_i = gamma_i - gamma_contact:
@@ -75,7 +87,9 @@ MODE = np.dtype(
 )
 WATCH = np.dtype(
     [
-        ("normal_force", np.float64),  # of the whole wheel, N
+        ("normal_force", np.float64),  # of the whole wheel, N; below 0 of one that the floor does not carry
+        ("command", np.float64),  # torque that the drive would give without its limit, N m
+        ("regular", np.float64),  # determinant of the loads over that without friction, 1
         ("share", np.float64),  # of contact 0 in it, 1
         ("share_margin", np.float64),  # torque with which both contacts alone would push back to the edge, N m
         ("slip_square", np.float64, (2,)),  # |v|^2 at each contact, m^2/s^2

@@ -20,7 +20,9 @@ EVENTS_PER_STEP = 4096  # more than this in one step is no progress of time
     STIFF_BEARING,
     UNBALANCED,
     RESTLESS,
-) = range(16)
+    TIPPING,
+    JAMMED,
+) = range(18)
 
 SENTENCES = {
     COMPLETE: "complete",
@@ -64,6 +66,14 @@ SENTENCES = {
         "a million sub-steps of one step can follow; try method = 'radau5', or law = 'regularized'"
     ),
     NO_CONVERGENCE: ("no step from t = {time:.9g} s, however short, solves the equations of the implicit method"),
+    TIPPING: (
+        "the machine tips at t = {time:.9g} s: wheel '{wheel}' leaves the floor, and the wheels that remain on it "
+        "carry no roll and pitch; upright = 'servo' would hold it"
+    ),
+    JAMMED: (
+        "friction jams at t = {time:.9g} s (a Painleve state): no load on the wheels carries the machine, and that of "
+        "wheel '{wheel}' grows without bound; lower the centre of mass or the friction, or use upright = 'servo'"
+    ),
     LIFT_OFF: (
         "wheel '{wheel}' leaves the floor at t = {time:.9g} s: the vertical force lifts more than the weight; "
         "flight is not modelled, reduce wrench.force z"

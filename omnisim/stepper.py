@@ -8,8 +8,20 @@ import math
 
 from omnisim.checks import check, check_energy, too_fast, too_stiff
 from omnisim.contact.reaction import COULOMB
-from omnisim.events import EXIT, GUARDS, OF_WHEEL, SHARED, TURN, all_hold, guard, record, settle_slip, transition
-from omnisim.exchange import release_rollers, settle
+from omnisim.events import (
+    EXIT,
+    GUARDS,
+    OF_WHEEL,
+    SHARED,
+    TURN,
+    all_hold,
+    guard,
+    record,
+    settle_others,
+    settle_slip,
+    transition,
+)
+from omnisim.exchange import release_rollers, settle, stand_up
 from omnisim.grip import hold, outrun, rests, step_length
 from omnisim.implicit import implicit_step
 from omnisim.kernel import kernel, merged, outlined
@@ -48,10 +60,12 @@ def march(parameters, method, run, rows, log):
     """
     clock = run.clock
     if clock.row == 0 and clock.status == RUNNING:
+        stand_up(parameters, run)
         for w in range(len(run.mode)):
             if settle(parameters, run, w):
                 ahead, rollers = run.mode[w].roller, parameters.wheels[w].rollers
                 record(clock, log, 0.0, SHARED, w, ahead % rollers, (ahead - 1) % rollers)
+        settle_others(parameters, run, log, 0.0)
         check(parameters, run)
         stiffest = parameters.machine.bearing_relaxation
         if clock.status == RUNNING:
@@ -114,6 +128,7 @@ def grid_step(parameters, method, run, log):
             hold(parameters, run, start + clock.elapsed)
         if kind >= 0:
             transition(parameters, run, log, kind, w, side, start + clock.elapsed)
+            settle_others(parameters, run, log, start + clock.elapsed)
             turns += kind == TURN
             others += kind not in (TURN, EXIT)
         elif h < whole:
@@ -121,6 +136,7 @@ def grid_step(parameters, method, run, log):
         elif knot:
             clock.piece += 1
             refresh(parameters, run, start + clock.elapsed)
+            settle_others(parameters, run, log, start + clock.elapsed)
         else:
             return
         if turns > TURNS_PER_STEP:
@@ -206,7 +222,7 @@ def locate(parameters, method, run, t, h, kind, w, side, value):
     while g_low <= 0.0:
         s = 0.5 * high
         if s < GRID_ROUNDING * run.clock.dt:
-            advance(parameters, method, run, t, 0.0)
+            advance_again(parameters, method, run, t, 0.0)
             return 0.0
         g = trial_guard(parameters, method, run, t, s, kind, w, side)
         if g > 0.0:
@@ -246,8 +262,14 @@ def advance(parameters, method, run, t, h):
         explicit_step(parameters, method, run, t, h)
 
 
-@merged
+@outlined
+def advance_again(parameters, method, run, t, h):
+    """The same, compiled once for all uses but the first trial of a step."""
+    advance(parameters, method, run, t, h)
+
+
+@kernel
 def trial_guard(parameters, method, run, t, s, kind, w, side):
     """Value of a guard after a step of length s."""
-    advance(parameters, method, run, t, s)
+    advance_again(parameters, method, run, t, s)
     return guard(parameters, run.mode, kind, w, side, run.trial, run.watch_end)

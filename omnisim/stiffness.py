@@ -2,11 +2,13 @@
 
 import math
 
+import numpy as np
+
 from omnisim.checks import roller_mobility
 from omnisim.config import Config
 from omnisim.contact.kinematics import Slip
 from omnisim.contact.reaction import friction_factor
-from omnisim.parameters import Parameters
+from omnisim.parameters import CONTACTS, Parameters
 from omnisim.status import SAFE_STEP
 from omnisim.tableau import AUTO, EXPLICIT, METHODS
 
@@ -16,12 +18,21 @@ SAFE = 0.5  # of the stability limit of the explicit tableau, up to which "auto"
 def relaxation_rate(config: Config, parameters: Parameters) -> float:
     """Largest rate at which friction relaxes slip anywhere in the scene, 1/s; infinite for coulomb."""
     machine = parameters.machine
-    lift = min(force[2] for force in config.wrench.table[1])
-    normal = max(machine.mass * machine.gravity - lift, 0.0) / len(parameters.wheels)
+    normal = heaviest_load(config, parameters)
     if config.friction.law == "coulomb":
         return math.inf if machine.friction * normal > 0.0 else 0.0
     mobility = max(roller_mobility(machine, wheel) for wheel in parameters.wheels)
     return friction_factor(machine, 0, normal, Slip(0.0, 0.0)) * mobility
+
+
+def heaviest_load(config: Config, parameters: Parameters) -> float:
+    """Largest normal force on any wheel at standstill, N."""
+    machine = parameters.machine
+    load = max(machine.mass * machine.gravity - min(force[2] for force in config.wrench.table[1]), 0.0)
+    if machine.upright != CONTACTS:
+        return load / len(config.wheels)
+    places = np.array([(1.0, *wheel.position) for wheel in config.wheels]) - (0.0, *machine.centre)
+    return load * float(np.max(places @ np.linalg.solve(places.T @ places, [1.0, 0.0, 0.0])))
 
 
 def resolve(config: Config, parameters: Parameters) -> int:

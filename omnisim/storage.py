@@ -84,10 +84,9 @@ def _replace(path: Path, image: memoryview) -> None:
 def _fill(file: h5py.File, trajectory: Trajectory) -> None:
     for name, value in trajectory.attributes.items():
         file.attrs.create(name, value, dtype=TEXT if ATTRIBUTES[name] in (str, tuple) else None)
-    table = layout(trajectory.wheels)
-    for quantity in table.values():
+    for quantity in trajectory.quantities:
         _create(file, quantity, trajectory.data[quantity.path])
-    for quantity in table.values():
+    for quantity in trajectory.quantities:
         if not quantity.is_scale:
             for dimension, axis in zip(file[quantity.path].dims, quantity.axes, strict=True):
                 dimension.attach_scale(file[axis])

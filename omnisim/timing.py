@@ -7,7 +7,7 @@ from statistics import median
 
 import numpy as np
 
-from omnisim.contact.tracking import IMPLICIT, Heading, explicit_contact, implicit_contact, roller_axis
+from omnisim.contact.tracking import IMPLICIT, explicit_contact, implicit_contact, roller_axis
 from omnisim.dynamics import rho_rates
 from omnisim.kernel import kernel
 from omnisim.parameters import Parameters, pack
@@ -16,7 +16,7 @@ from omnisim.simulation import simulate
 from omnisim.start import initial_state, roller_azimuths, roller_directions
 from omnisim.state import YAW, places, places_in
 from omnisim.trajectory import Trajectory
-from omnisim.wheel import azimuth, rho_of
+from omnisim.wheel import azimuth, body_motion, rho_of, world_heading
 
 REPEATS = 5
 PATIENCE = 8.0  # s for all repeats of all scenes of a race
@@ -89,14 +89,14 @@ def track_explicitly(parameters, y):
 
 @kernel
 def track_implicitly(parameters, y, slopes):
-    at, heading, total = places(parameters), Heading(math.cos(y[YAW]), math.sin(y[YAW])), 0.0
+    at, body, total = places(parameters), body_motion(parameters, y), 0.0
     for w in range(len(parameters.wheels)):
         wheel = parameters.wheels[w]
         q = azimuth(wheel, 0, y[at.spin_angle + w])
         axis = roller_axis(wheel, math.cos(q), math.sin(q))
-        contact = implicit_contact(wheel, heading, axis, rho_of(parameters, y, w, 0))
+        contact = implicit_contact(wheel, world_heading(wheel, body), axis, rho_of(parameters, y, w, 0))
         total += contact.l + contact.arm_h + contact.arm_k
-    rho_rates(parameters, heading, y, slopes)
+    rho_rates(parameters, body, y, slopes)
     return total
 
 
@@ -110,7 +110,8 @@ def states_in_contact(scene: Scene, parameters: Parameters) -> np.ndarray:
         spin_angle = wheel.phase + wheel.alpha * np.linspace(-0.99, 0.99, STATES)
         states[:, at.spin_angle + w] = spin_angle
         if parameters.machine.tracking == IMPLICIT:
-            rho = -roller_directions(roller_azimuths(wheel, spin_angle), states[:, YAW])
+            heading = states[:, YAW] + math.atan2(wheel.sin_heading, wheel.cos_heading)
+            rho = -roller_directions(roller_azimuths(wheel, spin_angle), heading)
             first_rho = at.rho + 3 * w * parameters.sector.shape[1]
             states[:, first_rho : first_rho + 3 * wheel.rollers] = rho.reshape(STATES, -1)
     return states

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from functools import lru_cache
@@ -35,6 +35,7 @@ class Quantity:
     units: str
     description: str
     dtype: str = "float64"  # or int64, str
+    optional: bool = False  # only of scenes that have it
 
     @property
     def is_scale(self) -> bool:
@@ -46,9 +47,13 @@ class Quantity:
         return replace(self, path=self.path.format(wheel=wheel), axes=axes)
 
 
-TIME, AXIS, TANGENT = "time", "axis", "tangent"
+TIME, AXIS, PLANE, TANGENT = "time", "axis", "plane", "tangent"
 ROLLER, EVENT = "wheels/{wheel}/rollers/roller", "events/event"
-LABELS = {AXIS: ("x", "y", "z"), TANGENT: ("h", "k")}  # the other two, ROLLER and EVENT, count from 0
+LABELS = {
+    AXIS: ("x", "y", "z"),
+    PLANE: ("x", "y"),
+    TANGENT: ("h", "k"),
+}  # the other two, ROLLER and EVENT, count from 0
 
 BODY = "wheel centre (bare wheel) or chassis origin on the floor (vehicle)"
 WHEEL, ROLLERS = "wheels/{wheel}", "wheels/{wheel}/rollers"
@@ -58,6 +63,7 @@ T, E = (TIME,), (EVENT,)
 TABLE = (
     Quantity(TIME, T, "s", "output times: row i is i * output_interval"),
     Quantity(AXIS, (AXIS,), "1", "world axes: x and y on the floor, z up", "str"),
+    Quantity(PLANE, (PLANE,), "1", "directions in the plane of the floor", "str", optional=True),
     Quantity(TANGENT, (TANGENT,), "1", "directions along the floor: h heading, k axle (left)", "str"),
     Quantity("body/position", (TIME, AXIS), "m", f"position of the {BODY}"),
     Quantity("body/velocity", (TIME, AXIS), "m/s", f"velocity of the {BODY}"),
@@ -65,10 +71,18 @@ TABLE = (
     Quantity("body/yaw", T, "rad", "yaw angle, counterclockwise from above, never wrapped"),
     Quantity("body/yaw_rate", T, "rad/s", "yaw rate"),
     Quantity("body/yaw_acceleration", T, "rad/s^2", "yaw acceleration"),
+    Quantity("body/servo_torque", (TIME, PLANE), "N m", "torque about chassis x and y that keeps a machine upright",
+             optional=True),
+    Quantity("odometry/position", (TIME, PLANE), "m", "chassis origin as ideal wheels without slip would report it",
+             optional=True),
+    Quantity("odometry/yaw", T, "rad", "yaw angle as ideal wheels without slip would report it", optional=True),
+    Quantity("odometry/position_error", (TIME, PLANE), "m", "reported less true position, world axes", optional=True),
+    Quantity("odometry/yaw_error", T, "rad", "reported less true yaw angle", optional=True),
     Quantity(f"{WHEEL}/spin_angle", T, "rad", "spin angle about k, never wrapped; positive rolls forward"),
     Quantity(f"{WHEEL}/spin_rate", T, "rad/s", "spin rate about k"),
     Quantity(f"{WHEEL}/spin_acceleration", T, "rad/s^2", "spin acceleration about k"),
     Quantity(f"{WHEEL}/drive_torque", T, "N m", "drive torque on the disk about k"),
+    Quantity(f"{WHEEL}/drive_power", T, "W", "power of the drive torque"),
     Quantity(f"{WHEEL}/normal_force", T, "N", "normal force of the floor on the wheel"),
     Quantity(f"{WHEEL}/contact_angle", T, "rad", "azimuth of contact_roller from straight down towards h"),
     Quantity(f"{WHEEL}/contact_roller", T, "1", "roller in contact with the floor", "int64"),
@@ -78,7 +92,7 @@ TABLE = (
     Quantity(f"{WHEEL}/contact_share", T, "1",
              "1, or the share of contact_roller (the one at q = +alpha) while two rollers carry the load"),
     Quantity(f"{WHEEL}/contact_torque", T, "N m", "torque of the floor on contact_roller about the normal"),
-    Quantity(f"{WHEEL}/servo_torque", T, "N m", "torque about h that keeps a bare wheel upright"),
+    Quantity(f"{WHEEL}/servo_torque", T, "N m", "torque about h that keeps a bare wheel upright", optional=True),
     Quantity(ROLLER, (ROLLER,), "1", "rollers of this wheel, counted from 0", "int64"),
     Quantity(f"{ROLLERS}/axial_rate", (TIME, ROLLER), "rad/s", "absolute angular velocity about the axis"),
     Quantity(f"{ROLLERS}/joint_rate", (TIME, ROLLER), "rad/s", "angular velocity relative to the wheel"),
@@ -102,7 +116,7 @@ TABLE = (
 
 @lru_cache(maxsize=8)
 def layout(wheels: tuple[str, ...]) -> Mapping[str, Quantity]:
-    """Every dataset of a machine with these wheels, by path, in the order of the file."""
+    """Every dataset that a machine with these wheels may have, by path, in the order of the file."""
     rows = (row.of_wheel(wheel) for row in TABLE for wheel in wheels)
     return MappingProxyType({row.path: row for row in rows})
 
@@ -127,8 +141,8 @@ class Trajectory:
             raise ValueError("attribute wheels: a trajectory has at least one wheel")
         table = layout(self.wheels)
         completed = _scales(table, data) | dict(data)
-        _same_names("dataset", completed, table)
-        self.data: dict[str, np.ndarray] = {path: completed[path] for path in table}
+        _same_names("dataset", completed, table, {path for path, row in table.items() if row.optional})
+        self.data: dict[str, np.ndarray] = {path: completed[path] for path in table if path in completed}
         self.validate()
 
     def validate(self) -> None:
@@ -136,9 +150,14 @@ class Trajectory:
         for name, kind in ATTRIBUTES.items():
             if kind is float and not np.isfinite(self.attributes[name]):
                 raise ValueError(f"attribute {name} is {self.attributes[name]}: it must be finite")
-        for path, quantity in layout(self.wheels).items():
+        for quantity in self.quantities:
             shape = tuple(np.size(self.data[axis]) for axis in quantity.axes)
-            _check(quantity, self.data[path], shape)
+            _check(quantity, self.data[quantity.path], shape)
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """What the datasets are, in the order of the file."""
+        return tuple(row for path, row in layout(self.wheels).items() if path in self.data)
 
     @property
     def time(self) -> np.ndarray:
@@ -224,6 +243,8 @@ def _datasets(trajectory: Trajectory) -> str:
     name = wheels[0] if len(wheels) == 1 else "NAME"
     lines = []
     for row in TABLE:
+        if row.path.format(wheel=wheels[0]) not in trajectory:
+            continue
         shapes = [trajectory[row.path.format(wheel=wheel)].shape for wheel in wheels]
         sizes = ["|".join(str(n) for n in dict.fromkeys(axis)) for axis in zip(*shapes, strict=True)]
         lines.append(("/" + row.path.format(wheel=name), " x ".join(sizes), row.units, row.description))
@@ -240,7 +261,7 @@ def _scales(table: Mapping[str, Quantity], data: Mapping[str, np.ndarray]) -> di
     return {
         path: np.array(LABELS[path]) if path in LABELS else np.arange(sizes.get(path, 0), dtype=np.int64)
         for path, quantity in table.items()
-        if quantity.is_scale and path != TIME
+        if quantity.is_scale and path != TIME and (path in sizes or not quantity.optional)
     }
 
 
@@ -267,12 +288,14 @@ def _check(quantity: Quantity, array: np.ndarray, shape: tuple[int, ...]) -> Non
         raise ValueError(f"dataset {path} is {array[where]} at index {where}: it must be finite")
 
 
-def _same_names(what: str, given: Mapping[str, Any], known: Mapping[str, Any]) -> None:
+def _same_names(
+    what: str, given: Mapping[str, Any], known: Mapping[str, Any], optional: Set[str] = frozenset()
+) -> None:
     for name in given:
         if name not in known:
             raise ValueError(f"unknown {what} {name}{_near(name, known)}")
     for name in known:
-        if name not in given:
+        if name not in given and name not in optional:
             raise ValueError(f"{what} {name} is missing")
 
 

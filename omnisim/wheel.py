@@ -10,23 +10,34 @@ same whatever N_r is.
 import math
 from typing import NamedTuple
 
-from omnisim.contact.kinematics import Motion, Slip, joint_rate, slip_velocity
+from omnisim.contact.kinematics import Slip, joint_rate, slip_velocity
 from omnisim.contact.tracking import (
     IMPLICIT,
     Axis,
     Contact,
+    Heading,
     explicit_contact,
     implicit_contact,
     roller_axis,
 )
 from omnisim.kernel import kernel, outlined
 from omnisim.parameters import DRIVE, FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE
-from omnisim.state import places, rate_place
+from omnisim.state import YAW, places, rate_place
 from omnisim.vector import Vec3
 
 
+class Body(NamedTuple):
+    """Motion of the body: cosine and sine of its yaw, velocity of C along its axes (m/s), yaw rate (rad/s)."""
+
+    cos: float
+    sin: float
+    x: float
+    y: float
+    yaw_rate: float
+
+
 class Wrench(NamedTuple):
-    """External force (world axes, N) and yaw torque (N m) on the wheel centre."""
+    """External force (body axes, N) and its torque about the vertical through C (N m)."""
 
     x: float
     y: float
@@ -62,23 +73,79 @@ class Rollers(NamedTuple):
 
 
 @kernel
-def external_wrench(parameters, piece, t, heading):
-    """The scene's wrench at time t on the current piece of the tables, in world axes."""
-    elapsed, channels = t - parameters.starts[piece], parameters.inputs[piece]
+def body_motion(parameters, y):
+    """The Body in state y."""
+    at, cos, sin = places(parameters), math.cos(y[YAW]), math.sin(y[YAW])
+    velocity_x, velocity_y = y[at.velocity], y[at.velocity + 1]
+    return Body(cos, sin, velocity_x * cos + velocity_y * sin, velocity_y * cos - velocity_x * sin, y[at.yaw_rate])
+
+
+@kernel
+def world_heading(wheel, body):
+    """Heading of a wheel in the world."""
+    return Heading(
+        body.cos * wheel.cos_heading - body.sin * wheel.sin_heading,
+        body.sin * wheel.cos_heading + body.cos * wheel.sin_heading,
+    )
+
+
+@kernel
+def centre_velocity(wheel, body):
+    """Velocity of a wheel's centre (Slip: along its h and k, m/s)."""
+    return Slip(
+        body.x * wheel.cos_heading + body.y * wheel.sin_heading - body.yaw_rate * wheel.offset[1],
+        body.y * wheel.cos_heading - body.x * wheel.sin_heading + body.yaw_rate * wheel.offset[0],
+    )
+
+
+@kernel
+def centre_acceleration(wheel, body, x, y, yaw):
+    """Acceleration of a wheel's centre (Slip: along its h and k, m/s^2) from that of C along x, y, and of the yaw."""
+    turning = body.yaw_rate * body.yaw_rate
+    return Slip(
+        x * wheel.cos_heading + y * wheel.sin_heading - yaw * wheel.offset[1] - turning * wheel.offset[0],
+        y * wheel.cos_heading - x * wheel.sin_heading + yaw * wheel.offset[0] - turning * wheel.offset[1],
+    )
+
+
+@kernel
+def external_wrench(parameters, piece, t, body):
+    """The scene's wrench at time t on the current piece of the tables."""
+    elapsed, channels, lever = t - parameters.starts[piece], parameters.inputs[piece], parameters.machine.lever
     x = channels[FORCE_X, 0] + channels[FORCE_X, 1] * elapsed
     y = channels[FORCE_Y, 0] + channels[FORCE_Y, 1] * elapsed
     z = channels[FORCE_Z, 0] + channels[FORCE_Z, 1] * elapsed
     yaw = channels[YAW_TORQUE, 0] + channels[YAW_TORQUE, 1] * elapsed
-    if parameters.machine.body_frame:
-        x, y = x * heading.cos - y * heading.sin, x * heading.sin + y * heading.cos
-    return Wrench(x, y, z, yaw)
+    if not parameters.machine.body_frame:
+        x, y = x * body.cos + y * body.sin, y * body.cos - x * body.sin
+    return Wrench(x, y, z, yaw + lever[0] * y - lever[1] * x)
 
 
 @kernel
-def drive_torque(parameters, piece, t, w):
-    """tau of wheel w on the disk about k, N m."""
+def drive_input(parameters, piece, t, w):
+    """What the drive of wheel w is given: torque (N m), target rate (rad/s) or voltage (V)."""
     value, slope = parameters.inputs[piece, DRIVE + w, 0], parameters.inputs[piece, DRIVE + w, 1]
     return value + slope * (t - parameters.starts[piece])
+
+
+@kernel
+def drive_command(parameters, piece, t, w, y):
+    """Torque that the drive of wheel w would give on the disk about k without its limit and friction, N m."""
+    wheel, at = parameters.wheels[w], places(parameters)
+    command = wheel.drive_gain * drive_input(parameters, piece, t, w) - wheel.drive_damping * y[at.spin_rate + w]
+    if parameters.machine.integrals:
+        command += wheel.drive_integral * y[at.integral + w]
+    return command
+
+
+@kernel
+def drive_torque(wheel, saturated, command, spin_rate):
+    """tau on the disk about k, N m; saturated: the sense in which the drive gives its largest torque, or 0."""
+    torque = command if saturated == 0 else saturated * wheel.drive_limit
+    if wheel.drive_friction > 0.0:
+        rate = wheel.drive_friction_rate
+        torque -= wheel.drive_friction * spin_rate / math.sqrt(spin_rate * spin_rate + rate * rate)
+    return torque
 
 
 @kernel
@@ -94,22 +161,20 @@ def roller_end(wheel, roller, direction):
 
 
 @kernel
-def contact_state(parameters, mode, w, side, heading, y):
+def contact_state(parameters, mode, w, side, body, y):
     """Tracking and kinematics of a contact of wheel w: a ContactState."""
     machine, wheel, at, roller = parameters.machine, parameters.wheels[w], places(parameters), mode.roller - side
-    spin_rate, yaw_rate = y[at.spin_rate + w], y[at.yaw_rate]
+    spin_rate, yaw_rate = y[at.spin_rate + w], body.yaw_rate
     roller_rate = y[rate_place(parameters, mode.roller, w, side)]
     q = azimuth(wheel, roller, y[at.spin_angle + w])
     cos_q, sin_q = math.cos(q), math.sin(q)
     axis = roller_axis(wheel, cos_q, sin_q)
     if machine.tracking == IMPLICIT:
-        contact = implicit_contact(wheel, heading, axis, rho_of(parameters, y, w, roller % wheel.rollers))
+        rho = rho_of(parameters, y, w, roller % wheel.rollers)
+        contact = implicit_contact(wheel, world_heading(wheel, body), axis, rho)
     else:
         contact = explicit_contact(wheel, cos_q, sin_q)
-    velocity = Slip(
-        y[at.velocity] * heading.cos + y[at.velocity + 1] * heading.sin,
-        y[at.velocity + 1] * heading.cos - y[at.velocity] * heading.sin,
-    )
+    velocity = centre_velocity(wheel, body)
     joint = joint_rate(axis, roller_rate, spin_rate, yaw_rate)
     slip = slip_velocity(wheel, contact, velocity.h, velocity.k, spin_rate, yaw_rate, joint)
     return ContactState(
@@ -164,21 +229,6 @@ def bearing_torque(wheel, joint):
     """
     reversal = math.sqrt(joint * joint + wheel.bearing_rate * wheel.bearing_rate)
     return -(wheel.bearing_viscosity + wheel.bearing_torque / reversal) * joint
-
-
-@kernel
-def free_motion(parameters, wheel, state, rollers, heading, wrench, torque):
-    """The Motion of a wheel without contact forces, under an external wrench and drive torque."""
-    machine, roller = parameters.machine, 0.0
-    if machine.bearings:
-        roller = bearing_torque(wheel, state.joint) / wheel.axial_inertia
-    return Motion(
-        (wrench.x * heading.cos + wrench.y * heading.sin) / machine.mass,
-        (wrench.y * heading.cos - wrench.x * heading.sin) / machine.mass,
-        (torque - rollers.bearing_k - state.yaw_rate * rollers.g_h) / wheel.axle_inertia,
-        (wrench.yaw - rollers.bearing_n + state.spin_rate * rollers.g_h) / machine.yaw_inertia,
-        roller,
-    )
 
 
 @kernel

@@ -34,7 +34,7 @@ def synthetic_trajectory(rows=11, rollers=6, events=3, wheels=("wheel",), **attr
 
 
 def _wheel(random, rows, rollers):
-    scalars = ("spin_angle", "spin_rate", "spin_acceleration", "drive_torque", "normal_force",
+    scalars = ("spin_angle", "spin_rate", "spin_acceleration", "drive_torque", "drive_power", "normal_force",
                "contact_angle", "contact_share", "contact_torque", "servo_torque")  # fmt: skip
     data = {name: random(rows) for name in scalars}
     data["contact_roller"] = np.arange(rows, dtype=np.int64) % rollers

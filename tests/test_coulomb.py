@@ -5,7 +5,7 @@ import pytest
 
 from omnisim.contact.coulomb import contact_forces, slip_direction, sticking_force
 from omnisim.contact.kinematics import Slip
-from omnisim.parameters import room
+from omnisim.parameters import RESTING
 
 pytestmark = pytest.mark.short
 
@@ -74,11 +74,10 @@ def test_coupled_contacts_at_rest_obey_gauss_and_coulomb(count):
     for _ in range(20):
         root = rng.normal(size=(2 * count, 2 * count + 2))
         a, b, limits = root @ root.T, rng.normal(size=2 * count) * 10.0, rng.uniform(0.1, 4.0, count)
-        space = room(count)
-        space.mobility[:] = a.reshape(count, 2, count, 2).transpose(0, 2, 1, 3)
-        space.contacts.bias, space.contacts.limit, space.contacts.rest = b.reshape(-1, 2), limits, 1
-        contact_forces(space, 0, count)
-        force = space.contacts.force.ravel().copy()
+        contacts, mobility = blank(count), a.reshape(count, 2, count, 2).transpose(0, 2, 1, 3).copy()
+        contacts.bias, contacts.limit, contacts.rest = b.reshape(-1, 2), limits, 1
+        contact_forces(contacts, mobility)
+        force = contacts.force.ravel().copy()
         assert np.abs(force - disc_program(a, b, limits)).max() < 1e-8 * limits.max()
         for c in range(count):
             slip_rate, pull = (a @ force + b)[2 * c : 2 * c + 2], force[2 * c : 2 * c + 2]
@@ -96,11 +95,14 @@ def test_coupled_contacts_at_rest_obey_gauss_and_coulomb(count):
 
 def test_a_contact_that_slips_keeps_its_force_and_loads_the_others():
     a = np.array([[2.0, 0.0, 0.5, 0.1], [0.0, 3.0, 0.2, 0.4], [0.5, 0.2, 2.5, 0.0], [0.1, 0.4, 0.0, 1.5]])
-    space = room(2)
-    space.mobility[:] = a.reshape(2, 2, 2, 2).transpose(0, 2, 1, 3)
-    space.contacts.bias, space.contacts.limit, space.contacts.rest = 1.0, 10.0, [1, 0]
-    space.contacts.force[1] = [0.3, -0.4]
-    contact_forces(space, 0, 2)
-    assert space.contacts.force[1].tolist() == [0.3, -0.4]
-    rate = a[:2] @ space.contacts.force.ravel() + 1.0
+    contacts, mobility = blank(2), a.reshape(2, 2, 2, 2).transpose(0, 2, 1, 3).copy()
+    contacts.bias, contacts.limit, contacts.rest = 1.0, 10.0, [1, 0]
+    contacts.force[1] = [0.3, -0.4]
+    contact_forces(contacts, mobility)
+    assert contacts.force[1].tolist() == [0.3, -0.4]
+    rate = a[:2] @ contacts.force.ravel() + 1.0
     assert np.abs(rate).max() < 1e-14
+
+
+def blank(count):
+    return np.zeros(count, RESTING).view(np.recarray)

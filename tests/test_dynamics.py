@@ -5,7 +5,7 @@ import pytest
 from scenes import packed, reference_scene
 
 from omnisim.dynamics import rhs
-from omnisim.exchange import settle
+from omnisim.exchange import settle, stand_up
 from omnisim.observables import datasets
 from omnisim.start import blank_rows
 from omnisim.state import YAW, places_of
@@ -13,7 +13,7 @@ from omnisim.stepper import write_row
 
 pytestmark = pytest.mark.short
 
-AT = places_of(1, 2, 0)
+AT = places_of(1, 2, 0, 0, 0)
 PUSHED = (
     "wheels.wheel.drive={kind='torque', torque=0.7}",
     "wrench.frame='body'",
@@ -35,6 +35,7 @@ def random_runs(psi, law, tracking="explicit", count=10):
             f"wheels.wheel.roller_rates={(5 * rng.normal(size=4)).round(3).tolist()}", f"solver.tracking={tracking}",
         ]  # fmt: skip
         parameters, run = packed(reference_scene("testbench_psi30", *overrides, *PUSHED))
+        stand_up(parameters, run)
         settle(parameters, run, 0)
         yield parameters, run
 
@@ -91,11 +92,12 @@ def test_the_servo_torque_balances_the_moment_of_momentum_about_the_heading():
 
     d/dt (L . h) for L = J_t theta' n + J_k phi' k + G by differences along the motion, against lambda and the load.
     """
+    config = reference_scene("testbench_psi30").config
     for parameters, run in random_runs(30.0, "regularized"):
         wheel, y = parameters.wheels[0], run.y
         rows = blank_rows(run, 1)
         write_row(parameters, run, rows)
-        data = datasets(parameters, rows, 1.0, ["wheel"])
+        data = datasets(parameters, rows, 1.0, config)
         roller, rates = int(run.mode[0].roller % 4), run.rates[0].copy()
 
         def momentum(y, wheel=wheel, parameters=parameters, roller=roller, rates=rates):

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scenes import packed, reference_scene
 
-from omnisim.contact.kinematics import inverse_mass, joint_rate, slip_acceleration, slip_velocity
-from omnisim.contact.tracking import Heading, explicit_contact, roller_axis
-from omnisim.exchange import settle
-from omnisim.state import YAW
-from omnisim.wheel import all_rollers, contact_state, drive_torque, external_wrench, free_motion
+from omnisim.contact.kinematics import Motion, inverse_mass, joint_rate, slip_acceleration, slip_velocity
+from omnisim.contact.tracking import explicit_contact, roller_axis
+from omnisim.exchange import settle, stand_up
+from omnisim.state import places_in
+from omnisim.wheel import body_motion, contact_state, external_wrench
 
 pytestmark = pytest.mark.short
 
@@ -76,21 +76,34 @@ def test_the_slip_acceleration_is_a_f_plus_b(psi):
             "wrench.yaw_torque=[0.06]", "friction.slip_speed=0.5",
         )  # fmt: skip
         parameters, run = packed(scene)
+        stand_up(parameters, run)
         settle(parameters, run, 0)
 
         def state_at(y, parameters=parameters, run=run):
-            return contact_state(parameters, run.mode[0], 0, 0, Heading(np.cos(y[YAW]), np.sin(y[YAW])), y)
+            return contact_state(parameters, run.mode[0], 0, 0, body_motion(parameters, y), y)
 
         step, slope = 1e-5, run.slopes[0]
         ahead, back = (np.array(state_at(run.y + h * slope).slip) for h in (step, -step))
-        heading = Heading(np.cos(run.y[YAW]), np.sin(run.y[YAW]))
-        wrench, torque = external_wrench(parameters, 0, 0.0, heading), drive_torque(parameters, 0, 0.0, 0)
-        state = state_at(run.y)
-        wheel = parameters.wheels[0]
-        rollers = all_rollers(parameters, run.mode[0], 0, state.cos_q, state.sin_q, run.y)
-        b = slip_acceleration(wheel, state, free_motion(parameters, wheel, state, rollers, heading, wrench, torque))
+        wrench, state = external_wrench(parameters, 0, 0.0, body_motion(parameters, run.y)), state_at(run.y)
+        wheel, machine = parameters.wheels[0], parameters.machine
+        gyroscopic = wheel.axial_inertia * rollers_along_h(parameters, run)
+        free = Motion(
+            wrench.x / machine.mass, wrench.y / machine.mass,
+            (0.7 - state.yaw_rate * gyroscopic) / wheel.axle_inertia,
+            (wrench.yaw + state.spin_rate * gyroscopic) / machine.yaw_inertia, 0.0,
+        )  # fmt: skip
+        b = slip_acceleration(wheel, state, free)
         hh, hk, kk = inverse_mass(parameters.machine, wheel, state.axis, state.contact)
         force = -run.watch[0].factor[0] * np.array(state.slip)
         expected = np.array([[hh, hk], [hk, kk]]) @ force + np.array(b)
         scale = 1.0 + np.abs(expected).max()
         np.testing.assert_allclose((ahead - back) / (2 * step), expected, rtol=0, atol=1e-7 * scale)
+
+
+def rollers_along_h(parameters, run):
+    """sum p_i (a_i . h), roller by roller."""
+    wheel, at = parameters.wheels[0], places_in(parameters)
+    rates = run.rates[0].copy()
+    rates[run.mode[0].roller % 4] = run.y[at.roller_rate]
+    q = wheel.phase + 2 * wheel.alpha * np.arange(4) - run.y[at.spin_angle]
+    return -wheel.cos_psi * np.sum(rates * np.cos(q))

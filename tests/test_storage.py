@@ -29,6 +29,7 @@ CONTRACT = """
     wheels/wheel/spin_rate                   time              rad/s
     wheels/wheel/spin_acceleration           time              rad/s^2
     wheels/wheel/drive_torque                time              N m
+    wheels/wheel/drive_power                 time              W
     wheels/wheel/normal_force                time              N
     wheels/wheel/contact_angle               time              rad
     wheels/wheel/contact_roller              time              1

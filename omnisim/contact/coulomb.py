@@ -31,19 +31,6 @@ class Direction(NamedTuple):
 
 
 @kernel
-def grip_force(grip, a, b, limit, slip):
-    """F (N) of a contact that sticks or creeps under the limit mu N (N), and the margin in which it may do so.
-
-    Sticking: what is left of the cone, N. Creeping: the slip (m/s) along the direction of the contact equation.
-    """
-    if grip == STICK:
-        force = sticking_force(a, b)
-        return force, limit - math.sqrt(force.h * force.h + force.k * force.k)
-    u = slip_direction(a, b, limit)
-    return Slip(-limit * u.h, -limit * u.k), slip.h * u.h + slip.k * u.k
-
-
-@kernel
 def sticking_force(a, b):
     """F (h, k), N, that holds the slip: A F = -b for A (hh, hk, kk) in 1/kg and b (h, k) in m/s^2."""
     hh, hk, kk = a
@@ -83,26 +70,26 @@ def slip_direction(a, b, limit):
 
 
 @kernel
-def contact_forces(room, first, count):
-    """Forces of `count` contacts in a Room: those at rest by Gauss' principle, the others as they stand there.
+def contact_forces(contacts, mobility):
+    """Forces of contacts (C,), records RESTING, by Gauss' principle; of those that are not at rest as they stand there.
 
-    Taken in turn, each contact is in the equation of one with the others' forces in its bias; the energy falls with
-    each until the forces settle.
+    mobility (C, C, 2, 2), 1/kg. Taken in turn, each contact is in the equation of one with the others' forces in its
+    bias; the energy falls with each until the forces settle.
     """
     for _ in range(MOST_SWEEPS):
         change, size, resting = 0.0, 0.0, 0
-        for c in range(first, first + count):
-            contact = room.contacts[c]
+        for c in range(len(contacts)):
+            contact = contacts[c]
             if not contact.rest:
                 continue
             resting += 1
             bias_h, bias_k = contact.bias[0], contact.bias[1]
-            for d in range(first, first + count):
+            for d in range(len(contacts)):
                 if d != c:
-                    a, force = room.mobility[c, d], room.contacts[d].force
+                    a, force = mobility[c, d], contacts[d].force
                     bias_h += a[0, 0] * force[0] + a[0, 1] * force[1]
                     bias_k += a[1, 0] * force[0] + a[1, 1] * force[1]
-            a, force = room.mobility[c, c], contact.force
+            a, force = mobility[c, c], contact.force
             solved = resting_force((a[0, 0], a[0, 1], a[1, 1]), Slip(bias_h, bias_k), contact.limit)
             change = max(change, max(abs(solved.h - force[0]), abs(solved.k - force[1])))
             size = max(size, max(abs(solved.h), abs(solved.k)))

@@ -13,6 +13,9 @@ class Slip(NamedTuple):
     k: float
 
 
+LIGHT = 1e8
+
+
 class Motion(NamedTuple):
     """Accelerations of the wheel centre along h and k (m/s^2), of spin, yaw and the roller's axial rate (rad/s^2)."""
 
@@ -85,15 +88,21 @@ def largest(a):
 
 @kernel
 def slip_jacobian(wheel, axis, contact):
-    """Of a contact; by the velocity of the wheel centre it is the identity."""
+    """Of a contact; by the velocity of C it is the identity. Yaw is about C."""
     return Jacobian(
         -wheel.radius - axis.k * contact.arm_h,
         -axis.k * contact.arm_k,
-        -contact.l - axis.n * contact.arm_h,
-        -axis.n * contact.arm_k,
+        -wheel.offset[1] - contact.l - axis.n * contact.arm_h,
+        wheel.offset[0] - axis.n * contact.arm_k,
         contact.arm_h,
         contact.arm_k,
     )
+
+
+@kernel
+def spin_inertia(wheel):
+    """What the drive has to turn, kg m^2: the wheel about its axle, and the rotor of its motor."""
+    return wheel.axle_inertia + wheel.rotor_inertia
 
 
 @kernel
@@ -104,26 +113,33 @@ def inverse_mass(machine, wheel, axis, contact, spin_held=False):
     (V_h, V_k, phi', theta', p), in which the mass matrix is diagonal; without 1/J_k if the spin is held.
     """
     j = slip_jacobian(wheel, axis, contact)
-    hh, hk, _, kk = coupling(machine, wheel, j, j, spin_held)
-    roller = 1.0 / wheel.axial_inertia
+    translation, yaw, roller = 1.0 / machine.mass, 1.0 / machine.yaw_inertia, 1.0 / wheel.axial_inertia
+    spin = 0.0 if spin_held else 1.0 / spin_inertia(wheel)
     return (
-        hh + roller * j.roller_h * j.roller_h,
-        hk + roller * j.roller_h * j.roller_k,
-        kk + roller * j.roller_k * j.roller_k,
+        translation + spin * j.spin_h * j.spin_h + yaw * j.yaw_h * j.yaw_h + roller * j.roller_h * j.roller_h,
+        spin * j.spin_h * j.spin_k + yaw * j.yaw_h * j.yaw_k + roller * j.roller_h * j.roller_k,
+        translation + spin * j.spin_k * j.spin_k + yaw * j.yaw_k * j.yaw_k + roller * j.roller_k * j.roller_k,
     )
 
 
 @kernel
-def coupling(machine, wheel, a, b, spin_held):
-    """(hh, hk, kh, kk), 1/kg: slip acceleration at the contact with Jacobian a by a force at that with b, same wheel.
+def holding_mass(machine, wheel, axis, j):
+    """E (hh, hk, kk), kg: F = -E v' is the force that takes the slip acceleration v' away by spin and roller alone.
 
-    Without the rollers, which two contacts do not share.
+    The inverse of what they give way, spin spin^T / J + arm arm^T / Ia. A pointed tip has no arm, and its force along
+    the roller's path is the body's to choose; an arm is taken as at least that at which the roller's inertia
+    appears LIGHT times the body's mass: less is passed within nanoseconds.
     """
-    translation, yaw = 1.0 / machine.mass, 1.0 / machine.yaw_inertia
-    spin = 0.0 if spin_held else 1.0 / wheel.axle_inertia
+    arm_h, arm_k = j.roller_h, j.roller_k
+    shortest = wheel.axial_inertia / (LIGHT * machine.mass)
+    if arm_h * arm_h + arm_k * arm_k < shortest:
+        length = math.sqrt(shortest / (axis.h * axis.h + axis.k * axis.k))
+        arm_h, arm_k = length * axis.k, -length * axis.h
+    spin, roller = 1.0 / spin_inertia(wheel), 1.0 / wheel.axial_inertia
+    cross = j.spin_h * arm_k - j.spin_k * arm_h
+    inverse = 1.0 / (spin * roller * cross * cross)
     return (
-        translation + spin * a.spin_h * b.spin_h + yaw * a.yaw_h * b.yaw_h,
-        spin * a.spin_h * b.spin_k + yaw * a.yaw_h * b.yaw_k,
-        spin * a.spin_k * b.spin_h + yaw * a.yaw_k * b.yaw_h,
-        translation + spin * a.spin_k * b.spin_k + yaw * a.yaw_k * b.yaw_k,
+        (spin * j.spin_k * j.spin_k + roller * arm_k * arm_k) * inverse,
+        -(spin * j.spin_h * j.spin_k + roller * arm_h * arm_k) * inverse,
+        (spin * j.spin_h * j.spin_h + roller * arm_h * arm_h) * inverse,
     )

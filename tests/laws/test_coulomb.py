@@ -6,15 +6,14 @@ from scenes import final_state, packed, reference_data, reference_scene, simulat
 
 import omnisim
 from omnisim.contact.coulomb import SLIP, STICK
-from omnisim.contact.tracking import Heading
 from omnisim.events import EVENT
 from omnisim.grip import slip_rate
 from omnisim.start import blank_rows
-from omnisim.state import YAW, places
+from omnisim.state import places
 from omnisim.status import COMPLETE, RUNNING
 from omnisim.stepper import march
 from omnisim.tableau import METHODS
-from omnisim.wheel import contact_state
+from omnisim.wheel import body_motion, contact_state
 
 CASE = "coulomb_wheel"
 STILL = ("initial.velocity=[0, 0]", "wheels.wheel.spin_rate=0")
@@ -173,7 +172,7 @@ def test_the_multipliers_hold_at_every_accepted_step(step, overrides):
         run.clock.pause = run.clock.rhs + 1  # one step
         march(parameters, stages, run, rows, log)
         grip, limit = run.mode[0].grip[0], parameters.machine.friction * run.watch[0].normal_force
-        heading = Heading(np.cos(run.y[YAW]), np.sin(run.y[YAW]))
+        heading = body_motion(parameters, run.y)
         state = contact_state(parameters, run.mode[0], 0, 0, heading, run.y)
         acceleration = np.hypot(*slip_rate(parameters, run, 0, 0)[0])
         slope = run.slopes[0][[at.velocity, at.velocity + 1]] * parameters.machine.mass

@@ -1,0 +1,226 @@
+"""Contacts whose force must be sought: those that creep off from rest, and wheels that rest on two rollers.
+
+Every other force is linear in the unknowns of body.py. These are found wheel by wheel: forces from the contact equation
+of the one wheel, while the body's acceleration follows at once, until nothing changes; then the loads, and again
+until the loads stay. With the loads given this is Gauss' principle, a convex problem solved by descent; through the
+loads the coupling is weak but near a Painleve state.
+
+A wheel at a common edge of two rollers rests on both if each of them alone would turn it back: phi' = 0, and the load
+N is split into sigma N on the roller ahead (q = +alpha) and (1 - sigma) N on the one behind such that phi'' = 0. It is
+the limit of ever shorter swings about the edge, sigma the part of the time that they spend on the roller ahead; so a
+force that does not depend on N, viscous friction, is shared as well.
+
+    turning(sigma) = tau - theta' G_h - sum (R F_h + s Ia p') = 0    turning(0) > 0 > turning(1)
+"""
+
+from typing import NamedTuple
+
+from omnisim.body import Acceleration, assemble, moment_of, place_load, solve
+from omnisim.contact.coulomb import contact_forces, slip_direction
+from omnisim.contact.kinematics import Slip, spin_inertia
+from omnisim.kernel import kernel, merged, outlined
+
+MOST_ITERATIONS = 100  # for a share
+MOST_SWEEPS = 500  # over the wheels
+MOST_ROUNDS = 100  # of loads
+SETTLED = 1e-15  # change of forces and loads, relative to the largest, and of a share
+ROUNDING = 1e-11  # a change below which, if it no longer falls, is rounding
+
+
+class Mobility(NamedTuple):
+    """Acceleration of the body in the plane (x, y, yaw) by forces and a moment on it, SI: a symmetric matrix."""
+
+    xx: float
+    xy: float
+    xw: float
+    yy: float
+    yw: float
+    ww: float
+
+
+@outlined
+def settle_forces(machine, wheels, room, load):
+    """Find the sought forces of an instant and all loads; returns what `solve` does."""
+    assemble(machine, room, load)
+    mobility = body_mobility(room.balance)
+    acceleration, regular = solve(machine, room)
+    last_round = 1.0
+    for _ in range(MOST_ROUNDS):
+        acceleration = settle_wheels(machine, wheels, room, mobility, acceleration)
+        for w in range(len(wheels)):
+            room.parts[w].last_force = room.parts[w].normal_force
+        assemble(machine, room, load)
+        acceleration, regular = solve(machine, room)
+        size, change = 0.0, 0.0
+        for w in range(len(wheels)):
+            normal, last = room.parts[w].normal_force, room.parts[w].last_force
+            size, change = max(size, abs(normal)), max(change, abs(normal - last))
+        if settled(change, size, last_round):
+            break
+        last_round = change
+    return acceleration, regular
+
+
+@kernel
+def settled(change, size, last):
+    return change <= SETTLED * size or (change <= ROUNDING * size and change >= last)
+
+
+@merged
+def settle_wheels(machine, wheels, room, mobility, acceleration):
+    """Sought forces under the loads in the room; returns the Acceleration of the body with them."""
+    last = 1e300
+    for _ in range(MOST_SWEEPS):
+        change, size, count = 0.0, 0.0, 0
+        for w in range(len(wheels)):
+            part, ahead, behind = room.parts[w], room.contacts[2 * w], room.contacts[2 * w + 1]
+            if not (part.sought and part.loaded):
+                continue
+            count += 1
+            h_0, k_0, h_1, k_1 = ahead.force[0], ahead.force[1], behind.force[0], behind.force[1]
+            acceleration = pushed(acceleration, mobility, room, w, -1.0)
+            set_resting(machine, wheels[w], room, w, mobility, acceleration)
+            if part.contacts == 2:
+                share_load(machine, wheels[w], room, w)
+            else:
+                creep(machine, room, w)
+            acceleration = pushed(acceleration, mobility, room, w, 1.0)
+            change = max(change, max(abs(ahead.force[0] - h_0), abs(ahead.force[1] - k_0)))
+            size = max(size, max(abs(ahead.force[0]), abs(ahead.force[1])))
+            if part.contacts == 2:
+                change = max(change, max(abs(behind.force[0] - h_1), abs(behind.force[1] - k_1)))
+                size = max(size, max(abs(behind.force[0]), abs(behind.force[1])))
+        if count < 2 or settled(change, size, last):
+            break
+        last = change
+    return acceleration
+
+
+@kernel
+def body_mobility(balance):
+    """The inverse of the plane part of the balance, with the sticking contacts as they give (Mobility)."""
+    xx, xy, xw, yy, yw, ww = (
+        balance[0, 0], balance[0, 1], balance[0, 2], balance[1, 1], balance[1, 2], balance[2, 2]
+    )  # fmt: skip
+    c_xx, c_xy, c_xw = yy * ww - yw * yw, xw * yw - xy * ww, xy * yw - xw * yy
+    inverse = 1.0 / (xx * c_xx + xy * c_xy + xw * c_xw)
+    return Mobility(
+        c_xx * inverse,
+        c_xy * inverse,
+        c_xw * inverse,
+        (xx * ww - xw * xw) * inverse,
+        (xy * xw - xx * yw) * inverse,
+        (xx * yy - xy * xy) * inverse,
+    )
+
+
+@kernel
+def yielding(mobility, x, y, yaw):
+    """Acceleration of the body by the force (x, y) and the moment yaw."""
+    return Acceleration(
+        mobility.xx * x + mobility.xy * y + mobility.xw * yaw,
+        mobility.xy * x + mobility.yy * y + mobility.yw * yaw,
+        mobility.xw * x + mobility.yw * y + mobility.ww * yaw,
+    )
+
+
+@kernel
+def pushed(acceleration, mobility, room, w, sign):
+    """The Acceleration with the forces of wheel w added or, sign -1, taken away."""
+    x, y, yaw = 0.0, 0.0, 0.0
+    for c in range(2 * w, 2 * w + room.parts[w].contacts):
+        contact = room.contacts[c]
+        force_h, force_k = contact.force[0], contact.force[1]
+        x += moment_of(contact, 0, force_h, force_k, contact.torque)
+        y += moment_of(contact, 1, force_h, force_k, contact.torque)
+        yaw += moment_of(contact, 2, force_h, force_k, contact.torque)
+    more = yielding(mobility, x, y, yaw)
+    return Acceleration(
+        acceleration.x + sign * more.x, acceleration.y + sign * more.y, acceleration.yaw + sign * more.yaw
+    )
+
+
+@merged
+def set_resting(machine, wheel, room, w, mobility, acceleration):
+    """The contact equation of wheel w into `resting` and `mobility` of the room; its spin is held on two rollers."""
+    count = room.parts[w].contacts
+    spin, roller = 0.0 if count == 2 else 1.0 / spin_inertia(wheel), 1.0 / wheel.axial_inertia
+    for side in range(count):
+        contact, resting = room.contacts[2 * w + side], room.resting[side]
+        lever, resting.rest = contact.lever, contact.rest
+        for i in range(2):
+            resting.force[i] = contact.force[i]  # where the search begins
+            resting.bias[i] = contact.bias[i] + (
+                lever[0, i] * acceleration.x + lever[1, i] * acceleration.y + lever[2, i] * acceleration.yaw
+            )
+        for other in range(count):
+            source = room.contacts[2 * w + other]
+            for j in range(2):
+                by = yielding(mobility, source.lever[0, j], source.lever[1, j], source.lever[2, j])
+                for i in range(2):
+                    entry = lever[0, i] * by.x + lever[1, i] * by.y + lever[2, i] * by.yaw
+                    entry += spin * contact.spin[i] * source.spin[j]
+                    if side == other:
+                        entry += roller * contact.arm[i] * contact.arm[j]
+                    room.mobility[side, other, i, j] = entry
+
+
+@merged
+def creep(machine, room, w):
+    """The force of a contact that slips from rest: the whole limit against the direction of the contact equation."""
+    contact, a, b = room.contacts[2 * w], room.mobility[0, 0], room.resting[0].bias
+    limit = max(machine.friction * room.parts[w].normal_force, 0.0)
+    u = slip_direction((a[0, 0], a[0, 1], a[1, 1]), Slip(b[0], b[1]), limit)
+    contact.force[0], contact.force[1] = -limit * u.h, -limit * u.k
+
+
+@merged
+def share_load(machine, wheel, room, w):
+    """Split the load of wheel w between its two rollers: their forces and shares, and how firmly it rests on both."""
+    part = room.parts[w]
+    t_low, t_high = turning(machine, room, w, 0.0), turning(machine, room, w, 1.0)
+    low, high = 0.0, 1.0
+    part.share_margin = min(t_low, -t_high)
+    share = 0.5
+    if t_low > t_high:
+        share = min(max(t_low / (t_low - t_high), 0.0), 1.0)
+    if (room.resting[0].rest or room.resting[1].rest) and t_low > 0.0 > t_high:
+        side = 0
+        for _ in range(MOST_ITERATIONS):  # regula falsi, Illinois variant
+            t = turning(machine, room, w, share)
+            if t > 0.0:
+                low, t_low = share, t
+                t_high *= 0.5 if side == 1 else 1.0
+                side = 1
+            else:
+                high, t_high = share, t
+                t_low *= 0.5 if side == -1 else 1.0
+                side = -1
+            last, share = share, (low * t_high - high * t_low) / (t_high - t_low)
+            if t == 0.0 or abs(share - last) <= SETTLED:
+                break
+    turning(machine, room, w, share)
+    place_load(wheel, room, w)
+
+
+@kernel
+def turning(machine, room, w, share):
+    """J_k phi'' of wheel w, N m, if its rollers carry `share` and the rest; leaves their forces in the room."""
+    part = room.parts[w]
+    normal, total = max(part.normal_force, 0.0), part.free_spin
+    for side in range(2):
+        contact, resting = room.contacts[2 * w + side], room.resting[side]
+        contact.share = share if side == 0 else 1.0 - share
+        contact.torque = contact.share * normal * contact.unit_torque
+        resting.limit = contact.share * machine.friction * normal
+        if not resting.rest:
+            for i in range(2):
+                resting.force[i] = contact.share * (contact.constant[i] + contact.unit[i] * normal)
+        total -= contact.axis[1] * contact.axis[2] * contact.torque
+    contact_forces(room.resting, room.mobility)
+    for side in range(2):
+        contact, resting = room.contacts[2 * w + side], room.resting[side]
+        for i in range(2):
+            contact.force[i] = resting.force[i]
+            total += contact.spin[i] * contact.force[i]
+    return total
