@@ -1,42 +1,16 @@
-"""The oracle against reference trajectories, and against laws that hold whatever it assumes.
+"""The oracle of a bare wheel against reference trajectories, and against laws that hold whatever it assumes.
 
 Measured values stand beside the bounds.
 """
 
-import json
-import tomllib
 from copy import deepcopy
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from oracle.multibody import OMEGA, VELOCITY, Testbench, simulate, start
-
-REFERENCE = Path(__file__).parents[1] / "reference"
-
-
-def load(name: str) -> tuple[dict, dict]:
-    scene = tomllib.loads((REFERENCE / f"{name}.toml").read_text())
-    return scene, json.loads((REFERENCE / f"{name}.json").read_text())
-
-
-def agree(name: str, end: float) -> None:
-    """Positions and angles to 1e-10, velocities to 5e-10: as good as the reference is.
-
-    Roller rates to 2e-8: one row lies 1 ms after an exchange, where they change by 1700 rad/s^2.
-    """
-    scene, reference = load(name)
-    times = [time for time in reference["time"] if time <= end + 1e-9]
-    motion = simulate(scene, times)
-    bounds = {"position": 1e-10, "yaw": 1e-10, "spin_angle": 1e-10, "velocity": 5e-10, "yaw_rate": 5e-10}
-    bounds |= {"spin_rate": 5e-10, "roller_axial_rate": 2e-8}
-    for key, bound in bounds.items():
-        expected = reference[key]["wheel"] if isinstance(reference[key], dict) else reference[key]
-        np.testing.assert_allclose(motion[key], expected[: len(times)], rtol=0, atol=bound, err_msg=key)
-    exchanges = [time for time in reference["exchange_times"] if time < times[-1]]
-    np.testing.assert_allclose(motion["exchange_times"], exchanges, rtol=0, atol=1e-10)
-    assert motion["constraint_residual"].max() < 1e-10
+from oracle.cases import agree, kinetic_rate, load
+from oracle.machine import Machine
+from oracle.multibody import simulate, start
 
 
 def test_straight_rollers_follow_the_reference():
@@ -69,17 +43,17 @@ def busy_scene() -> dict:
 
 
 def test_lowest_point_is_the_minimum_of_the_roller_surface():
-    bench = Testbench(busy_scene())
-    q = np.linspace(-bench.half_pitch, bench.half_pitch, 200001)
-    h = bench.radius - bench.roller_distance / np.cos(q)
-    u = bench.roller_distance * np.tan(q) / bench.cos_psi + h * bench.cos_psi * np.sin(q)
-    r = h * np.sqrt(1.0 - (bench.cos_psi * np.sin(q)) ** 2)
+    [wheel] = Machine(busy_scene()).wheels
+    q = np.linspace(-wheel.half_pitch, wheel.half_pitch, 200001)
+    h = wheel.radius - wheel.roller_distance / np.cos(q)
+    u = wheel.roller_distance * np.tan(q) / wheel.cos_psi + h * wheel.cos_psi * np.sin(q)
+    r = h * np.sqrt(1.0 - (wheel.cos_psi * np.sin(q)) ** 2)
     for rise in (-0.5, -0.2, 0.0, 0.1, 0.6):
         axis = np.array([0.6 * np.sqrt(1.0 - rise**2), 0.8 * np.sqrt(1.0 - rise**2), rise])
         heights = u * rise - r * np.sqrt(1.0 - rise**2)
-        point, at = bench.lowest_point(axis)
+        point, at = wheel.lowest_point(axis)
         assert abs(point[2] - heights.min()) < 1e-11  # measured: 3e-13, the spacing of the grid
-        assert abs(point[2] + bench.radius - bench.roller_distance * np.cos(at)) < 1e-15
+        assert abs(point[2] + wheel.radius - wheel.roller_distance * np.cos(at)) < 1e-15
 
 
 def test_constraints_survive_an_exchange_under_load():
@@ -94,26 +68,15 @@ def test_results_do_not_depend_on_the_tolerance():
         np.testing.assert_allclose(coarse[key], fine[key], rtol=1e-8, atol=1e-10, err_msg=key)
 
 
-def kinetic_rate(scene: dict) -> tuple[float, dict]:
-    """d/dt of the kinetic energy of all bodies at the start, and the first row of output."""
-    bench = Testbench(scene)
-    state, roller = start(bench)
-    bodies = state[:-2].reshape(-1, 18)
-    acceleration = bench.solve(0.0, bodies, bench.mode(0.0, roller)).acceleration
-    axis = bodies[:, 4:12:3]
-    w, w_rate = bodies[:, OMEGA], acceleration[:, 3:]
-    along, along_rate = np.sum(axis * w, axis=1), np.sum(axis * w_rate, axis=1)
-    spin = bench.transverse * np.sum(w * w_rate, axis=1)
-    spin += (bench.axial - bench.transverse) * along * along_rate
-    travel = bench.mass * np.sum(bodies[:, VELOCITY] * acceleration[:, :3], axis=1)
-    return float(np.sum(spin + travel)), simulate(scene, [0.0])
-
-
 def test_joints_floor_and_servo_do_no_work():
     """Without friction the kinetic energy changes by the power of drive and wrench alone."""
     scene = busy_scene() | {"friction": {"law": "none"}}
-    rate, row = kinetic_rate(scene)
-    [velocity], wheel = row["velocity"], scene["wheels"][0]
+    machine = Machine(scene)
+    state, contacts = start(machine)
+    bodies = machine.bodies(state)
+    rate = kinetic_rate(machine, bodies, machine.solve(0.0, bodies, machine.mode(0.0, contacts)))
+    row, wheel = simulate(scene, [0.0]), scene["wheels"][0]
+    [velocity] = row["velocity"]
     power = 0.5 * wheel["spin_rate"] + 0.02 * row["yaw_rate"][0]
     power += np.dot([1.0, -2.0], velocity)  # at yaw 0, h = x and k = y
     assert abs(rate - power) < 1e-11  # of 4.8 W; measured: 1e-14
