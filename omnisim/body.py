@@ -68,12 +68,21 @@ def set_held(machine, wheel, contact, state, bias):
 
 
 @kernel
+def free_rate(contact, motion):
+    """Slip acceleration (h, k) of a contact without its own force, m/s^2: b + J X; motion: X, the Acceleration."""
+    lever, bias = contact.lever, contact.bias
+    return (
+        bias[0] + lever[0, 0] * motion.x + lever[1, 0] * motion.y + lever[2, 0] * motion.yaw,
+        bias[1] + lever[0, 1] * motion.x + lever[1, 1] * motion.y + lever[2, 1] * motion.yaw,
+    )
+
+
+@kernel
 def holding_force(contact, motion):
-    """F = -E (b + J X) along h and k of a sticking contact, N; motion: X, the Acceleration of the body."""
-    lever, mass, v = contact.lever, contact.mass, contact.bias
-    v_h = v[0] + lever[0, 0] * motion.x + lever[1, 0] * motion.y + lever[2, 0] * motion.yaw
-    v_k = v[1] + lever[0, 1] * motion.x + lever[1, 1] * motion.y + lever[2, 1] * motion.yaw
-    return -mass[0] * v_h - mass[1] * v_k, -mass[1] * v_h - mass[2] * v_k
+    """F = -E (b + J X) along h and k of a sticking contact, N."""
+    rate_h, rate_k = free_rate(contact, motion)
+    mass = contact.mass
+    return -mass[0] * rate_h - mass[1] * rate_k, -mass[1] * rate_h - mass[2] * rate_k
 
 
 @kernel
@@ -132,10 +141,10 @@ def assemble(machine, room, load):
             add_load(balance, part)
         for c in range(2 * w, 2 * w + part.contacts):
             contact = room.contacts[c]
-            if part.sought:
+            if part.contacts == 2:
                 for i in range(rows):
                     add_known(balance, i, moment_of(contact, i, contact.force[0], contact.force[1], contact.torque))
-            elif contact.rest:
+            elif contact.rest and not part.sought:
                 add_held(balance, contact, rows)
             else:
                 add_sliding(balance, part, contact, rows, carried)

@@ -1,9 +1,9 @@
-"""Contacts whose force must be sought: those that creep off from rest, and wheels that rest on two rollers.
+"""Contacts whose force must be sought: those that creep, and wheels that rest on two rollers.
 
-Every other force is linear in the unknowns of body.py. These are found wheel by wheel: forces from the contact equation
-of the one wheel, while the body's acceleration follows at once, until nothing changes; then the loads, and again
-until the loads stay. With the loads given this is Gauss' principle, a convex problem solved by descent; through the
-loads the coupling is weak but near a Painleve state.
+Every other force is linear in the unknowns of body.py; these are found by solving that system again and again.
+
+A creeping contact slips so slowly that its slip has the direction u of its slip acceleration, v' = kappa u under
+F = -mu N u. It is linear like any sliding friction once u is known, and u is found by Newton's method.
 
 A wheel at a common edge of two rollers rests on both if each of them alone would turn it back: phi' = 0, and the load
 N is split into sigma N on the roller ahead (q = +alpha) and (1 - sigma) N on the one behind such that phi'' = 0. It is
@@ -11,12 +11,15 @@ the limit of ever shorter swings about the edge, sigma the part of the time that
 force that does not depend on N, viscous friction, is shared as well.
 
     turning(sigma) = tau - theta' G_h - sum (R F_h + s Ia p') = 0    turning(0) > 0 > turning(1)
+
+With the loads given its forces at rest obey Gauss' principle, a convex problem: wheel by wheel they are taken from the
+contact equations of the one wheel, while the body's acceleration follows at once, until nothing changes.
 """
 
 from typing import NamedTuple
 
-from omnisim.body import Acceleration, assemble, moment_of, place_load, solve
-from omnisim.contact.coulomb import contact_forces, slip_direction
+from omnisim.body import Acceleration, assemble, free_rate, moment_of, place_load, solve
+from omnisim.contact.coulomb import TINY, contact_forces, slip_direction, turned
 from omnisim.contact.kinematics import Slip, spin_inertia
 from omnisim.kernel import kernel, merged, outlined
 
@@ -41,59 +44,56 @@ class Mobility(NamedTuple):
 @outlined
 def settle_forces(machine, wheels, room, load):
     """Find the sought forces of an instant and all loads; returns what `solve` does."""
-    assemble(machine, room, load)
-    mobility = body_mobility(room.balance)
-    acceleration, regular = solve(machine, room)
-    last_round = 1.0
+    acceleration, regular, last = Acceleration(0.0, 0.0, 0.0), 1.0, 1e300
     for _ in range(MOST_ROUNDS):
-        acceleration = settle_wheels(machine, wheels, room, mobility, acceleration)
-        for w in range(len(wheels)):
-            room.parts[w].last_force = room.parts[w].normal_force
         assemble(machine, room, load)
+        mobility = body_mobility(room.balance)
         acceleration, regular = solve(machine, room)
-        size, change = 0.0, 0.0
+        change = settle_shared(machine, wheels, room, mobility, acceleration)
         for w in range(len(wheels)):
-            normal, last = room.parts[w].normal_force, room.parts[w].last_force
-            size, change = max(size, abs(normal)), max(change, abs(normal - last))
-        if settled(change, size, last_round):
+            part = room.parts[w]
+            if part.sought and part.contacts == 1:
+                change = max(change, turn_creep(machine, wheels[w], room, w, mobility, acceleration))
+        if settled(change, last):
             break
-        last_round = change
+        last = change
     return acceleration, regular
 
 
 @kernel
-def settled(change, size, last):
-    return change <= SETTLED * size or (change <= ROUNDING * size and change >= last)
+def settled(change, last):
+    """Whether a change, relative to what changes, is none, or rounding."""
+    return change <= SETTLED or (change <= ROUNDING and change >= last)
 
 
 @merged
-def settle_wheels(machine, wheels, room, mobility, acceleration):
-    """Sought forces under the loads in the room; returns the Acceleration of the body with them."""
-    last = 1e300
-    for _ in range(MOST_SWEEPS):
-        change, size, count = 0.0, 0.0, 0
+def settle_shared(machine, wheels, room, mobility, acceleration):
+    """Forces of all wheels on two rollers under the loads in the room: the largest change, relative, of the first
+    sweep over them."""
+    first, last = 0.0, 1e300
+    for sweep in range(MOST_SWEEPS):
+        change, size, count = 0.0, TINY, 0
         for w in range(len(wheels)):
             part, ahead, behind = room.parts[w], room.contacts[2 * w], room.contacts[2 * w + 1]
-            if not (part.sought and part.loaded):
+            if not (part.sought and part.contacts == 2):
                 continue
             count += 1
             h_0, k_0, h_1, k_1 = ahead.force[0], ahead.force[1], behind.force[0], behind.force[1]
             acceleration = pushed(acceleration, mobility, room, w, -1.0)
             set_resting(machine, wheels[w], room, w, mobility, acceleration)
-            if part.contacts == 2:
-                share_load(machine, wheels[w], room, w)
-            else:
-                creep(machine, room, w)
+            share_load(machine, wheels[w], room, w)
             acceleration = pushed(acceleration, mobility, room, w, 1.0)
             change = max(change, max(abs(ahead.force[0] - h_0), abs(ahead.force[1] - k_0)))
+            change = max(change, max(abs(behind.force[0] - h_1), abs(behind.force[1] - k_1)))
             size = max(size, max(abs(ahead.force[0]), abs(ahead.force[1])))
-            if part.contacts == 2:
-                change = max(change, max(abs(behind.force[0] - h_1), abs(behind.force[1] - k_1)))
-                size = max(size, max(abs(behind.force[0]), abs(behind.force[1])))
-        if count < 2 or settled(change, size, last):
+            size = max(size, max(abs(behind.force[0]), abs(behind.force[1])))
+        change /= size
+        if sweep == 0:
+            first = change
+        if count < 2 or settled(change, last):
             break
         last = change
-    return acceleration
+    return first
 
 
 @kernel
@@ -142,36 +142,58 @@ def pushed(acceleration, mobility, room, w, sign):
 
 @merged
 def set_resting(machine, wheel, room, w, mobility, acceleration):
-    """The contact equation of wheel w into `resting` and `mobility` of the room; its spin is held on two rollers."""
-    count = room.parts[w].contacts
-    spin, roller = 0.0 if count == 2 else 1.0 / spin_inertia(wheel), 1.0 / wheel.axial_inertia
-    for side in range(count):
+    """The contact equations of wheel w on two rollers into `resting` and `mobility` of the room; its spin is held."""
+    for side in range(2):
         contact, resting = room.contacts[2 * w + side], room.resting[side]
-        lever, resting.rest = contact.lever, contact.rest
-        for i in range(2):
-            resting.force[i] = contact.force[i]  # where the search begins
-            resting.bias[i] = contact.bias[i] + (
-                lever[0, i] * acceleration.x + lever[1, i] * acceleration.y + lever[2, i] * acceleration.yaw
-            )
-        for other in range(count):
+        resting.rest, lever = contact.rest, contact.lever
+        resting.force[0], resting.force[1] = contact.force[0], contact.force[1]  # where the search begins
+        resting.bias[0], resting.bias[1] = free_rate(contact, acceleration)
+        for other in range(2):
             source = room.contacts[2 * w + other]
             for j in range(2):
                 by = yielding(mobility, source.lever[0, j], source.lever[1, j], source.lever[2, j])
                 for i in range(2):
                     entry = lever[0, i] * by.x + lever[1, i] * by.y + lever[2, i] * by.yaw
-                    entry += spin * contact.spin[i] * source.spin[j]
                     if side == other:
-                        entry += roller * contact.arm[i] * contact.arm[j]
+                        entry += contact.arm[i] * contact.arm[j] / wheel.axial_inertia
                     room.mobility[side, other, i, j] = entry
 
 
 @merged
-def creep(machine, room, w):
-    """The force of a contact that slips from rest: the whole limit against the direction of the contact equation."""
-    contact, a, b = room.contacts[2 * w], room.mobility[0, 0], room.resting[0].bias
-    limit = max(machine.friction * room.parts[w].normal_force, 0.0)
-    u = slip_direction((a[0, 0], a[0, 1], a[1, 1]), Slip(b[0], b[1]), limit)
-    contact.force[0], contact.force[1] = -limit * u.h, -limit * u.k
+def turn_creep(machine, wheel, room, w, mobility, acceleration):
+    """Turn the direction of a creeping contact by one Newton correction: its size, rad."""
+    contact, limit = room.contacts[2 * w], machine.friction * max(room.parts[w].normal_force, 0.0)
+    (hh, hk, kk), (rate_h, rate_k) = contact_mobility(wheel, contact, mobility), free_rate(contact, acceleration)
+    if contact.creep[0] == 0.0 and contact.creep[1] == 0.0:
+        u = slip_direction((hh, hk, kk), Slip(rate_h, rate_k), limit)  # no force was in the balance yet
+        u_h, u_k, correction = u.h, u.k, 1.0
+    else:
+        u_h, u_k = contact.creep[0], contact.creep[1]
+        spin = (contact.spin[0] * u_h + contact.spin[1] * u_k) * limit / spin_inertia(wheel)
+        roller = (contact.arm[0] * u_h + contact.arm[1] * u_k) * limit / wheel.axial_inertia
+        rate_h -= contact.spin[0] * spin + contact.arm[0] * roller
+        rate_k -= contact.spin[1] * spin + contact.arm[1] * roller
+        across = limit * (hh * u_k * u_k - 2.0 * hk * u_h * u_k + kk * u_h * u_h)
+        u_h, u_k, correction = turned(u_h, u_k, rate_h, rate_k, across, rate_h * u_h + rate_k * u_k)
+    contact.creep[0], contact.creep[1] = u_h, u_k
+    contact.unit[0], contact.unit[1] = -machine.friction * u_h, -machine.friction * u_k
+    return abs(correction)
+
+
+@kernel
+def contact_mobility(wheel, contact, mobility):
+    """Slip acceleration (hh, hk, kk) by the force of a contact that carries its wheel alone, 1/kg."""
+    lever, spin, roller = contact.lever, 1.0 / spin_inertia(wheel), 1.0 / wheel.axial_inertia
+    h = yielding(mobility, lever[0, 0], lever[1, 0], lever[2, 0])
+    k = yielding(mobility, lever[0, 1], lever[1, 1], lever[2, 1])
+    return (
+        lever[0, 0] * h.x + lever[1, 0] * h.y + lever[2, 0] * h.yaw
+        + spin * contact.spin[0] * contact.spin[0] + roller * contact.arm[0] * contact.arm[0],
+        lever[0, 0] * k.x + lever[1, 0] * k.y + lever[2, 0] * k.yaw
+        + spin * contact.spin[0] * contact.spin[1] + roller * contact.arm[0] * contact.arm[1],
+        lever[0, 1] * k.x + lever[1, 1] * k.y + lever[2, 1] * k.yaw
+        + spin * contact.spin[1] * contact.spin[1] + roller * contact.arm[1] * contact.arm[1],
+    )  # fmt: skip
 
 
 @merged

@@ -12,7 +12,7 @@ First what each wheel finds at its contacts goes into the room (`observe_wheel`)
 import math
 
 from omnisim.body import assemble, holding_force, place_load, set_contact, set_external, set_held, set_moment, solve
-from omnisim.contact.coulomb import SLIP, STICK, TINY
+from omnisim.contact.coulomb import SLIP, STICK
 from omnisim.contact.kinematics import Motion, joint_rate, slip_acceleration, spin_inertia
 from omnisim.contact.reaction import COULOMB, VISCOUS, friction
 from omnisim.contact.tracking import IMPLICIT, rho_rate, roller_axis
@@ -118,6 +118,8 @@ def observe_contact(parameters, mode, w, side, body, state):
         centre = centre_acceleration(wheel, body, 0.0, 0.0, 0.0)
         bias = slip_acceleration(wheel, state, Motion(centre.h, centre.k, spin, 0.0, roller))
         set_held(machine, wheel, contact, state, bias)
+        for i in range(2):  # of a contact that creeps
+            contact.creep[i], contact.unit[i] = mode.creep[i], -machine.friction * mode.creep[i]
 
 
 @merged
@@ -131,9 +133,9 @@ def move_wheel(parameters, mode, w, acceleration, y, dy, watch):
         contact, load = room.contacts[2 * w + side], normal
         if not part.loaded:
             contact.force[0], contact.force[1], contact.torque = 0.0, 0.0, 0.0
-        elif part.sought:
+        elif part.contacts == 2:
             load = contact.share * normal
-        elif contact.rest:
+        elif contact.rest and not part.sought:
             contact.force[0], contact.force[1] = holding_force(contact, acceleration)
         else:
             contact.force[0] = contact.constant[0] + contact.unit[0] * normal
@@ -152,7 +154,7 @@ def move_wheel(parameters, mode, w, acceleration, y, dy, watch):
             size = math.sqrt(force_h * force_h + force_k * force_k)
             watch.margin[side] = machine.friction * normal - size
             if part.sought:  # slip along the direction in which it creeps
-                watch.margin[side] = -(force_h * slip[0] + force_k * slip[1]) / max(size, TINY)
+                watch.margin[side] = contact.creep[0] * slip[0] + contact.creep[1] * slip[1]
     dy[at.spin_rate + w] = 0.0 if mode.shared else spin / spin_inertia(wheel)
     dy[at.friction_loss] += loss
     watch.normal_force, watch.share, watch.share_margin = part.normal_force, 1.0, 0.0

@@ -14,7 +14,7 @@ tells what changes there.
     KINK   |v| stays on its side of slip_speed            the other branch of the saturated law
     GRIP   a sticking force stays inside the cone         it creeps off
            a creeping slip keeps its sense                it comes to rest
-    YOUNG  slip from rest stays slow                      it slips in a direction of its own
+    YOUNG  creeping slip stays slow                       it slips in a direction of its own
 
 Both trackings pass a roller's end at the same spin angle: |q| = alpha is |c_beta| = c sin alpha. The guard is the
 angle, monotone over several turns as well; which rollers touch at the start, each tracking tells by its own condition.
@@ -28,7 +28,7 @@ from omnisim.body import LEAST_REGULAR
 from omnisim.contact.coulomb import CREEP, SLIP, STICK
 from omnisim.contact.reaction import COULOMB, SATURATED
 from omnisim.exchange import comes_to_rest_between, leave_edge, release_rollers, stand_on
-from omnisim.grip import CONE, CREEP_SPEED, come_to_rest, rest_speed, start_slip
+from omnisim.grip import CONE, CREEP_SPEED, come_to_rest, rest_speed, start_creep, start_slip
 from omnisim.kernel import kernel, merged, outlined
 from omnisim.parameters import CONTACTS
 from omnisim.runge_kutta import refresh
@@ -86,8 +86,9 @@ def guard(parameters, mode, kind, w, side, y, watch):
     if kind == GRIP:
         rounding = CONE * machine.friction * watch[w].normal_force if mode[w].grip[side] == STICK else 0.0
         return watch[w].margin[side] + rounding
-    young = mode[w].grip[side] == CREEP or mode[w].shared
-    return CREEP_SPEED - math.sqrt(watch[w].slip_square[side]) if young else 0.0
+    if mode[w].shared:
+        return CREEP_SPEED - math.sqrt(watch[w].slip_square[side])
+    return mode[w].free_speed - math.sqrt(watch[w].slip_square[side]) if mode[w].grip[side] == CREEP else 0.0
 
 
 @kernel
@@ -157,8 +158,7 @@ def transition(parameters, run, log, kind, w, side, time):
         refresh(parameters, run, time)
     elif kind == GRIP and mode.grip[side] == STICK:
         record(clock, log, time, SLIPS, w, -1, -1)
-        mode.grip[side] = CREEP
-        refresh(parameters, run, time)
+        start_creep(parameters, run, w, time)
     elif kind == GRIP:
         settle_slip(parameters, run, log, w, side, time)
     else:

@@ -2,13 +2,15 @@
 
     SLIP   ---- slip below rest_speed, F inside the cone ---->  STICK
     SLIP   ---- slip below rest_speed, F outside ------------>  CREEP  (through zero without sticking)
+    SLIP   ---- slip about to stop, turning no more --------->  CREEP
     STICK  ---- |F| reaches mu N ---------------------------->  CREEP
-    CREEP  ---- slip above CREEP_SPEED ---------------------->  SLIP
+    CREEP  ---- slip above its free_speed ------------------->  SLIP
     CREEP  ---- slip turns back ----------------------------->  STICK or CREEP again
 
 Near zero slip v / |v| turns ever faster towards a limit direction, so a slipping contact is stepped by a fraction of
-the time in which it could stop or turn: slip shrinks geometrically and never crosses zero. A contact that lets go
-starts in that limit direction, which the contact equation gives in closed form, until its slip is large enough.
+the time in which it could stop or turn: slip shrinks geometrically and never crosses zero. The contact equation gives
+the limit direction in closed form. There a contact that lets go starts, until its slip is large enough; and one that
+has come so near to it that the difference is below the error of a step stops along it, at an instant that is located.
 """
 
 import math
@@ -42,13 +44,14 @@ COARSE_STEP = 1e-2  # s: a grid step from which on sub-steps are as coarse as is
 TURN_FRACTION = 0.7  # of the largest stable step of the method for the turning of the slip's direction
 REST = 1e-11  # of 1 m/s and of the speeds that make up the slip, below which it no longer matters
 CREEP_SPEED = 1e-7  # m/s: slip that has a direction of its own
-CREEP_STEP = 4.0  # of the time in which slip grows to that, for one step
+CREEP_STEP = 2.0  # of the time in which creeping slip doubles or stops, for one step
+ALIGNED = 1e-3  # m/s: slip across that direction that a coarse step does not see
 CONE = 1e-12  # of mu N, by which a sticking force may pass the cone in rounding
 
 
 @kernel
 def slip_rate(parameters, run, w, side):
-    """v' (Slip, m/s^2) at a contact of wheel w as the motion goes, and the largest mobility there, 1/kg."""
+    """v' (Slip, m/s^2) at a contact of wheel w as the motion goes, v (Slip, m/s), and A, 1/kg."""
     wheel, at, slope, body = parameters.wheels[w], places(parameters), run.slopes[0], body_motion(parameters, run.y)
     state = contact_state(parameters, run.mode[w], w, side, body, run.y)
     x, y, yaw = slope[at.velocity], slope[at.velocity + 1], slope[at.yaw_rate]
@@ -56,7 +59,7 @@ def slip_rate(parameters, run, w, side):
     roller = slope[rate_place(parameters, run.mode[w].roller, w, side)]
     motion = Motion(centre.h, centre.k, slope[at.spin_rate + w], yaw, roller)
     mobility = inverse_mass(parameters.machine, wheel, state.axis, state.contact)
-    return slip_acceleration(wheel, state, motion), largest(mobility)
+    return slip_acceleration(wheel, state, motion), state.slip, mobility
 
 
 @kernel
@@ -67,24 +70,28 @@ def step_length(parameters, run, t, h):
     an implicit step.
     """
     clock, floor = run.clock, parameters.machine.slip_floor
-    # rates at which friction relaxes slip or a roller's rate, and at which slip changes, 1/s
-    relaxation, pace = max(parameters.machine.bearing_relaxation, TINY), TINY
+    # rates at which friction relaxes slip or a roller's rate, turns slip, and at which slip changes, 1/s
+    relaxation, turning, pace = max(parameters.machine.bearing_relaxation, TINY), TINY, TINY
     for w in range(len(run.mode)):
         for side in range(1 + run.mode[w].shared):
             factor, grip = run.watch[w].factor[side], run.mode[w].grip[side]
-            if grip == CREEP:  # it will have a direction of its own soon
-                rate, _ = slip_rate(parameters, run, w, side)
-                h = min(h, CREEP_STEP * CREEP_SPEED / max(math.sqrt(rate.h * rate.h + rate.k * rate.k), TINY))
+            if grip == CREEP:  # it will stop or have a direction of its own soon
+                rate, _, _ = slip_rate(parameters, run, w, side)
+                speed = max(math.sqrt(run.watch[w].slip_square[side]), 2.0 * CREEP_SPEED)
+                h = min(h, CREEP_STEP * speed / max(math.sqrt(rate.h * rate.h + rate.k * rate.k), TINY))
             elif grip == SLIP and factor > 0.0:
-                rate, mobility = slip_rate(parameters, run, w, side)
+                rate, slip, a = slip_rate(parameters, run, w, side)
+                mobility = largest(a)
                 scale = run.watch[w].slip_square[side] + floor * floor
-                pace = max(pace, math.sqrt((rate.h * rate.h + rate.k * rate.k) / scale))
-                relaxation = max(relaxation, factor * mobility)
+                size = math.sqrt((rate.h * rate.h + rate.k * rate.k) * scale)
+                sine = abs(slip.h * rate.k - slip.k * rate.h) / max(size, TINY)
+                pace, relaxation = max(pace, size / scale), max(relaxation, factor * mobility)
+                turning = max(turning, sine * factor * mobility)
     if clock.choice == EXPLICIT:
         clock.implicit = False
         fraction = slip_fraction(SLIP_FRACTION, pace, clock)
-        turn = TURN_FRACTION * fraction / SLIP_FRACTION
-        return min(h, min(fraction / pace, turn * clock.stability_limit / relaxation))
+        stable, turn = TURN_FRACTION * clock.stability_limit, fraction / SLIP_FRACTION
+        return min(h, min(fraction / pace, min(stable / relaxation, turn * stable / turning)))
     h_explicit, fraction, stiffness = h, LAYER_FRACTION, clock.dt * relaxation
     if parameters.machine.law == COULOMB:
         fraction = slip_fraction(FINE_FRACTION, pace, clock)
@@ -112,6 +119,11 @@ def fineness(dt: float) -> float:
     return min(1.0, (dt / COARSE_STEP) ** 0.75)
 
 
+def alignment(dt: float) -> float:
+    """Slip across the direction of the contact equation that a step dt (s) does not see, m/s: ~ dt^4, as its error."""
+    return ALIGNED * min(1.0, dt / COARSE_STEP) ** 4
+
+
 @kernel
 def outrun(parameters, run, h):
     """Whether an explicit trial step of coulomb friction has become far too long for the slip that it ended with."""
@@ -133,6 +145,21 @@ def rests(parameters, run, w, side):
     watch, limit = run.watch[w], parameters.machine.friction * run.watch[w].normal_force
     slow = watch.slip_square[side] < rest_speed(parameters, run.mode[w], w, side, run.y) ** 2
     return run.mode[w].grip[side] == SLIP and limit > 0.0 and slow
+
+
+@kernel
+def stops(parameters, run, w):
+    """Whether a contact slips that will stop within a step, and what it slips across the direction of the contact
+    equation is less than what the error of a step hides."""
+    mode, watch = run.mode[w], run.watch[w]
+    if mode.shared or mode.grip[0] != SLIP or watch.factor[0] == 0.0:
+        return False
+    rate, slip, (hh, hk, kk) = slip_rate(parameters, run, w, 0)
+    along, across, square = slip.h * rate.h + slip.k * rate.k, slip.h * rate.k - slip.k * rate.h, watch.slip_square[0]
+    if square >= -along * run.clock.dt:
+        return False
+    attraction = watch.factor[0] * (hh * slip.k * slip.k - 2.0 * hk * slip.h * slip.k + kk * slip.h * slip.h) + along
+    return abs(across) * square < run.clock.aligned * attraction * math.sqrt(square)
 
 
 @kernel
@@ -161,9 +188,38 @@ def come_to_rest(parameters, run, w, side, t):
     refresh(parameters, run, t)
     limit = parameters.machine.friction * run.watch[w].normal_force
     if not mode.shared and run.watch[w].margin[side] < -CONE * limit:
-        mode.grip[side] = CREEP
-        refresh(parameters, run, t)
+        start_creep(parameters, run, w, t)
     return mode.grip[side] == STICK
+
+
+@outlined
+def start_creep(parameters, run, w, t):
+    """Let a contact at rest slip off in the direction of the contact equation."""
+    mode = run.mode[w]
+    mode.grip[0], mode.free_speed = CREEP, CREEP_SPEED
+    mode.creep[0] = mode.creep[1] = 0.0
+    refresh(parameters, run, t)
+    keep_creep(parameters, run, w)
+
+
+@outlined
+def begin_to_stop(parameters, run, w, t):
+    """Let the slip of wheel w's contact go on in the direction of the contact equation, in which it will stop."""
+    mode, slip, speed = run.mode[w], parameters.room.contacts[2 * w].slip, math.sqrt(run.watch[w].slip_square[0])
+    refresh(parameters, run, t)
+    mode.grip[0], mode.free_speed = CREEP, 2.0 * speed
+    mode.creep[0], mode.creep[1] = slip[0] / speed, slip[1] / speed
+    refresh(parameters, run, t)
+    keep_creep(parameters, run, w)
+    turn_slip(parameters, run, w)
+    refresh(parameters, run, t)
+
+
+@kernel
+def keep_creep(parameters, run, w):
+    """Remember the direction of creeping slip that the last right-hand side found."""
+    mode, creep = run.mode[w], parameters.room.contacts[2 * w].creep
+    mode.creep[0], mode.creep[1] = creep[0], creep[1]
 
 
 @outlined
@@ -172,12 +228,16 @@ def start_slip(parameters, run, w, side, t):
     mode = run.mode[w]
     if mode.grip[side] == CREEP and not mode.shared:
         refresh(parameters, run, t)
-        force = parameters.room.contacts[2 * w].force  # against that direction
-        size = max(math.sqrt(force[0] * force[0] + force[1] * force[1]), TINY)
-        speed = math.sqrt(run.watch[w].slip_square[side])
-        change_slip(parameters, run, w, side, Slip(-speed * force[0] / size, -speed * force[1] / size))
+        turn_slip(parameters, run, w)
     mode.grip[side] = SLIP
     refresh(parameters, run, t)
+
+
+@kernel
+def turn_slip(parameters, run, w):
+    """Turn the slip of a creeping contact into the direction that the last right-hand side found."""
+    creep, speed = parameters.room.contacts[2 * w].creep, math.sqrt(run.watch[w].slip_square[0])
+    change_slip(parameters, run, w, 0, Slip(speed * creep[0], speed * creep[1]))
 
 
 @kernel

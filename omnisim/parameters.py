@@ -92,6 +92,7 @@ CONTACT = np.dtype(
         ("unit", np.float64, (2,)),  # friction of its slip by the normal force, 1
         ("unit_torque", np.float64),  # contact torque by the normal force, m
         ("constant", np.float64, (2,)),  # friction that does not depend on the normal force, N
+        ("creep", np.float64, (2,)),  # direction of creeping slip
         ("force", np.float64, (2,)),  # of the floor on the roller, N
         ("torque", np.float64),  # about the normal, N m
         ("share", np.float64),  # of the load of its wheel, 1
@@ -107,7 +108,6 @@ PART = np.dtype(
         ("free_spin", np.float64),  # J phi'' without the contacts, N m
         ("moment", np.float64, (5,)),  # of the wheel on the body without its contacts, in the rows of body.py
         ("normal_force", np.float64),  # N, N; below 0 of a wheel that the floor does not carry
-        ("last_force", np.float64),  # N of the iteration before, N
         ("share_margin", np.float64),  # torque with which both contacts alone would push back to the edge, N m
     ]
 )

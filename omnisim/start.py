@@ -6,7 +6,7 @@ import numpy as np
 
 from omnisim.config import Config
 from omnisim.contact.tracking import IMPLICIT
-from omnisim.grip import fineness
+from omnisim.grip import alignment, fineness
 from omnisim.parameters import Parameters
 from omnisim.state import CLOCK, MODE, WATCH, YAW, Newton, Rows, Run, X, Y, places_in
 from omnisim.stiffness import resolve
@@ -19,7 +19,8 @@ def begin(config: Config, parameters: Parameters) -> Run:
     count, clock = len(parameters.wheels), np.zeros(1, CLOCK).view(np.recarray)[0]
     clock.dt = config.time.output_interval / config.time.steps_per_output
     clock.steps, clock.steps_per_row = config.time.steps, config.time.steps_per_output
-    clock.wheel, clock.reach, clock.fineness = -1, clock.dt, fineness(clock.dt)
+    clock.wheel, clock.reach = -1, clock.dt
+    clock.fineness, clock.aligned = fineness(clock.dt), alignment(clock.dt)
     method = METHODS[config.solver.method]
     clock.choice, clock.stability_limit = resolve(config, parameters), method.tableau.stability_limit
     return Run(

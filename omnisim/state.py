@@ -80,6 +80,8 @@ MODE = np.dtype(
         ("drive", np.int64),  # +1 or -1: the drive gives its largest torque in this sense; 0: what it is asked for
         ("saturated", np.int64, (2,)),  # branch of the saturated friction law at each contact
         ("grip", np.int64, (2,)),  # coulomb.SLIP, STICK or CREEP
+        ("creep", np.float64, (2,)),  # direction of creeping slip when it began; 0: not known yet
+        ("free_speed", np.float64),  # slip beyond which a creeping contact has a direction of its own, m/s
         ("air_cos", np.float64),  # sums over the rollers in the air, D_i = gamma_i - gamma_contact:
         ("air_sin", np.float64),  # sum p_i cos D_i, sum p_i sin D_i and sum p_i, rad/s
         ("air_sum", np.float64),
@@ -116,6 +118,7 @@ CLOCK = np.dtype(
         ("wheel", np.int64),  # that caused the status, or -1
         ("dt", np.float64),  # s
         ("fineness", np.float64),  # of sub-steps of slip: grip.fineness
+        ("aligned", np.float64),  # slip across its final direction that does not matter, m/s: grip.alignment
         ("elapsed", np.float64),  # in the grid step under way, s
         ("reach", np.float64),  # length of the last implicit step that converged, s
         ("rate", np.float64),  # relaxation rate of slip when found too stiff, 1/s

@@ -22,7 +22,7 @@ from omnisim.events import (
     transition,
 )
 from omnisim.exchange import release_rollers, settle, stand_up
-from omnisim.grip import hold, outrun, rests, step_length
+from omnisim.grip import begin_to_stop, hold, outrun, rests, step_length, stops
 from omnisim.implicit import implicit_step
 from omnisim.kernel import kernel, merged, outlined
 from omnisim.runge_kutta import accept, copy, explicit_step, refresh
@@ -119,6 +119,8 @@ def grid_step(parameters, method, run, log):
                 for side in range(1 + run.mode[w].shared):
                     if rests(parameters, run, w, side):
                         settle_slip(parameters, run, log, w, side, t)
+                if stops(parameters, run, w):
+                    begin_to_stop(parameters, run, w, t)
         if coulomb or clock.choice != EXPLICIT:
             h = step_length(parameters, run, t, h)
         h, kind, w, side = step_to_event(parameters, method, run, t, h)

@@ -19,7 +19,7 @@ from omnisim.kernel import kernel
 TINY = 1e-300
 MOST_SWEEPS = 500
 SETTLED = 1e-15  # relative change of the forces in a sweep over all contacts
-SLIP, STICK, CREEP = 0, 1, 2  # creep: slip so young that its direction is still that of the contact equation
+SLIP, STICK, CREEP = 0, 1, 2  # creep: slip so slow that its direction is that of the contact equation
 
 
 class Direction(NamedTuple):
@@ -67,6 +67,22 @@ def slip_direction(a, b, limit):
     norm = math.sqrt(u_1 * u_1 + u_2 * u_2)
     u_1, u_2 = u_1 / norm, u_2 / norm
     return Direction(u_1 * cos - u_2 * sin, u_1 * sin + u_2 * cos, kappa)
+
+
+@kernel
+def turned(u_h, u_k, rate_h, rate_k, across, kappa):
+    """Unit vector u after a Newton correction towards a direction in which slip is accelerated, and the correction.
+
+    rate: slip acceleration v' under friction against u; kappa: its part along u; across: mu N A across u. Of all
+    directions with v' = kappa u those with across + kappa > 0 attract.
+    """
+    if across + kappa <= 0.0:
+        return u_h, u_k, 0.0
+    correction = (u_h * rate_k - u_k * rate_h) / (across + kappa)
+    correction = min(0.5, max(-0.5, correction))
+    h, k = u_h - correction * u_k, u_k + correction * u_h
+    norm = math.sqrt(h * h + k * k)
+    return h / norm, k / norm, correction
 
 
 @kernel

@@ -82,7 +82,7 @@ def compare(path: Path, overrides: tuple[str, ...], servo_torque: str | None) ->
     worst = differences(run, oracle)
     if servo_torque:
         worst["servo_torque"] = np.abs(oracle["servo_torque"] - run[servo_torque]).max()
-    assert max(worst.values()) < BOUND, worst
+    assert max(worst.values()) < BOUND, {k: float(v) for k, v in worst.items()}
 
 
 @pytest.mark.slow
