@@ -87,7 +87,7 @@ def algebraic(config: Config, parameters: Parameters) -> Iterator[Part]:
     """What adds no state."""
     chassis, carried, friction = config.chassis, parameters.machine.upright == CONTACTS, config.friction
     yield Part("normal forces" if chassis else "normal force", True, 0, load_reason(config, carried))
-    yield Part("servo torque", not carried, 0, servo_reason(config, carried))
+    yield Part("servo", not carried, 0, servo_reason(config, carried))
     yield Part("friction", friction.law != "none", 0, friction_reason(friction))
     yield from drives(config.wheels)
     if chassis:
@@ -177,7 +177,7 @@ def load_reason(config: Config, carried: bool) -> str:
 def servo_reason(config: Config, carried: bool) -> str:
     if carried:
         return "the wheels carry roll and pitch"
-    return "multiplier of the upright constraint" + (", about chassis x and y" if config.chassis else "")
+    return f"torque about {'chassis x and y' if config.chassis else 'h'}, multiplier of the upright constraint"
 
 
 def patch_reason(friction: Friction) -> str:

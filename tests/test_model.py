@@ -73,7 +73,7 @@ def test_a_machine_has_the_states_of_its_wheels_drives_and_odometry():
 def test_only_what_the_machine_needs_is_modelled(vehicle):
     plain = modelled(vehicle(VEHICLE))
     assert {"chassis", "odometry", "normal forces"} < plain
-    assert modelled(vehicle(VEHICLE, "scene.upright=servo")) == plain | {"servo torque"}
+    assert modelled(vehicle(VEHICLE, "scene.upright=servo")) == plain | {"servo"}
     assert modelled(vehicle(FOLLOWING)) == plain | {"rate drive", "command"}
     integral = "wheels.fl.drive={kind='rate', proportional=0.5, integral=1.0}"
     assert modelled(vehicle(FOLLOWING, integral)) == plain | {"rate drive", "command", "drive integrals"}
