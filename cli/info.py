@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from omnisim_cli.screen import BAD_INPUT, Failure, aligned, compilation_noted
+from omnisim.text import aligned, columns
+from omnisim_cli.screen import BAD_INPUT, Failure, compilation_noted
 
 if TYPE_CHECKING:
     import numpy as np
 
+    from omnisim.config import Config
     from omnisim.parameters import Parameters
     from omnisim.scene import Scene
 
@@ -55,18 +57,29 @@ def about_trajectory(path: str) -> str:
 
 
 def about_scene(scene: Scene) -> str:
-    """The model with its reasons, the size of the run, and the wheels."""
+    """The size of the run, the model with its reasons, the machine, and each type of wheel."""
     from omnisim.model import describe
     from omnisim.parameters import pack
 
     config = scene.config
     with compilation_noted():
         parameters = pack(config)
-        sections = [aligned(run_facts(scene, parameters)), describe(config).text]
-        for wheel, record in zip(config.wheels, parameters.wheels, strict=True):
-            heading = f"wheel '{wheel.name}' of type '{wheel.type}'"
-            sections.append(f"{heading}\n{aligned(wheel_facts(record), indent='  ')}")
+        sections = [aligned(run_facts(scene, parameters)), describe(config, parameters).text]
+        if config.chassis:
+            sections += [
+                section("machine", machine_facts(parameters)),
+                f"wheels\n{wheel_table(config, parameters)}",
+                f"spin rates of ideal wheels, which do not slip, rad/s\n{ideal_table(config)}",
+            ]
+        for wheel, record in first_of_each_type(config, parameters):
+            name = "wheel type" if config.chassis else f"wheel '{wheel.name}' of type"
+            mirrored = ", mirrored" if wheel.mirrored else ""
+            sections.append(section(f"{name} '{wheel.type}'{mirrored}", wheel_facts(record)))
     return "\n\n".join(sections)
+
+
+def section(heading: str, facts: dict[str, str]) -> str:
+    return f"{heading}\n{aligned(facts, indent='  ')}"
 
 
 def run_facts(scene: Scene, parameters: Parameters) -> dict[str, str]:
@@ -81,6 +94,51 @@ def run_facts(scene: Scene, parameters: Parameters) -> dict[str, str]:
         "run": f"{time.end:g} s in {time.steps} steps of {time.step:g} s",
         "output": f"{time.outputs + 1} rows, one every {time.output_interval:g} s",
     }
+
+
+def machine_facts(parameters: Parameters) -> dict[str, str]:
+    """What all bodies make up together."""
+    machine = parameters.machine
+    x, y = machine.centre + 0.0
+    return {
+        "mass": f"{machine.mass:.6g} kg, chassis and wheels; weight {machine.mass * machine.gravity:.6g} N",
+        "centre of mass": f"[{x:.6g}, {y:.6g}, {machine.height:.6g}] m in chassis axes, z above the floor",
+        "yaw inertia": f"{machine.yaw_inertia:.6g} kg m^2 about it",
+    }
+
+
+def wheel_table(config: Config, parameters: Parameters) -> str:
+    """One line for each wheel: where it is, what drives it, what it carries."""
+    from omnisim.statics import static_loads
+
+    rows = [("name", "type", "position", "heading", "mirrored", "drive", "load at standstill")]
+    for wheel, load in zip(config.wheels, static_loads(parameters), strict=True):
+        x, y = wheel.position
+        place, turned = f"[{x:g}, {y:g}] m", f"{wheel.heading_deg:g} deg"
+        mirrored = "yes" if wheel.mirrored else "no"
+        rows.append((wheel.name, wheel.type, place, turned, mirrored, wheel.drive.kind, f"{load:.4g} N"))
+    return columns(rows, indent="  ")
+
+
+def ideal_table(config: Config) -> str:
+    """Spin rates of the ideal wheels in the unit motions of the chassis origin."""
+    from omnisim.ideal import wheel_rows
+
+    motions = ("1 m/s forward", "1 m/s left", "1 rad/s of yaw")
+    rows = [("name", *motions)]
+    for wheel, rates in zip(config.wheels, wheel_rows(config), strict=True):
+        shown = zip(rates, motions, strict=True)
+        rows.append((wheel.name, *(f"{round(rate, 9) + 0.0:>{len(motion)}.4g}" for rate, motion in shown)))
+    return columns(rows, indent="  ")
+
+
+def first_of_each_type(config: Config, parameters: Parameters) -> list[tuple]:
+    """A wheel and its record for each type in use; one that is not mirrored, if there is one."""
+    found: dict[str, tuple] = {}
+    for wheel, record in zip(config.wheels, parameters.wheels, strict=True):
+        if wheel.type not in found or (found[wheel.type][0].mirrored and not wheel.mirrored):
+            found[wheel.type] = (wheel, record)
+    return list(found.values())
 
 
 def wheel_facts(wheel: np.record) -> dict[str, str]:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from omnisim_cli.screen import Failure, Progress, aligned, compilation_noted, note
+from omnisim.text import aligned
+from omnisim_cli.screen import Failure, Progress, compilation_noted, note
 
 if TYPE_CHECKING:
     from omnisim.scene import Scene
@@ -65,6 +66,8 @@ def simulate_and_save(scene: Scene, path: Path, quiet: bool) -> Trajectory:
 
 def report(trajectory: Trajectory, path: Path) -> str:
     """The summary of a run, for people."""
+    from omnisim.trajectory import odometry
+
     a, rows = trajectory.attributes, len(trajectory.time)
     kinds = Counter(trajectory["events/kind"].tolist())
     events = {"exchange": kinds.pop("exchange", 0)} | kinds
@@ -76,6 +79,7 @@ def report(trajectory: Trajectory, path: Path) -> str:
         "steps": f"{a['steps']}, with {a['rhs_evaluations']} right-hand sides",
         "events": ", ".join(f"{count} {kind}{'s' * (count != 1)}" for kind, count in events.items()),
         "energy": energy(trajectory),
+        "odometry": odometry(trajectory),
         "file": f"{path} ({rows} rows, {path.stat().st_size / 1e6:.2g} MB)",
         "status": a["status"],
     })  # fmt: skip

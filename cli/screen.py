@@ -3,7 +3,7 @@
 import os
 import signal
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 import click
@@ -26,12 +26,6 @@ class Failure(click.ClickException):
 def note(text: str) -> None:
     """A message on stderr, out of the way of results."""
     click.echo(text, err=True)
-
-
-def aligned(facts: Mapping[str, str], indent: str = "") -> str:
-    """One line for each fact, the names in a column."""
-    width = max(len(name) for name in facts) + 2
-    return "\n".join(f"{indent}{name:<{width}}{text}" for name, text in facts.items())
 
 
 def leave_at_once(*_: object) -> None:

@@ -1,8 +1,15 @@
 """What of the physics a scene asks for, and what is left out, each with its reason."""
 
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from math import isfinite
 from typing import NamedTuple
 
-from omnisim.config import Config, Drive, Friction, Roller, unused_keys
+from omnisim.config import Config, Drive, Friction, Roller, Wheel, unused_keys
+from omnisim.ideal import rms_distance, undetermined, wheel_rows
+from omnisim.parameters import CONTACTS, Parameters
+from omnisim.state import places_in
+from omnisim.text import hanging
 
 
 class Part(NamedTuple):
@@ -35,60 +42,142 @@ class Model(NamedTuple):
     def text(self) -> str:
         """Aligned lines: modelled, left out, keys that this scene does not use."""
         width = max(len(part.name) for part in self.parts)
-        lines = [f"modelled: {self.states} states"]
-        lines += [
-            f"  {part.name:<{width}}  {part.states or '-':>3}  {part.why}" for part in self.parts if part.modelled
-        ]
-        lines += ["left out:"]
-        lines += [f"  {part.name:<{width}}       {part.why}" for part in self.parts if not part.modelled]
-        if self.unused:
-            lines += [f"not used by this scene: {', '.join(self.unused)}"]
-        return "\n".join(lines)
+        lines: dict[bool, list[str]] = {True: [f"modelled: {self.states} states"], False: ["left out:"]}
+        for part in self.parts:
+            states = (part.states or "-") if part.modelled else ""
+            lines[part.modelled].append(hanging(f"  {part.name:<{width}}  {states:>3}  ", part.why))
+        unused = [hanging("not used by this scene: ", ", ".join(self.unused))] if self.unused else []
+        return "\n".join(lines[True] + lines[False] + unused)
 
 
-def describe(config: Config) -> Model:
-    """The model of a validated scene: one bare wheel."""
-    wheel = config.wheels[0]
-    kind = config.type_of(wheel)
-    count, psi = kind.roller_count, -kind.roller_angle_deg if wheel.mirrored else kind.roller_angle_deg
-    implicit = config.solver.tracking == "implicit"
-    bearings, patch = kind.roller.has_bearing_friction, config.friction.contact_torque != "none"
-    contacts = f"one of {count} or, on an edge, two; psi = {psi:g} deg: exact profile, rigid contact"
-    parts = (
-        Part("plane motion", True, 6, "x, y and yaw of the wheel; the servo holds it upright on the flat floor"),
-        Part("spin", True, 2, f"wheel '{wheel.name}' of type '{wheel.type}': R = {kind.radius:g} m"),
-        Part("rollers in contact", True, 0 if bearings else 2, contacts),
-        Part(
-            "roller rates" if bearings else "rollers in the air",
-            bearings,
-            count * bearings,
-            air_reason(count, bearings),
-        ),
-        Part("works", True, 3 + bearings, "losses, drive and wrench work, integrated for the energy balance"),
-        Part("rho", implicit, 3 * count * implicit, rho_reason(count, implicit)),
-        Part("normal force", True, 0, "multiplier of the floor: the weight less the vertical force"),
-        Part("servo torque", True, 0, "multiplier of the upright constraint"),
-        Part("friction", config.friction.law != "none", 0, friction_reason(config.friction)),
-        Part("drive", wheel.drive.kind != "free", 0, drive_reason(wheel.drive)),
-        Part("wrench", bool(config.wrench.times), 0, wrench_reason(config)),
-        Part("chassis", False, 0, "the scene has none"),
-        Part("heave, roll and pitch", False, 0, "the floor and the servo take them away"),
-        Part("contact torque", patch, 0, patch_reason(config.friction)),
-        Part("bearing friction", bearings, 0, bearing_reason(kind.roller)),
-    )
+def describe(config: Config, parameters: Parameters) -> Model:
+    """The model of a validated scene and its Parameters."""
+    parts = (*integrated(config, parameters), *algebraic(config, parameters))
     return Model(parts, unused_keys(config))
 
 
-def rho_reason(count: int, implicit: bool) -> str:
-    if implicit:
-        return f"implicit tracking integrates the unit vector of each of the {count} rollers"
-    return "explicit tracking has the contact point in closed form"
-
-
-def air_reason(count: int, bearings: bool) -> str:
+def integrated(config: Config, parameters: Parameters) -> Iterator[Part]:
+    """What has states, or would have."""
+    machine, at, (wheels, most) = parameters.machine, places_in(parameters), parameters.sector.shape[:2]
+    bearings, implicit, count = (
+        bool(machine.bearings),
+        config.solver.tracking == "implicit",
+        at.integral - at.roller_rate,
+    )
+    yield Part("plane motion", True, 6, motion_reason(config))
+    yield Part("spin", True, 2 * wheels, wheels_reason(config))
+    yield Part("rollers in contact", True, 0 if bearings else count, contacts_reason(config))
     if bearings:
-        return f"all {count}, since their bearings have friction"
-    return f"{count - 1} keep their axial rates exactly: frictionless bearings"
+        yield Part("roller rates", True, count, f"all, since bearings have friction; {most} states a wheel")
+    else:
+        yield Part("rollers in the air", False, 0, air_reason(config))
+    if any(wheel.drive.kind == "rate" for wheel in config.wheels):
+        why = "integrated errors of the spin rates" if machine.integrals else "no drive has an integral gain"
+        yield Part("drive integrals", bool(machine.integrals), at.friction_loss - at.integral, why)
+    why = "losses, drive and wrench work, integrated for the energy balance"
+    yield Part("works", True, at.odometry - at.friction_loss, why)
+    if config.chassis:
+        yield Part("odometry", bool(machine.odometry), at.rho - at.odometry, odometry_reason(config))
+    why = "implicit tracking integrates the unit vector of each roller"
+    why = why if implicit else "explicit tracking has the contact point in closed form"
+    yield Part("rho", implicit, 3 * most * wheels * implicit, why)
+
+
+def algebraic(config: Config, parameters: Parameters) -> Iterator[Part]:
+    """What adds no state."""
+    chassis, carried, friction = config.chassis, parameters.machine.upright == CONTACTS, config.friction
+    yield Part("normal forces" if chassis else "normal force", True, 0, load_reason(config, carried))
+    yield Part("servo", not carried, 0, servo_reason(config, carried))
+    yield Part("friction", friction.law != "none", 0, friction_reason(friction))
+    yield from drives(config.wheels)
+    if chassis:
+        yield Part("command", config.command is not None, 0, command_reason(config))
+    yield Part("wrench", bool(config.wrench.times), 0, wrench_reason(config))
+    yield Part("chassis", chassis is not None, 0, chassis_reason(config))
+    if chassis:
+        yield Part("other inertia", False, 0, "Ixx, Iyy play no part upright; products are taken as zero")
+    takes = (
+        "the floor takes them away, which gives the normal forces"
+        if carried
+        else "the floor and the servo take them away"
+    )
+    yield Part("heave, roll and pitch", False, 0, takes)
+    yield Part("compliance", False, 0, "bodies and floor are rigid: no suspension, no rolling resistance")
+    yield Part("contact torque", friction.contact_torque != "none", 0, patch_reason(friction))
+    yield Part("bearing friction", bool(parameters.machine.bearings), 0, bearing_reason(config))
+
+
+def drives(wheels: Sequence[Wheel]) -> Iterator[Part]:
+    """One part for each kind of drive in use, and what is left out of them."""
+    kinds = dict.fromkeys(wheel.drive.kind for wheel in wheels)
+    for kind in sorted(kinds, key=lambda kind: kind == "free"):
+        having: dict[str, list[Wheel]] = {}
+        for wheel in wheels:
+            if wheel.drive.kind == kind:
+                having.setdefault(drive_reason(wheel.drive), []).append(wheel)
+        why = "; ".join(f"{names(some, wheels)}{text}" for text, some in having.items())
+        yield Part("drive" if kind == "free" else f"{kind} drive", kind != "free", 0, why)
+    if "dc_motor" in kinds:
+        yield Part("motor inductance", False, 0, "currents follow their voltages at once")
+    if any(wheel.drive.rotor_inertia > 0.0 for wheel in wheels):
+        yield Part("rotor gyroscopy", False, 0, "a yawing machine does not feel its spinning rotors")
+
+
+def names(some: Sequence[Wheel], wheels: Sequence[Wheel]) -> str:
+    """Which wheels, to begin a sentence with; empty for the only one."""
+    if len(wheels) == 1:
+        return ""
+    return "all wheels: " if len(some) == len(wheels) else f"{', '.join(wheel.name for wheel in some)}: "
+
+
+def motion_reason(config: Config) -> str:
+    if config.chassis:
+        return "x, y of the common centre of mass, and yaw; upright on the flat floor"
+    return "x, y and yaw of the wheel; the servo holds it upright on the flat floor"
+
+
+def wheels_reason(config: Config) -> str:
+    kinds = Counter(wheel.type for wheel in config.wheels)
+    sizes = {name: f"of type '{name}': R = {config.wheel_types[name].radius:g} m" for name in kinds}
+    if not config.chassis:
+        return f"wheel '{config.wheels[0].name}' {sizes[config.wheels[0].type]}"
+    return "; ".join(f"{count} wheel{'s' * (count > 1)} {sizes[name]}" for name, count in kinds.items())
+
+
+def contacts_reason(config: Config) -> str:
+    shape = "exact profile, rigid contact"
+    if config.chassis:
+        return f"of each wheel one or, on an edge, two; {shape}"
+    wheel, kind = config.wheels[0], config.type_of(config.wheels[0])
+    psi = -kind.roller_angle_deg if wheel.mirrored else kind.roller_angle_deg
+    return f"one of {kind.roller_count} or, on an edge, two; psi = {psi:g} deg: {shape}"
+
+
+def air_reason(config: Config) -> str:
+    count = sum(config.type_of(wheel).roller_count for wheel in config.wheels)
+    return f"{count - len(config.wheels)} of {count} keep their axial rates exactly: frictionless bearings"
+
+
+def odometry_reason(config: Config) -> str:
+    if motions := undetermined(wheel_rows(config), rms_distance(config)):
+        return f"spin rates do not tell the motion; they leave open: {', '.join(motions)}"
+    return "x, y as ideal wheels without slip report them; yaw follows from spin angles"
+
+
+def load_reason(config: Config, carried: bool) -> str:
+    weight = "the weight less the vertical force"
+    if not config.chassis:
+        return f"multiplier of the floor: {weight}"
+    if not carried:
+        return f"multipliers of the floor: {weight}, in equal shares"
+    how = ", exactly" if len(config.wheels) == 3 else ": chassis on equal springs"
+    return f"from heave, roll, pitch{how}; lift-off, touch-down are events"
+
+
+def servo_reason(config: Config, carried: bool) -> str:
+    if carried:
+        return "the wheels carry roll and pitch"
+    return f"torque about {'chassis x and y' if config.chassis else 'h'}, multiplier of the upright constraint"
 
 
 def patch_reason(friction: Friction) -> str:
@@ -97,17 +186,23 @@ def patch_reason(friction: Friction) -> str:
     return f"Contensou's law for Hertz pressure on a patch of radius {friction.patch_radius:g} m"
 
 
-def bearing_reason(roller: Roller) -> str:
-    if not roller.has_bearing_friction:
-        return "the scene asks for none"
+def bearing_reason(config: Config) -> str:
+    kinds = {wheel.type: config.type_of(wheel).roller for wheel in config.wheels}
+    having = {name: bearing_law(roller) for name, roller in kinds.items() if roller.has_bearing_friction}
+    if len(kinds) == 1 and having:
+        return next(iter(having.values()))
+    return "; ".join(f"type '{name}': {law}" for name, law in having.items()) or "the scene asks for none"
+
+
+def bearing_law(roller: Roller) -> str:
     viscous, coulomb = f"{roller.bearing_viscosity:g} N m s", f"{roller.bearing_torque:g} N m"
-    return f"viscous {viscous}; Coulomb {coulomb}, changing its sign over {roller.bearing_rate:g} rad/s"
+    return f"viscous {viscous}, Coulomb {coulomb} changing its sign over {roller.bearing_rate:g} rad/s"
 
 
 def friction_reason(friction: Friction) -> str:
     mu, slip_speed = f"{friction.coefficient:g}", f"{friction.slip_speed:g} m/s"
     return {
-        "coulomb": f"F = -{mu} N v / |v| while slipping, a multiplier while sticking; every change is an event",
+        "coulomb": f"F = -{mu} N v / |v| slipping, a multiplier sticking; every change is an event",
         "regularized": f"F = -{mu} N v / sqrt(|v|^2 + eps^2), eps = {slip_speed}",
         "saturated": f"F = -{mu} N v / max(|v|, eps), eps = {slip_speed}; the kink is an event",
         "viscous": f"F = -b v, b = {friction.viscosity:g} N s/m, whatever the normal force",
@@ -117,15 +212,52 @@ def friction_reason(friction: Friction) -> str:
 
 def drive_reason(drive: Drive) -> str:
     if drive.kind == "free":
-        return "the wheel spins freely"
-    times, torques = drive.table
-    return (
-        f"torque {torques[0]:g} N m" if len(times) == 1 else f"torque table of {len(times)} points, knots are step ends"
-    )
+        return "spinning freely"
+    if drive.kind == "torque":
+        return f"torque {given(drive, 'N m')}"
+    return rate_reason(drive) if drive.kind == "rate" else motor_reason(drive)
+
+
+def rate_reason(drive: Drive) -> str:
+    target = "of the command" if drive.follows_command else given(drive, "rad/s")
+    integral = f" and {drive.integral:g} N m/rad" if drive.integral else ""
+    limit = f", limit {drive.torque_limit:g} N m (reaching it is an event)" if isfinite(drive.torque_limit) else ""
+    return f"rate {target}, gain {drive.proportional:g} N m s/rad{integral}{limit}"
+
+
+def motor_reason(drive: Drive) -> str:
+    windings = f"{drive.resistance:g} ohm, {drive.torque_constant:g} N m/A, gear {drive.gear_ratio:g}"
+    rotor = f", rotor {drive.rotor_inertia:g} kg m^2" if drive.rotor_inertia else ""
+    viscous = f", viscous friction {drive.viscosity:g} N m s" if drive.viscosity else ""
+    coulomb = f", Coulomb friction {drive.friction_torque:g} N m" if drive.friction_torque else ""
+    return f"voltage {given(drive, 'V')}; {windings}{rotor}{viscous}{coulomb}"
+
+
+def given(drive: Drive, unit: str) -> str:
+    """The input of a drive: a number or a table."""
+    times, values = drive.table
+    return f"{values[0]:g} {unit}" if len(times) == 1 else f"by table of {len(times)} points (knots are step ends)"
+
+
+def command_reason(config: Config) -> str:
+    if not config.command:
+        return "the scene has none"
+    points = len(config.command.times)
+    twist = f"twist table of {points} points" if points > 1 else "constant twist"
+    return f"{twist}; ideal wheels give rate drives their targets"
 
 
 def wrench_reason(config: Config) -> str:
     wrench = config.wrench
     if not wrench.times:
         return "no external force"
-    return f"table of {len(wrench.times)} points in the {wrench.frame} frame, at the wheel centre"
+    where = "at the chassis' centre of mass" if config.chassis else "at the wheel centre"
+    what = f"table of {len(wrench.times)} points" if len(wrench.times) > 1 else "constant"
+    return f"{what} in the {wrench.frame} frame, {where}"
+
+
+def chassis_reason(config: Config) -> str:
+    if not config.chassis:
+        return "the scene has none"
+    mass, inertia = f"{config.chassis.mass:g} kg", f"Izz = {config.chassis.inertia[2]:g} kg m^2"
+    return f"{mass}, {inertia}; what drives a wheel acts back on it"

@@ -77,7 +77,7 @@ def collect(
         "title": config.title,
         "scene": scene.text,
         "wheels": names,
-        "model": describe(config).line,
+        "model": describe(config, parameters).line,
         "tracking": config.solver.tracking,
         "method": method,
         "step": config.time.step,

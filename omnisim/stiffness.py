@@ -2,13 +2,12 @@
 
 import math
 
-import numpy as np
-
 from omnisim.checks import roller_mobility
 from omnisim.config import Config
 from omnisim.contact.kinematics import Slip
 from omnisim.contact.reaction import friction_factor
-from omnisim.parameters import CONTACTS, Parameters
+from omnisim.parameters import Parameters
+from omnisim.statics import static_loads
 from omnisim.status import SAFE_STEP
 from omnisim.tableau import AUTO, EXPLICIT, METHODS
 
@@ -27,12 +26,8 @@ def relaxation_rate(config: Config, parameters: Parameters) -> float:
 
 def heaviest_load(config: Config, parameters: Parameters) -> float:
     """Largest normal force on any wheel at standstill, N."""
-    machine = parameters.machine
-    load = max(machine.mass * machine.gravity - min(force[2] for force in config.wrench.table[1]), 0.0)
-    if machine.upright != CONTACTS:
-        return load / len(config.wheels)
-    places = np.array([(1.0, *wheel.position) for wheel in config.wheels]) - (0.0, *machine.centre)
-    return load * float(np.max(places @ np.linalg.solve(places.T @ places, [1.0, 0.0, 0.0])))
+    lowest = min(force[2] for force in config.wrench.table[1])
+    return float(static_loads(parameters, lowest).max())
 
 
 def resolve(config: Config, parameters: Parameters) -> int:

@@ -13,6 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from omnisim.text import aligned, columns
+
 FORMAT = "omnisim-trajectory"
 FORMAT_VERSION = 1
 COMPLETE = "complete"
@@ -201,8 +203,15 @@ class Trajectory:
 
 def summary(trajectory: Trajectory) -> str:
     """What a trajectory holds, for people: several aligned lines without a final newline."""
-    facts = "\n".join(f"{name:<10}{text}" for name, text in _facts(trajectory).items())
-    return f"{facts}\n\n{_datasets(trajectory)}"
+    return f"{aligned(_facts(trajectory))}\n\n{_datasets(trajectory)}"
+
+
+def odometry(trajectory: Trajectory) -> str:
+    """How far the odometry of the wheels is off in the last row; empty if there is none."""
+    if "odometry/yaw_error" not in trajectory or not len(trajectory.time):
+        return ""
+    position, yaw = trajectory["odometry/position_error"][-1], trajectory["odometry/yaw_error"][-1]
+    return f"off by {np.hypot(*position):.3g} m and {abs(yaw):.3g} rad at the end"
 
 
 def _facts(trajectory: Trajectory) -> dict[str, str]:
@@ -222,6 +231,7 @@ def _facts(trajectory: Trajectory) -> dict[str, str]:
         "wheels": ", ".join(f"{wheel} ({n} rollers)" for wheel, n in rollers.items()),
         "events": ", ".join(f"{n} {kind}" for kind, n in kinds.most_common()) or "none",
         "energy": _energy(trajectory),
+        "odometry": odometry(trajectory),
         "format": f"{a['format']} {a['format_version']}, written by omnisim {a['omnisim_version']}",
     }
 
@@ -231,10 +241,11 @@ def _energy(trajectory: Trajectory) -> str:
         return "no rows"
     kinetic = trajectory["energy/kinetic"]
     works = (f"{name.replace('_', ' ')} {trajectory[f'energy/{name}'][-1]:.6g} J"
-             for name in ("friction_loss", "drive_work", "wrench_work"))  # fmt: skip
+             for name in ("friction_loss", "bearing_loss", "drive_work", "wrench_work")
+             if name != "bearing_loss" or trajectory["energy/bearing_loss"][-1])  # fmt: skip
     error = np.abs(trajectory["energy/balance"]).max()
     change = f"kinetic {kinetic[0]:.6g} -> {kinetic[-1]:.6g} J"
-    return f"{change}, {', '.join(works)};\n{'':<10}balanced to {error:.2g} J"
+    return f"{change}, {', '.join(works)}; balanced to {error:.2g} J"
 
 
 def _datasets(trajectory: Trajectory) -> str:
@@ -248,8 +259,7 @@ def _datasets(trajectory: Trajectory) -> str:
         shapes = [trajectory[row.path.format(wheel=wheel)].shape for wheel in wheels]
         sizes = ["|".join(str(n) for n in dict.fromkeys(axis)) for axis in zip(*shapes, strict=True)]
         lines.append(("/" + row.path.format(wheel=name), " x ".join(sizes), row.units, row.description))
-    path, shape, units = (max(len(line[column]) for line in lines) for column in range(3))
-    return "\n".join(f"{a:<{path}}  {b:<{shape}}  {c:<{units}}  {d}" for a, b, c, d in lines)
+    return columns(lines)
 
 
 def _scales(table: Mapping[str, Quantity], data: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

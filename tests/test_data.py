@@ -1,6 +1,8 @@
 """The packaged scenes: each says where it comes from, and its numbers are what it says."""
 
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -39,6 +41,19 @@ def test_a_packaged_scene_says_its_source_and_uses_all_its_keys(name):
     scene = load(name)
     assert "\n# Source: " in scene.text
     assert scene.config.title and unused_keys(scene.config) == ()
+
+
+def test_the_scenes_of_the_readme_can_be_run(tmp_path):
+    readme = (Path(__file__).parents[1] / "README.md").read_text()
+    scenes = re.findall(r"```toml\n(.*?)```", readme, re.DOTALL)
+    wheels = []
+    for text in scenes:
+        (tmp_path / "scene.toml").write_text(text)
+        config = load(tmp_path / "scene.toml").config
+        assert unused_keys(config) == ()
+        wheels.append(len(config.wheels))
+    assert wheels == [1, 3]
+    assert all(f"`{name}`" in readme or f"run {name}" in readme for name in packaged_scenes())
 
 
 @pytest.mark.parametrize("name", VEHICLES)

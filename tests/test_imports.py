@@ -13,9 +13,9 @@ pytestmark = pytest.mark.short
 PACKAGE = Path(omnisim.__file__).parent
 # from the scene file down to the trajectory: a module imports only from rows above its own, or from its own row
 LAYERS = (
-    ("kernel", "toml_text"),
+    ("kernel", "toml_text", "text"),
     ("vector", "state", "tableau", "status", "config"),
-    ("roller", "contact.tracking", "problems", "model", "trajectory", "ideal"),
+    ("roller", "contact.tracking", "problems", "trajectory", "ideal"),
     ("rules", "machine_rules"),
     ("validation",),
     ("scene",),
@@ -33,6 +33,7 @@ LAYERS = (
     ("exchange",),
     ("events",),
     ("stepper",),
+    ("statics", "model"),
     ("stiffness",),
     ("start",),
     ("observables",),
