@@ -19,10 +19,10 @@ F = -E (b + J X). With upright = "servo" the load is known and tilt is the servo
 from typing import NamedTuple
 
 from omnisim.contact.kinematics import holding_mass, slip_jacobian
-from omnisim.kernel import kernel
+from omnisim.kernel import kernel, merged
 from omnisim.parameters import CONTACTS
 
-TILT_Y, TILT_X = 3, 4  # rows of levers after x, y and yaw; in the balance they follow heave
+TILT_Y, TILT_X = 3, 4  # rows of levers, about -y and about x, after x, y and yaw
 LEAST_REGULAR = 1e-2  # determinant of the loads over that without friction, below which friction jams
 
 
@@ -34,29 +34,67 @@ class Acceleration(NamedTuple):
     yaw: float
 
 
+class Plane(NamedTuple):
+    """The plane rows: what resists the acceleration, a symmetric matrix over (x, y, yaw), and what drives it; SI."""
+
+    xx: float
+    xy: float
+    xw: float
+    yy: float
+    yw: float
+    ww: float
+    x: float
+    y: float
+    yaw: float
+
+
+class Mobility(NamedTuple):
+    """The inverse of that matrix: acceleration by forces and a moment on the body."""
+
+    xx: float
+    xy: float
+    xw: float
+    yy: float
+    yw: float
+    ww: float
+
+
 @kernel
-def set_contact(machine, wheel, contact, state, spin_held):
-    """Kinematics of a contact from its ContactState; its levers in the rows x, y, yaw, tilt about -y and about x."""
+def set_contact(wheel, contact, state, spin_held):
+    """Kinematics of a contact from its ContactState; its levers in the rows x, y and yaw."""
     axis, slip, j = state.axis, state.slip, slip_jacobian(wheel, state.axis, state.contact)
+    cos, sin = wheel.cos_heading, wheel.sin_heading
     contact.axis[0], contact.axis[1], contact.axis[2] = axis.h, axis.k, axis.n
     contact.l, contact.turn, contact.share = state.contact.l, state.turn, 0.5 if spin_held else 1.0
     contact.slip[0], contact.slip[1] = slip.h, slip.k
     contact.arm[0], contact.arm[1] = j.roller_h, j.roller_k
     contact.spin[0], contact.spin[1] = j.spin_h, j.spin_k
-    lever, twist, cos, sin = contact.lever, contact.twist, wheel.cos_heading, wheel.sin_heading
-    lever[0, 0], lever[0, 1] = cos, -sin
-    lever[1, 0], lever[1, 1] = sin, cos
+    lever = contact.lever
+    lever[0, 0], lever[0, 1], lever[1, 0], lever[1, 1] = cos, -sin, sin, cos
     lever[2, 0], lever[2, 1] = j.yaw_h, j.yaw_k
-    rotor = 0.0 if spin_held else wheel.rotor_inertia / (wheel.axle_inertia + wheel.rotor_inertia)
+    contact.twist[2] = 1.0 - axis.n * axis.n
+
+
+@kernel
+def set_tilt(machine, wheel, contact, spin_held):
+    """The levers of a contact in the rows of tilt: about -y and about x."""
+    axis_h, axis_k, axis_n = contact.axis[0], contact.axis[1], contact.axis[2]
+    arm, spin = contact.arm, contact.spin
+    cos, sin, rotor = wheel.cos_heading, wheel.sin_heading, rotor_part(wheel, spin_held)
     above, height = wheel.radius - machine.height, machine.height
-    h_h, h_k = -axis.h * j.roller_h, height - axis.h * j.roller_k  # about h by F_h and F_k, and about k
-    k_h, k_k = above + rotor * j.spin_h, rotor * j.spin_k
+    h_h, h_k = -axis_h * arm[0], height - axis_h * arm[1]  # about h by F_h and F_k, and about k
+    k_h, k_k = above + rotor * spin[0], rotor * spin[1]
+    h_n, k_n = -axis_n * axis_h, -rotor * axis_n * axis_k  # by the contact torque
+    lever, twist = contact.lever, contact.twist
     lever[TILT_Y, 0], lever[TILT_Y, 1] = -(h_h * sin + k_h * cos), -(h_k * sin + k_k * cos)
     lever[TILT_X, 0], lever[TILT_X, 1] = h_h * cos - k_h * sin, h_k * cos - k_k * sin
-    if machine.patch_radius > 0.0:
-        about_h, about_k = -axis.n * axis.h, -rotor * axis.n * axis.k
-        twist[2] = 1.0 - axis.n * axis.n
-        twist[TILT_Y], twist[TILT_X] = -(about_h * sin + about_k * cos), about_h * cos - about_k * sin
+    twist[TILT_Y], twist[TILT_X] = -(h_n * sin + k_n * cos), h_n * cos - k_n * sin
+
+
+@kernel
+def rotor_part(wheel, spin_held):
+    """Part of the torque on an axle that turns the rotor of its motor, 1."""
+    return 0.0 if spin_held else wheel.rotor_inertia / (wheel.axle_inertia + wheel.rotor_inertia)
 
 
 @kernel
@@ -96,82 +134,28 @@ def place_load(wheel, room, w):
 
 
 @kernel
-def set_moment(wheel, part, rollers, spin_rate, yaw_rate, spin_held):
-    """What a wheel does to the body without its contacts, in the rows of the levers."""
+def set_moment(wheel, part, rollers, spin_rate, yaw_rate):
+    """Moments of a wheel on the body without its contacts: about the vertical, and about its heading."""
+    gyroscopic = wheel.axle_inertia * spin_rate * yaw_rate - spin_rate * rollers.g_n + yaw_rate * rollers.g_k
+    part.yaw_moment = spin_rate * rollers.g_h - rollers.bearing_n
+    part.heading_moment = gyroscopic - rollers.bearing_h
+
+
+@kernel
+def wheel_tilt(wheel, part):
+    """The moment of a wheel without its contacts in the rows of tilt: about -y and about x."""
+    about_h = part.heading_moment
+    about_k = rotor_part(wheel, part.contacts == 2) * part.free_spin - part.drive_torque
     cos, sin = wheel.cos_heading, wheel.sin_heading
-    rotor = 0.0 if spin_held else wheel.rotor_inertia / (wheel.axle_inertia + wheel.rotor_inertia)
-    about_h = (
-        wheel.axle_inertia * spin_rate * yaw_rate - rollers.bearing_h - spin_rate * rollers.g_n + yaw_rate * rollers.g_k
-    )
-    about_k = rotor * part.free_spin - part.drive_torque
-    part.moment[2] = spin_rate * rollers.g_h - rollers.bearing_n
-    part.moment[TILT_Y], part.moment[TILT_X] = -(about_h * sin + about_k * cos), about_h * cos - about_k * sin
+    return -(about_h * sin + about_k * cos), about_h * cos - about_k * sin
 
 
 @kernel
-def set_external(machine, external, wrench, yaw_rate):
-    """The wrench and the turning of S in the rows of the levers: (5,)."""
-    lever, moment, turning = machine.lever, machine.moment, yaw_rate * yaw_rate
-    external[0], external[1], external[2] = wrench.x, wrench.y, wrench.yaw
-    external[TILT_Y] = -(lever[2] * wrench.x - lever[0] * wrench.z + turning * moment[0])
-    external[TILT_X] = lever[1] * wrench.z - lever[2] * wrench.y - turning * moment[1]
-
-
-@kernel
-def assemble(machine, room, load):
-    """Write the equations of the body into the room; load: M g - f_z, N."""
-    balance, parts, carried = room.balance, room.parts, machine.upright == CONTACTS
-    rows = 5 if carried else 3
-    for i in range(6):
-        for j in range(7):
-            balance[i, j] = 0.0
-    balance[0, 0] = balance[1, 1] = machine.mass
-    balance[2, 2] = machine.yaw_inertia
-    balance[3, 6] = load
-    balance[1 + TILT_Y, 2], balance[1 + TILT_X, 2] = -machine.moment[1], machine.moment[0]
-    for i in range(rows):
-        add_known(balance, i, room.external[i])
-    for w in range(len(parts)):
-        part = parts[w]
-        for i in range(2, rows):
-            add_known(balance, i, part.moment[i])
-        if not part.loaded:
-            continue
-        if carried:
-            add_load(balance, part)
-        for c in range(2 * w, 2 * w + part.contacts):
-            contact = room.contacts[c]
-            if part.contacts == 2:
-                for i in range(rows):
-                    add_known(balance, i, moment_of(contact, i, contact.force[0], contact.force[1], contact.torque))
-            elif contact.rest and not part.sought:
-                add_held(balance, contact, rows)
-            else:
-                add_sliding(balance, part, contact, rows, carried)
-
-
-@kernel
-def add_load(balance, part):
-    """The normal force of a wheel in heave and tilt."""
-    x, y = part.point[0], part.point[1]
-    balance[3, 3] += 1.0
-    balance[3, 4] += x
-    balance[3, 5] += y
-    balance[4, 3] += x
-    balance[4, 4] += x * x
-    balance[4, 5] += x * y
-    balance[5, 3] += y
-    balance[5, 4] += x * y
-    balance[5, 5] += y * y
-
-
-@kernel
-def add_known(balance, row, value):
-    """A force or moment on the body that is known: x, y and yaw have it on the right, tilt on the left."""
-    if row < 3:
-        balance[row, 6] += value
-    else:
-        balance[row + 1, 6] -= value
+def external_tilt(machine, external):
+    """The wrench and the turning of S in the rows of tilt: about -y and about x."""
+    lever, moment, turning = machine.lever, machine.moment, external.yaw_rate * external.yaw_rate
+    about_y = lever[2] * external.x - lever[0] * external.z + turning * moment[0]
+    return -about_y, lever[1] * external.z - lever[2] * external.y - turning * moment[1]
 
 
 @kernel
@@ -181,103 +165,203 @@ def moment_of(contact, row, force_h, force_k, torque):
 
 
 @kernel
-def add_sliding(balance, part, contact, rows, carried):
-    """Friction constant + unit N of a contact that carries its wheel alone."""
-    for i in range(rows):
-        by_load = moment_of(contact, i, contact.unit[0], contact.unit[1], contact.unit_torque)
-        known = contact.lever[i, 0] * contact.constant[0] + contact.lever[i, 1] * contact.constant[1]
-        if not carried:
-            known += by_load * part.normal_force
-        add_known(balance, i, known)
-        if carried:
-            row, sign = (i, -1.0) if i < 3 else (i + 1, 1.0)
-            balance[row, 3] += sign * by_load
-            balance[row, 4] += sign * by_load * part.point[0]
-            balance[row, 5] += sign * by_load * part.point[1]
+def holds(part, contact):
+    """Whether a contact sticks and its force follows from the acceleration of the body."""
+    return contact.rest and not part.sought
 
 
 @kernel
-def add_held(balance, contact, rows):
-    """Friction -E (b + J X) of a contact that sticks; J is the transpose of the first three rows of the levers."""
-    mass, lever, bias = contact.mass, contact.lever, contact.bias
-    force_h = mass[0] * bias[0] + mass[1] * bias[1]
-    force_k = mass[1] * bias[0] + mass[2] * bias[1]
-    for i in range(rows):
-        add_known(balance, i, -lever[i, 0] * force_h - lever[i, 1] * force_k)
-    for j in range(3):
-        by_h = mass[0] * lever[j, 0] + mass[1] * lever[j, 1]
-        by_k = mass[1] * lever[j, 0] + mass[2] * lever[j, 1]
-        for i in range(rows):
-            row, sign = (i, 1.0) if i < 3 else (i + 1, -1.0)
-            balance[row, j] += sign * (lever[i, 0] * by_h + lever[i, 1] * by_k)
-
-
-@kernel
-def solve(machine, room):
-    """The Acceleration of the body, normal forces into the room, and the determinant of the loads over that without
-    friction.
-
-    Gauss without pivoting: the plane part is symmetric and positive definite, so are the loads but for friction.
-    """
-    balance, parts = room.balance, room.parts
-    if machine.upright != CONTACTS:
-        eliminate(balance, 3, 7)
-        return plane(balance), 1.0
-    eliminate(balance, 6, 7)
-    first = 1.0 / balance[3, 3]
-    for i in range(4, 6):
-        factor = balance[i, 3] * first
-        for j in range(4, 7):
-            balance[i, j] -= factor * balance[3, j]
-    determinant = balance[4, 4] * balance[5, 5] - balance[4, 5] * balance[5, 4]
-    b_1 = (balance[4, 6] * balance[5, 5] - balance[4, 5] * balance[5, 6]) / determinant
-    b_2 = (balance[4, 4] * balance[5, 6] - balance[4, 6] * balance[5, 4]) / determinant
-    b_0 = (balance[3, 6] - balance[3, 4] * b_1 - balance[3, 5] * b_2) * first
-    xx, xy, yy = 0.0, 0.0, 0.0
-    for w in range(len(parts)):
-        part = parts[w]
-        part.normal_force = b_0 + b_1 * part.point[0] + b_2 * part.point[1]
-        if part.loaded:
-            x, y = part.point[0] - balance[3, 4] * first, part.point[1] - balance[3, 5] * first
-            xx, xy, yy = xx + x * x, xy + x * y, yy + y * y
-    for i in range(3):
-        balance[i, 6] -= balance[i, 3] * b_0 + balance[i, 4] * b_1 + balance[i, 5] * b_2
-    return plane(balance), determinant / (xx * yy - xy * xy)
-
-
-@kernel
-def eliminate(balance, rows, columns):
-    """Take the plane accelerations out of the rows below each of theirs."""
-    for k in range(3):
-        inverse = 1.0 / balance[k, k]
-        for i in range(k + 1, rows):
-            factor = balance[i, k] * inverse
-            if factor != 0.0:
-                for j in range(k + 1, columns):
-                    balance[i, j] -= factor * balance[k, j]
-
-
-@kernel
-def plane(balance):
-    """The Acceleration, from the eliminated rows and what stands on their right."""
-    yaw = balance[2, 6] / balance[2, 2]
-    y = (balance[1, 6] - balance[1, 2] * yaw) / balance[1, 1]
-    return Acceleration((balance[0, 6] - balance[0, 1] * y - balance[0, 2] * yaw) / balance[0, 0], y, yaw)
-
-
-@kernel
-def servo(machine, room, yaw_acceleration):
-    """Torque about chassis x and y that keeps the body upright, N m: what its moment equation lacks."""
-    about_y = room.external[TILT_Y] - machine.moment[1] * yaw_acceleration
-    about_x = room.external[TILT_X] + machine.moment[0] * yaw_acceleration
+def plane_balance(machine, room):
+    """The Plane of a machine, with its loads where they are known."""
+    external, carried = room.external, machine.upright == CONTACTS
+    mass, x, y, yaw = machine.mass, external.x, external.y, external.yaw
+    xx, xy, xw, yy, yw, ww = mass, 0.0, 0.0, mass, 0.0, machine.yaw_inertia
     for w in range(len(room.parts)):
         part = room.parts[w]
-        about_y, about_x = about_y + part.moment[TILT_Y], about_x + part.moment[TILT_X]
-        if part.loaded:
-            about_y += part.normal_force * part.point[0]
-            about_x += part.normal_force * part.point[1]
-            for c in range(2 * w, 2 * w + part.contacts):
-                contact = room.contacts[c]
-                about_y += moment_of(contact, TILT_Y, contact.force[0], contact.force[1], contact.torque)
-                about_x += moment_of(contact, TILT_X, contact.force[0], contact.force[1], contact.torque)
+        yaw += part.yaw_moment
+        if not part.loaded:
+            continue
+        for c in range(2 * w, 2 * w + part.contacts):
+            contact, torque = room.contacts[c], 0.0
+            if part.contacts == 2:
+                force_h, force_k, torque = contact.force[0], contact.force[1], contact.torque
+            elif holds(part, contact):
+                force_h, force_k = holding_force(contact, Acceleration(0.0, 0.0, 0.0))
+                e, lever = contact.mass, contact.lever
+                x_h, x_k = e[0] * lever[0, 0] + e[1] * lever[0, 1], e[1] * lever[0, 0] + e[2] * lever[0, 1]
+                y_h, y_k = e[0] * lever[1, 0] + e[1] * lever[1, 1], e[1] * lever[1, 0] + e[2] * lever[1, 1]
+                w_h, w_k = e[0] * lever[2, 0] + e[1] * lever[2, 1], e[1] * lever[2, 0] + e[2] * lever[2, 1]
+                xx, xy = xx + lever[0, 0] * x_h + lever[0, 1] * x_k, xy + lever[0, 0] * y_h + lever[0, 1] * y_k
+                xw, yy = xw + lever[0, 0] * w_h + lever[0, 1] * w_k, yy + lever[1, 0] * y_h + lever[1, 1] * y_k
+                yw, ww = yw + lever[1, 0] * w_h + lever[1, 1] * w_k, ww + lever[2, 0] * w_h + lever[2, 1] * w_k
+            else:
+                normal = 0.0 if carried else part.normal_force
+                force_h = contact.constant[0] + contact.unit[0] * normal
+                force_k = contact.constant[1] + contact.unit[1] * normal
+                torque = contact.unit_torque * normal
+            x += moment_of(contact, 0, force_h, force_k, torque)
+            y += moment_of(contact, 1, force_h, force_k, torque)
+            yaw += moment_of(contact, 2, force_h, force_k, torque)
+    return Plane(xx, xy, xw, yy, yw, ww, x, y, yaw)
+
+
+@kernel
+def inverse(plane):
+    """The Mobility of a Plane."""
+    xx, xy, xw, yy, yw, ww = plane.xx, plane.xy, plane.xw, plane.yy, plane.yw, plane.ww
+    c_xx, c_xy, c_xw = yy * ww - yw * yw, xw * yw - xy * ww, xy * yw - xw * yy
+    scale = 1.0 / (xx * c_xx + xy * c_xy + xw * c_xw)
+    return Mobility(
+        c_xx * scale, c_xy * scale, c_xw * scale,
+        (xx * ww - xw * xw) * scale, (xy * xw - xx * yw) * scale, (xx * yy - xy * xy) * scale,
+    )  # fmt: skip
+
+
+@kernel
+def yielding(mobility, x, y, yaw):
+    """Acceleration of the body by the force (x, y) and the moment yaw."""
+    return Acceleration(
+        mobility.xx * x + mobility.xy * y + mobility.xw * yaw,
+        mobility.xy * x + mobility.yy * y + mobility.yw * yaw,
+        mobility.xw * x + mobility.yw * y + mobility.ww * yaw,
+    )
+
+
+@kernel
+def solve(machine, wheels, room, load):
+    """The Acceleration of the body, its Mobility, and how regular the loads are; normal forces into the room.
+
+    load: M g - f_z, N. Regular: the determinant of the equations of the loads over that without friction.
+    """
+    plane = plane_balance(machine, room)
+    mobility = inverse(plane)
+    motion = yielding(mobility, plane.x, plane.y, plane.yaw)
+    if machine.upright != CONTACTS:
+        return motion, mobility, 1.0
+    return share_out(machine, wheels, room, load, mobility, motion)
+
+
+@merged
+def share_out(machine, wheels, room, load, mobility, motion):
+    """What `solve` returns when the contacts carry roll and pitch; motion: the Acceleration without the loads."""
+    tilt_balance(machine, wheels, room)
+    pushes, sums = room.pushes, room.sums
+    by_0 = yielding(mobility, pushes[0, 0], pushes[1, 0], pushes[2, 0])  # the acceleration by b_0, b_1 and b_2
+    by_1 = yielding(mobility, pushes[0, 1], pushes[1, 1], pushes[2, 1])
+    by_2 = yielding(mobility, pushes[0, 2], pushes[1, 2], pushes[2, 2])
+    count, x, y = sums[0], sums[1] / sums[0], sums[2] / sums[0]
+    a_1, a_2, a = reduced(room.tilt[0], by_0, by_1, by_2, motion, x, y, load / count)
+    c_1, c_2, c = reduced(room.tilt[1], by_0, by_1, by_2, motion, x, y, load / count)
+    determinant = a_1 * c_2 - a_2 * c_1
+    b_1, b_2 = (a * c_2 - a_2 * c) / determinant, (a_1 * c - a * c_1) / determinant
+    b_0 = load / count - x * b_1 - y * b_2
+    for w in range(len(room.parts)):
+        part = room.parts[w]
+        part.normal_force = b_0 + b_1 * part.point[0] + b_2 * part.point[1]
+    xx, xy, yy = sums[3] - count * x * x, sums[4] - count * x * y, sums[5] - count * y * y
+    total = Acceleration(
+        motion.x + by_0.x * b_0 + by_1.x * b_1 + by_2.x * b_2,
+        motion.y + by_0.y * b_0 + by_1.y * b_1 + by_2.y * b_2,
+        motion.yaw + by_0.yaw * b_0 + by_1.yaw * b_1 + by_2.yaw * b_2,
+    )
+    return total, mobility, determinant / (xx * yy - xy * xy)
+
+
+@kernel
+def reduced(row, by_0, by_1, by_2, motion, x, y, mean):
+    """A row of tilt without the acceleration and b_0: by b_1, by b_2, and its right side.
+
+    x, y: mean place of the loaded wheels, m; mean: their mean load, N.
+    """
+    first = row[3] + row[0] * by_0.x + row[1] * by_0.y + row[2] * by_0.yaw
+    second = row[4] + row[0] * by_1.x + row[1] * by_1.y + row[2] * by_1.yaw
+    third = row[5] + row[0] * by_2.x + row[1] * by_2.y + row[2] * by_2.yaw
+    right = row[6] - row[0] * motion.x - row[1] * motion.y - row[2] * motion.yaw
+    return second - first * x, third - first * y, right - first * mean
+
+
+@kernel
+def tilt_balance(machine, wheels, room):
+    """What the loads do to the body, and the rows of tilt, into the room."""
+    tilt, pushes, sums = room.tilt, room.pushes, room.sums
+    for i in range(2):
+        for j in range(6):
+            tilt[i, j] = 0.0
+    about_y, about_x = external_tilt(machine, room.external)
+    tilt[0, 6], tilt[1, 6] = -about_y, -about_x
+    tilt[0, 2], tilt[1, 2] = -machine.moment[1], machine.moment[0]
+    for i in range(3):
+        for j in range(3):
+            pushes[i, j] = 0.0
+    for i in range(6):
+        sums[i] = 0.0
+    for w in range(len(room.parts)):
+        part = room.parts[w]
+        about_y, about_x = wheel_tilt(wheels[w], part)
+        tilt[0, 6], tilt[1, 6] = tilt[0, 6] - about_y, tilt[1, 6] - about_x
+        if not part.loaded:
+            continue
+        x, y = part.point[0], part.point[1]
+        add(sums, 0, 1.0, x, y)
+        add(tilt[0], 3, x, x * x, x * y)
+        add(tilt[1], 3, y, x * y, y * y)
+        sums[3], sums[4], sums[5] = sums[3] + x * x, sums[4] + x * y, sums[5] + y * y
+        for c in range(2 * w, 2 * w + part.contacts):
+            contact = room.contacts[c]
+            if part.contacts == 2:
+                for i in range(2):
+                    tilt[i, 6] -= moment_of(contact, 3 + i, contact.force[0], contact.force[1], contact.torque)
+            elif holds(part, contact):
+                tilt_held(tilt, contact)
+            else:
+                constant, unit = contact.constant, contact.unit
+                for i in range(3):
+                    push = moment_of(contact, i, unit[0], unit[1], contact.unit_torque)
+                    add(pushes[i], 0, push, push * x, push * y)
+                for i in range(2):
+                    push = moment_of(contact, 3 + i, unit[0], unit[1], contact.unit_torque)
+                    add(tilt[i], 3, push, push * x, push * y)
+                    tilt[i, 6] -= moment_of(contact, 3 + i, constant[0], constant[1], 0.0)
+
+
+@kernel
+def add(row, first, a, b, c):
+    """Add to three entries of a row."""
+    row[first] += a
+    row[first + 1] += b
+    row[first + 2] += c
+
+
+@kernel
+def tilt_held(tilt, contact):
+    """A sticking contact in the rows of tilt."""
+    lever, e = contact.lever, contact.mass
+    force_h, force_k = holding_force(contact, Acceleration(0.0, 0.0, 0.0))
+    for i in range(2):
+        along_h, along_k = lever[3 + i, 0], lever[3 + i, 1]
+        tilt[i, 6] -= along_h * force_h + along_k * force_k
+        e_h, e_k = e[0] * along_h + e[1] * along_k, e[1] * along_h + e[2] * along_k
+        for j in range(3):
+            tilt[i, j] -= lever[j, 0] * e_h + lever[j, 1] * e_k
+
+
+@kernel
+def servo(machine, wheels, room, yaw_acceleration):
+    """Torque about chassis x and y that keeps the body upright, N m: what its moment equation lacks."""
+    about_y, about_x = external_tilt(machine, room.external)
+    about_y, about_x = about_y - machine.moment[1] * yaw_acceleration, about_x + machine.moment[0] * yaw_acceleration
+    for w in range(len(room.parts)):
+        part = room.parts[w]
+        more_y, more_x = wheel_tilt(wheels[w], part)
+        about_y, about_x = about_y + more_y, about_x + more_x
+        if not part.loaded:
+            continue
+        place_load(wheels[w], room, w)
+        about_y += part.normal_force * part.point[0]
+        about_x += part.normal_force * part.point[1]
+        for c in range(2 * w, 2 * w + part.contacts):
+            contact = room.contacts[c]
+            set_tilt(machine, wheels[w], contact, part.contacts == 2)
+            about_y += moment_of(contact, TILT_Y, contact.force[0], contact.force[1], contact.torque)
+            about_x += moment_of(contact, TILT_X, contact.force[0], contact.force[1], contact.torque)
     return -about_x, about_y

@@ -16,9 +16,7 @@ With the loads given its forces at rest obey Gauss' principle, a convex problem:
 contact equations of the one wheel, while the body's acceleration follows at once, until nothing changes.
 """
 
-from typing import NamedTuple
-
-from omnisim.body import Acceleration, assemble, free_rate, moment_of, place_load, solve
+from omnisim.body import Acceleration, free_rate, moment_of, place_load, solve, yielding
 from omnisim.contact.coulomb import TINY, contact_forces, slip_direction, turned
 from omnisim.contact.kinematics import Slip, spin_inertia
 from omnisim.kernel import kernel, merged, outlined
@@ -30,25 +28,12 @@ SETTLED = 1e-15  # change of forces and loads, relative to the largest, and of a
 ROUNDING = 1e-11  # a change below which, if it no longer falls, is rounding
 
 
-class Mobility(NamedTuple):
-    """Acceleration of the body in the plane (x, y, yaw) by forces and a moment on it, SI: a symmetric matrix."""
-
-    xx: float
-    xy: float
-    xw: float
-    yy: float
-    yw: float
-    ww: float
-
-
 @outlined
 def settle_forces(machine, wheels, room, load):
     """Find the sought forces of an instant and all loads; returns what `solve` does."""
     acceleration, regular, last = Acceleration(0.0, 0.0, 0.0), 1.0, 1e300
     for _ in range(MOST_ROUNDS):
-        assemble(machine, room, load)
-        mobility = body_mobility(room.balance)
-        acceleration, regular = solve(machine, room)
+        acceleration, mobility, regular = solve(machine, wheels, room, load)
         change = settle_shared(machine, wheels, room, mobility, acceleration)
         for w in range(len(wheels)):
             part = room.parts[w]
@@ -94,34 +79,6 @@ def settle_shared(machine, wheels, room, mobility, acceleration):
             break
         last = change
     return first
-
-
-@kernel
-def body_mobility(balance):
-    """The inverse of the plane part of the balance, with the sticking contacts as they give (Mobility)."""
-    xx, xy, xw, yy, yw, ww = (
-        balance[0, 0], balance[0, 1], balance[0, 2], balance[1, 1], balance[1, 2], balance[2, 2]
-    )  # fmt: skip
-    c_xx, c_xy, c_xw = yy * ww - yw * yw, xw * yw - xy * ww, xy * yw - xw * yy
-    inverse = 1.0 / (xx * c_xx + xy * c_xy + xw * c_xw)
-    return Mobility(
-        c_xx * inverse,
-        c_xy * inverse,
-        c_xw * inverse,
-        (xx * ww - xw * xw) * inverse,
-        (xy * xw - xx * yw) * inverse,
-        (xx * yy - xy * xy) * inverse,
-    )
-
-
-@kernel
-def yielding(mobility, x, y, yaw):
-    """Acceleration of the body by the force (x, y) and the moment yaw."""
-    return Acceleration(
-        mobility.xx * x + mobility.xy * y + mobility.xw * yaw,
-        mobility.xy * x + mobility.yy * y + mobility.yw * yaw,
-        mobility.xw * x + mobility.yw * y + mobility.ww * yaw,
-    )
 
 
 @kernel

@@ -11,13 +11,14 @@ First what each wheel finds at its contacts goes into the room (`observe_wheel`)
 
 import math
 
-from omnisim.body import assemble, holding_force, place_load, set_contact, set_external, set_held, set_moment, solve
+from omnisim.body import holding_force, place_load, set_contact, set_held, set_moment, set_tilt, solve
 from omnisim.contact.coulomb import SLIP, STICK
 from omnisim.contact.kinematics import Motion, joint_rate, slip_acceleration, spin_inertia
 from omnisim.contact.reaction import COULOMB, VISCOUS, friction
 from omnisim.contact.tracking import IMPLICIT, rho_rate, roller_axis
 from omnisim.coupled import settle_forces
 from omnisim.kernel import kernel, merged, outlined
+from omnisim.parameters import CONTACTS
 from omnisim.state import YAW, X, Y, places, rate_place
 from omnisim.wheel import (
     all_rollers,
@@ -45,7 +46,9 @@ def rhs(parameters, mode, piece, t, y, dy, watch):
         dy[at.spin_angle + w] = y[at.spin_rate + w]
     body = body_motion(parameters, y)
     wrench = external_wrench(parameters, piece, t, body)
-    set_external(machine, room.external, wrench, body.yaw_rate)
+    external = room.external
+    external.x, external.y, external.z, external.yaw = wrench.x, wrench.y, wrench.z, wrench.yaw
+    external.yaw_rate = body.yaw_rate
     load, sought = machine.mass * machine.gravity - wrench.z, 0
     dy[at.friction_loss] = dy[at.drive_work] = 0.0
     if machine.bearings:
@@ -56,8 +59,7 @@ def rhs(parameters, mode, piece, t, y, dy, watch):
     if sought:
         acceleration, regular = settle_forces(machine, wheels, room, load)
     else:
-        assemble(machine, room, load)
-        acceleration, regular = solve(machine, room)
+        acceleration, _, regular = solve(machine, wheels, room, load)
     for w in range(len(wheels)):
         watch[w].regular = regular
         move_wheel(parameters, mode[w], w, acceleration, y, dy, watch[w])
@@ -81,7 +83,7 @@ def observe_wheel(parameters, mode, piece, t, w, body, y, dy, watch):
     watch.command = drive_command(parameters, piece, t, w, y)
     part.drive_torque = drive_torque(wheel, mode.drive, watch.command, spin_rate)
     part.free_spin = part.drive_torque - rollers.bearing_k - body.yaw_rate * rollers.g_h
-    set_moment(wheel, part, rollers, spin_rate, body.yaw_rate, mode.shared)
+    set_moment(wheel, part, rollers, spin_rate, body.yaw_rate)
     part.contacts, part.loaded = 1 + mode.shared, mode.loaded
     part.sought = mode.loaded and (mode.shared or (mode.grip[0] != SLIP and mode.grip[0] != STICK))
     dy[at.drive_work] += part.drive_torque * spin_rate
@@ -96,7 +98,8 @@ def observe_wheel(parameters, mode, piece, t, w, body, y, dy, watch):
     observe_contact(parameters, mode, w, 0, body, state)
     if mode.shared:
         observe_contact(parameters, mode, w, 1, body, contact_state(parameters, mode, w, 1, body, y))
-    place_load(wheel, room, w)
+    if machine.upright == CONTACTS:
+        place_load(wheel, room, w)
     return part.sought
 
 
@@ -105,7 +108,9 @@ def observe_contact(parameters, mode, w, side, body, state):
     """A contact of wheel w and its friction by the load, into the room; state: its ContactState."""
     machine, wheel, contact = parameters.machine, parameters.wheels[w], parameters.room.contacts[2 * w + side]
     slip = state.slip
-    set_contact(machine, wheel, contact, state, mode.shared)
+    set_contact(wheel, contact, state, mode.shared)
+    if machine.upright == CONTACTS:
+        set_tilt(machine, wheel, contact, mode.shared)
     factor, torque = friction(machine, mode.saturated[side], 1.0, slip, state.turn)
     unit, constant = (0.0, factor) if machine.law == VISCOUS else (factor, 0.0)
     contact.unit[0], contact.unit[1], contact.unit_torque = -unit * slip.h, -unit * slip.k, torque

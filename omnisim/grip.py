@@ -15,7 +15,7 @@ has come so near to it that the difference is below the error of a step stops al
 
 import math
 
-from omnisim.body import add_held, eliminate, holding_force, plane, set_contact, set_held
+from omnisim.body import holding_force, inverse, plane_balance, set_contact, set_held, yielding
 from omnisim.contact.coulomb import CREEP, SLIP, STICK, TINY
 from omnisim.contact.kinematics import (
     Motion,
@@ -260,23 +260,21 @@ def stop_slip(parameters, run):
     The equations of body.py for a sticking contact, with its slip in the place of its slip acceleration.
     """
     machine, room, y, at = parameters.machine, parameters.room, run.y, places(parameters)
-    body, balance = body_motion(parameters, run.y), room.balance
-    for i in range(3):
-        for j in range(7):
-            balance[i, j] = 0.0
-    balance[0, 0] = balance[1, 1] = machine.mass
-    balance[2, 2] = machine.yaw_inertia
+    body = body_motion(parameters, run.y)
     for w in range(len(run.mode)):
-        if run.mode[w].grip[0] == STICK and not run.mode[w].shared:
-            wheel, contact = parameters.wheels[w], room.contacts[2 * w]
+        part, contact = room.parts[w], room.contacts[2 * w]
+        part.loaded = run.mode[w].grip[0] == STICK and not run.mode[w].shared
+        part.contacts, part.sought, part.yaw_moment = 1, 0, 0.0
+        if part.loaded:
             state = contact_state(parameters, run.mode[w], w, 0, body, y)
-            set_contact(machine, wheel, contact, state, 0)
-            set_held(machine, wheel, contact, state, state.slip)
-            add_held(balance, contact, 3)
-    eliminate(balance, 3, 7)
-    change = plane(balance)
+            set_contact(parameters.wheels[w], contact, state, 0)
+            set_held(machine, parameters.wheels[w], contact, state, state.slip)
+            contact.rest = 1
+    room.external.x = room.external.y = room.external.yaw = 0.0
+    plane = plane_balance(machine, room)
+    change = yielding(inverse(plane), plane.x, plane.y, plane.yaw)
     for w in range(len(run.mode)):
-        if run.mode[w].grip[0] == STICK and not run.mode[w].shared:
+        if room.parts[w].loaded:
             wheel, contact = parameters.wheels[w], room.contacts[2 * w]
             impulse_h, impulse_k = holding_force(contact, change)
             spin = contact.spin[0] * impulse_h + contact.spin[1] * impulse_k

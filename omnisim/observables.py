@@ -59,7 +59,9 @@ def observe(parameters, rows, times, watch, observed):
         y, mode, slopes = rows.y[row], rows.mode[row], observed.slopes[row]
         evaluate(parameters, mode, rows.piece[row], times[row], y, slopes, watch)
         body = body_motion(parameters, y)
-        observed.servo[row, 0], observed.servo[row, 1] = servo(parameters.machine, room, slopes[at.yaw_rate])
+        observed.servo[row, 0], observed.servo[row, 1] = servo(
+            parameters.machine, parameters.wheels, room, slopes[at.yaw_rate]
+        )
         for w in range(len(parameters.wheels)):
             wheel, seen, part = parameters.wheels[w], observed.contacts[row, w], room.parts[w]
             contact, heading = room.contacts[2 * w], world_heading(wheel, body)

@@ -106,13 +106,23 @@ PART = np.dtype(
         ("point", np.float64, (2,)),  # where it does, from C along chassis axes, m
         ("drive_torque", np.float64),  # tau on the disk about k, N m
         ("free_spin", np.float64),  # J phi'' without the contacts, N m
-        ("moment", np.float64, (5,)),  # of the wheel on the body without its contacts, in the rows of body.py
+        ("yaw_moment", np.float64),  # of the wheel on the body without its contacts, about the vertical, N m
+        ("heading_moment", np.float64),  # and about the heading of the wheel, N m
         ("normal_force", np.float64),  # N, N; below 0 of a wheel that the floor does not carry
         ("share_margin", np.float64),  # torque with which both contacts alone would push back to the edge, N m
     ]
 )
 
 
+EXTERNAL = np.dtype(
+    [
+        ("x", np.float64),  # force, along chassis axes, N
+        ("y", np.float64),
+        ("z", np.float64),
+        ("yaw", np.float64),  # torque about the vertical through C, N m
+        ("yaw_rate", np.float64),  # of the body, rad/s
+    ]
+)
 RESTING = np.dtype(
     [
         ("rest", np.int64),  # its force is sought
@@ -126,15 +136,17 @@ RESTING = np.dtype(
 class Room(NamedTuple):
     """Room for the forces of an instant, W wheels; not constant, but without memory either.
 
-    contacts: (2 W,) records CONTACT, two for each wheel. parts: (W,) records PART. external (5,): wrench in the rows
-    of body.py. balance (6, 7): the equations there. resting (2,): records RESTING of the contacts of one wheel, coupled
-    by mobility (2, 2, 2, 2), 1/kg: slip acceleration of one by the force of another.
+    contacts: (2 W,) records CONTACT, two for each wheel. parts: (W,) records PART. external: record EXTERNAL.
+    pushes (3, 3), tilt (2, 7), sums (6,): the loads in body.py. resting (2,): records RESTING of the contacts of one
+    wheel, coupled by mobility (2, 2, 2, 2), 1/kg: slip acceleration of one by the force of another.
     """
 
     contacts: np.recarray
     parts: np.recarray
-    external: np.ndarray
-    balance: np.ndarray
+    external: np.record
+    pushes: np.ndarray
+    tilt: np.ndarray
+    sums: np.ndarray
     resting: np.recarray
     mobility: np.ndarray
 
@@ -176,9 +188,10 @@ def records(dtype: np.dtype, rows: list[dict]) -> np.recarray:
 
 
 def room(wheels: int) -> Room:
-    contacts, parts, resting = np.zeros(2 * wheels, CONTACT), np.zeros(wheels, PART), np.zeros(2, RESTING)
-    contacts, parts = contacts.view(np.recarray), parts.view(np.recarray)
-    return Room(contacts, parts, np.zeros(5), np.zeros((6, 7)), resting.view(np.recarray), np.zeros((2, 2, 2, 2)))
+    tables = (np.zeros(2 * wheels, CONTACT), np.zeros(wheels, PART), np.zeros(2, RESTING))
+    contacts, parts, resting = (table.view(np.recarray) for table in tables)
+    external, loads = np.zeros(1, EXTERNAL).view(np.recarray)[0], (np.zeros((3, 3)), np.zeros((2, 7)), np.zeros(6))
+    return Room(contacts, parts, external, *loads, resting, np.zeros((2, 2, 2, 2)))
 
 
 class Bodies(NamedTuple):
