@@ -45,7 +45,9 @@ TURN_FRACTION = 0.7  # of the largest stable step of the method for the turning 
 REST = 1e-11  # of 1 m/s and of the speeds that make up the slip, below which it no longer matters
 CREEP_SPEED = 1e-7  # m/s: slip that has a direction of its own
 CREEP_STEP = 2.0  # of the time in which creeping slip doubles or stops, for one step
-ALIGNED = 1e-3  # m/s: slip across that direction that a coarse step does not see
+ALIGNED = 0.1  # m/s: slip across its final direction that a coarse step does not see
+FINE_ALIGNED = 1e-6  # the same for methods "auto" and "radau5"
+LEAST_ALIGNED = 1e-13  # the same of the finest step: taking the last slip away at REST costs more
 CONE = 1e-12  # of mu N, by which a sticking force may pass the cone in rounding
 
 
@@ -119,9 +121,10 @@ def fineness(dt: float) -> float:
     return min(1.0, (dt / COARSE_STEP) ** 0.75)
 
 
-def alignment(dt: float) -> float:
+def alignment(dt: float, choice: int) -> float:
     """Slip across the direction of the contact equation that a step dt (s) does not see, m/s: ~ dt^4, as its error."""
-    return ALIGNED * min(1.0, dt / COARSE_STEP) ** 4
+    coarsest = ALIGNED if choice == EXPLICIT else FINE_ALIGNED
+    return max(coarsest * min(1.0, dt / COARSE_STEP) ** 4, LEAST_ALIGNED)
 
 
 @kernel
@@ -149,17 +152,16 @@ def rests(parameters, run, w, side):
 
 @kernel
 def stops(parameters, run, w):
-    """Whether a contact slips that will stop within a step, and what it slips across the direction of the contact
-    equation is less than what the error of a step hides."""
+    """Whether a contact slips that will stop within a step in a direction that attracts, and turns so little until
+    then (v times the sine between v and v') that the error of a step hides what it slips across that direction."""
     mode, watch = run.mode[w], run.watch[w]
     if mode.shared or mode.grip[0] != SLIP or watch.factor[0] == 0.0:
         return False
     rate, slip, (hh, hk, kk) = slip_rate(parameters, run, w, 0)
     along, across, square = slip.h * rate.h + slip.k * rate.k, slip.h * rate.k - slip.k * rate.h, watch.slip_square[0]
-    if square >= -along * run.clock.dt:
-        return False
     attraction = watch.factor[0] * (hh * slip.k * slip.k - 2.0 * hk * slip.h * slip.k + kk * slip.h * slip.h) + along
-    return abs(across) * square < run.clock.aligned * attraction * math.sqrt(square)
+    soon = square < -along * run.clock.dt and attraction > 0.0
+    return soon and abs(across) * math.sqrt(square) < -along * run.clock.aligned
 
 
 @kernel

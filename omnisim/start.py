@@ -20,9 +20,9 @@ def begin(config: Config, parameters: Parameters) -> Run:
     clock.dt = config.time.output_interval / config.time.steps_per_output
     clock.steps, clock.steps_per_row = config.time.steps, config.time.steps_per_output
     clock.wheel, clock.reach = -1, clock.dt
-    clock.fineness, clock.aligned = fineness(clock.dt), alignment(clock.dt)
     method = METHODS[config.solver.method]
     clock.choice, clock.stability_limit = resolve(config, parameters), method.tableau.stability_limit
+    clock.fineness, clock.aligned = fineness(clock.dt), alignment(clock.dt, clock.choice)
     return Run(
         y=y,
         trial=np.empty_like(y),
