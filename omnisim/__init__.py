@@ -2,6 +2,7 @@
 
 scene = omnisim.load("scene.toml")             a Scene; SceneError says what is wrong with the file
 trajectory = omnisim.simulate(scene)           a Trajectory; its status says whether it reached the end
+omnisim.Loop(scene)                            the same step by step, with inputs set by a controller
 trajectory.save("run.h5");  omnisim.open_trajectory("run.h5")
 """
 
@@ -10,6 +11,7 @@ from importlib import import_module
 _HOMES = {
     "Scene": "scene",
     "SceneError": "scene",
+    "Loop": "loop",
     "load": "scene",
     "Trajectory": "trajectory",
     "simulate": "simulation",

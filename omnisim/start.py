@@ -19,7 +19,7 @@ def begin(config: Config, parameters: Parameters) -> Run:
     count, clock = len(parameters.wheels), np.zeros(1, CLOCK).view(np.recarray)[0]
     clock.dt = config.time.output_interval / config.time.steps_per_output
     clock.steps, clock.steps_per_row = config.time.steps, config.time.steps_per_output
-    clock.wheel, clock.reach = -1, clock.dt
+    clock.goal, clock.wheel, clock.reach = clock.steps, -1, clock.dt
     method = METHODS[config.solver.method]
     clock.choice, clock.stability_limit = resolve(config, parameters), method.tableau.stability_limit
     clock.fineness, clock.aligned = fineness(clock.dt), alignment(clock.dt, clock.choice)

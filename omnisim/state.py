@@ -103,6 +103,7 @@ CLOCK = np.dtype(
     [
         ("steps", np.int64),  # grid steps in all
         ("steps_per_row", np.int64),
+        ("goal", np.int64),  # grid steps up to which the march goes
         ("step", np.int64),  # grid steps done
         ("row", np.int64),  # output rows written
         ("piece", np.int64),  # of the tables

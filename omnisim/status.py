@@ -22,11 +22,13 @@ EVENTS_PER_STEP = 4096  # more than this in one step is no progress of time
     RESTLESS,
     TIPPING,
     JAMMED,
-) = range(18)
+    ENDED,
+) = range(19)
 
 SENTENCES = {
     COMPLETE: "complete",
     INTERRUPTED: "interrupted by the user at t = {time:.9g} s",
+    ENDED: "ended by its controller at t = {time:.9g} s",
     NO_START: "the motion cannot start: a rate of change at t = 0 is not finite; look at the initial speeds and masses",
     NOT_FINITE: (
         "the motion diverged at t = {time:.9g} s: a state is no longer finite; try time.step below {step:.3g} s"

@@ -54,9 +54,9 @@ EPSILON = 4.0 * 2.0**-52
 
 @kernel
 def march(parameters, method, run, rows, log):
-    """March to the end or until something stops the run; pauses when it has worked enough or the log is full.
+    """March to the goal or until something stops the run; pauses when it has worked enough or the log is full.
 
-    Resumable: returns the status, RUNNING at a pause, LOG_FULL if the log needs room.
+    Resumable: returns the status, RUNNING at a pause or at a goal before the end, LOG_FULL if the log needs room.
     """
     clock = run.clock
     if clock.row == 0 and clock.status == RUNNING:
@@ -72,7 +72,9 @@ def march(parameters, method, run, rows, log):
             write_row(parameters, run, rows)
         if clock.choice == EXPLICIT and stiffest * clock.dt > clock.stability_limit:
             clock.status, clock.rate = STIFF_BEARING, stiffest
-    while clock.status == RUNNING and clock.step < clock.steps and clock.rhs < clock.pause:
+    elif clock.status == RUNNING and clock.piece + 1 < len(parameters.starts):
+        enter_piece(parameters, run, rows, log)
+    while clock.status == RUNNING and clock.step < clock.goal and clock.rhs < clock.pause:
         if clock.events + 2 * EVENTS_PER_STEP > len(log):
             return LOG_FULL
         grid_step(parameters, method, run, log)
@@ -87,6 +89,20 @@ def march(parameters, method, run, rows, log):
     if clock.status == RUNNING and clock.step == clock.steps:
         clock.status = COMPLETE
     return clock.status
+
+
+@outlined
+def enter_piece(parameters, run, rows, log):
+    """Enter a piece of the tables that begins here, set while the march stood still; a row of this instant is renewed."""
+    clock = run.clock
+    here = clock.step * clock.dt
+    if parameters.starts[clock.piece + 1] <= here:
+        clock.piece += 1
+        refresh(parameters, run, here)
+        settle_others(parameters, run, log, here)
+        if clock.step % clock.steps_per_row == 0:
+            clock.row -= 1
+            write_row(parameters, run, rows)
 
 
 @outlined

@@ -37,6 +37,8 @@ LAYERS = (
     ("stiffness",),
     ("start",),
     ("observables",),
+    ("collect",),
+    ("loop",),
     ("simulation",),
     ("analysis", "timing"),
 )

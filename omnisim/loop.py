@@ -1,0 +1,224 @@
+"""A scene that is stepped from outside: a controller sets the inputs of its drives between the steps.
+
+    loop = omnisim.Loop(omnisim.load("youbot"))
+    while loop.time < 2.0:
+        loop.command(0.3, 0.0, 0.1 * (1.0 - loop.yaw))        a twist; or loop.drive("front_left", 0.2)
+        loop.advance(0.01)
+    loop.trajectory().save("controlled.h5")
+
+Nothing is compiled again: inputs are the tables that the kernels read anyway. What a controller sets is one more piece
+of them, held from then on, and the trajectory's scene has it as tables, so that loading it repeats the run.
+"""
+
+import math
+import time
+import tomllib
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+
+from omnisim import status
+from omnisim.collect import collect
+from omnisim.config import DRIVE_KEYS
+from omnisim.events import EVENT
+from omnisim.ideal import wheel_rows
+from omnisim.parameters import DRIVE, Parameters, pack
+from omnisim.scene import Scene, SceneError
+from omnisim.start import begin, blank_rows
+from omnisim.state import YAW, Places, X, Y, places_in
+from omnisim.status import EVENTS_PER_STEP
+from omnisim.stepper import march
+from omnisim.tableau import METHODS
+from omnisim.toml_text import assign, rewrite
+from omnisim.trajectory import Trajectory
+
+ON_GRID = 1e-9  # relative, of times that must be multiples of the step
+FOR_EVER = np.iinfo(np.int64).max
+
+
+class Loop:
+    """One run of a scene, as far as it has come.
+
+    Raises SceneError if the rows of the whole scene do not fit into memory.
+    """
+
+    def __init__(self, scene: Scene):
+        self.scene = scene
+        self.stages = METHODS[scene.config.solver.method].stages
+        self.parameters: Parameters = pack(scene.config)
+        self.run = begin(scene.config, self.parameters)
+        try:
+            self.rows = blank_rows(self.run, scene.config.time.outputs + 1)
+        except MemoryError as error:
+            raise SceneError(f"{scene.source}: time.output_interval: too many rows for the memory: {error}") from None
+        self.log = np.zeros(4 * EVENTS_PER_STEP, EVENT).view(np.recarray)
+        self.wall_time = 0.0
+        self._at: Places = places_in(self.parameters)
+        self._driven: set[int] = set()
+        self.names = MappingProxyType({wheel.name: w for w, wheel in enumerate(scene.config.wheels)})
+        self.march(0)  # finds the rollers in contact; the first call loads or compiles the kernels
+        self.wall_time = 0.0
+
+    def march(self, work: int = FOR_EVER) -> int:
+        """March up to the goal, or for about so many right-hand sides; the status."""
+        clock = self.run.clock
+        clock.pause = min(clock.rhs + work, FOR_EVER) if work < FOR_EVER else FOR_EVER
+        begun = time.perf_counter()
+        while march(self.parameters, self.stages, self.run, self.rows, self.log) == status.LOG_FULL:
+            self.log = np.concatenate([self.log, np.zeros_like(self.log)]).view(np.recarray)
+        self.wall_time += time.perf_counter() - begun
+        return int(clock.status)
+
+    def advance(self, seconds: float) -> bool:
+        """March on by a multiple of the scene's step; whether the run goes on after that.
+
+        False at the end of the scene, or where something stopped the run: `status` says what. Raises ValueError for a
+        time that is no multiple of the step.
+        """
+        clock = self.run.clock
+        steps = round(seconds / clock.dt) if math.isfinite(seconds) else 0
+        if steps < 1 or abs(seconds - steps * clock.dt) > ON_GRID * seconds:
+            raise ValueError(f"{seconds!r} s is no multiple of the scene's step, {clock.dt:g} s")
+        clock.goal = min(clock.step + steps, clock.steps)
+        return self.march() == status.RUNNING
+
+    def drive(self, wheel: str, value: float) -> None:
+        """Give a drive its input from now on: by its kind torque (N m), target rate (rad/s) or voltage (V).
+
+        Raises KeyError for an unknown wheel, ValueError for a drive without input or a number that is not finite.
+        """
+        w = self.names[wheel]
+        kind = self.scene.config.wheels[w].drive.kind
+        if DRIVE_KEYS[kind].given is None:
+            raise ValueError(f"wheel '{wheel}' has a drive of kind '{kind}', which takes no input")
+        self._set({w: value})
+
+    def command(self, vx: float, vy: float, yaw_rate: float) -> None:
+        """Give all rate drives the rates of this twist of the chassis from now on, m/s and rad/s, in chassis axes.
+
+        Raises ValueError if the machine has no rate drive, or for a number that is not finite.
+        """
+        wheels = self.scene.config.wheels
+        followers = [w for w, wheel in enumerate(wheels) if wheel.drive.kind == "rate"]
+        if not followers:
+            raise ValueError("no wheel has a drive of kind 'rate', which could follow a command")
+        rates = self._rows @ (vx, vy, yaw_rate)
+        self._set({w: rates[w] for w in followers})
+
+    @property
+    def time(self) -> float:
+        """s"""
+        return float(self.run.clock.step * self.run.clock.dt)
+
+    @property
+    def status(self) -> str:
+        """ "running", or how the run ended, as the trajectory's status has it."""
+        running = self.run.clock.status == status.RUNNING
+        return "running" if running else self.trajectory().attributes["status"]
+
+    @property
+    def yaw(self) -> float:
+        """rad"""
+        return float(self.run.y[YAW])
+
+    @property
+    def yaw_rate(self) -> float:
+        """rad/s"""
+        return float(self.run.y[self._at.yaw_rate])
+
+    @property
+    def position(self) -> np.ndarray:
+        """Of the chassis origin or the centre of a bare wheel: x, y, m."""
+        return self.run.y[[X, Y]] - self._to_centre()
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """Of the same point: x, y, m/s, world axes."""
+        x, y = self._to_centre()
+        v = self._at.velocity
+        return self.run.y[v : v + 2] + self.yaw_rate * np.array([y, -x])
+
+    @property
+    def spin_angles(self) -> np.ndarray:
+        """Of all wheels in the order of the scene (W,), rad."""
+        return self.run.y[self._at.spin_angle :][: len(self.names)].copy()
+
+    @property
+    def spin_rates(self) -> np.ndarray:
+        """Of all wheels (W,), rad/s."""
+        return self.run.y[self._at.spin_rate :][: len(self.names)].copy()
+
+    @property
+    def odometry(self) -> np.ndarray:
+        """Pose that ideal wheels without slip would report: x, y, yaw (m, rad).
+
+        Raises ValueError for a machine whose wheels tell no pose.
+        """
+        if not self.parameters.machine.odometry:
+            raise ValueError("the spin rates of this machine's wheels tell no pose")
+        yaw = self.parameters.machine.odometry_yaw + self.spin_angles @ self.parameters.wheels.odometry[:, 2]
+        return np.append(self.run.y[self._at.odometry : self._at.odometry + 2], yaw)
+
+    def trajectory(self) -> Trajectory:
+        """The run so far, at the output times it has passed."""
+        self.march(0)  # takes over what was set last
+        return collect(self._scene(), self.parameters, self.run, self.rows, self.log, self.wall_time)
+
+    def _to_centre(self) -> np.ndarray:
+        """C from the chassis origin, world axes, m."""
+        (x, y), yaw = self.parameters.machine.centre, self.run.y[YAW]
+        return np.array([x * np.cos(yaw) - y * np.sin(yaw), x * np.sin(yaw) + y * np.cos(yaw)])
+
+    @property
+    def _rows(self) -> np.ndarray:
+        if not hasattr(self, "_wheel_rows"):
+            self._wheel_rows = wheel_rows(self.scene.config)
+        return self._wheel_rows
+
+    def _set(self, values: dict[int, float]) -> None:
+        """Hold these inputs of drives from now on: a piece of the tables begins here, later ones keep the rest."""
+        if not all(np.isfinite(value) for value in values.values()):
+            raise ValueError(f"inputs of drives must be finite numbers: {values}")
+        starts, inputs = self.parameters.starts, self.parameters.inputs
+        here, piece = self.time, int(self.run.clock.piece) + 1
+        if piece == len(starts) or starts[piece] > here:  # none begins here yet
+            if starts[-1] < np.inf:  # no room left
+                room = max(64, len(starts))
+                starts = np.concatenate([starts, np.full(room, np.inf)])
+                inputs = np.concatenate([inputs, np.zeros((room, *inputs.shape[1:]))])
+                self.parameters = self.parameters._replace(starts=starts, inputs=inputs)
+            starts[piece + 1 :], inputs[piece + 1 :] = starts[piece:-1].copy(), inputs[piece:-1].copy()
+            starts[piece], inputs[piece] = here, inputs[piece - 1]
+            inputs[piece, :, 0] += inputs[piece, :, 1] * (here - starts[piece - 1])
+        for w, value in values.items():
+            inputs[piece:, DRIVE + w] = value, 0.0
+        self._driven |= values.keys()
+
+    def _scene(self) -> Scene:
+        """The scene with all that was set as tables of the drives."""
+        if not self._driven:
+            return self.scene
+        data, edits = tomllib.loads(self.scene.text), []
+        for w in sorted(self._driven):
+            times, values = self._table(DRIVE + w)
+            given = DRIVE_KEYS[self.scene.config.wheels[w].drive.kind].given
+            edits += [(("wheels", w, "drive", "times"), times), (("wheels", w, "drive", given), values)]
+        for path, value in edits:
+            assign(data, path, value)
+        if all(wheel["drive"].get("rate") is not None for wheel in data["wheels"] if "drive" in wheel):
+            data.pop("command", None)  # nobody follows it any more
+        return replace(self.scene, text=rewrite(self.scene.text, edits, data))
+
+    def _table(self, channel: int) -> tuple[list[float], list[float]]:
+        """Times and values of an input, so far and as they would go on."""
+        starts, inputs = self.parameters.starts, self.parameters.inputs[:, channel]
+        times, values = [], []
+        for piece in range(int(np.searchsorted(starts, np.inf))):
+            value = inputs[piece, 0]
+            if piece:
+                times.append(float(starts[piece]))
+                values.append(float(inputs[piece - 1, 0] + inputs[piece - 1, 1] * (starts[piece] - starts[piece - 1])))
+            times.append(float(starts[piece]))
+            values.append(float(value))
+        return times, values
