@@ -4,10 +4,9 @@ import json
 import tomllib
 
 import numpy as np
-from scenes import REFERENCE
 
 import omnisim
-from omnisim.scene import Scene, packaged_scenes, parse
+from omnisim.scene import Scene, parse
 
 TYPES = {
     "mecanum": {
@@ -23,10 +22,9 @@ TYPES = {
 }  # fmt: skip
 
 
-def tables(name: str) -> dict:
-    """A packaged scene, or else a reference case, as a dictionary."""
-    text = omnisim.load(name).text if name in packaged_scenes() else (REFERENCE / f"{name}.toml").read_text()
-    return tomllib.loads(text)
+def tables(source: Scene | str) -> dict:
+    """A scene, or the packaged one of this name, as a dictionary."""
+    return tomllib.loads((omnisim.load(source) if isinstance(source, str) else source).text)
 
 
 def scene(data: dict, *overrides: str) -> Scene:
@@ -47,3 +45,48 @@ def run(data: dict, *overrides: str):
     trajectory = omnisim.simulate(scene(data, *overrides))
     assert trajectory.complete, trajectory.attributes["status"]
     return trajectory
+
+
+def mirrored(data: dict) -> dict:
+    """The scene seen in a mirror that stands along the x axis of the world.
+
+    Rolling forward stays rolling forward; a rate about a roller's axis changes its sign, as does one about the normal.
+    """
+    data = json.loads(json.dumps(data))
+    for wheel in data["wheels"]:
+        x, y = wheel["position"]
+        wheel["position"] = [x, -y]
+        wheel["heading_deg"] = -wheel.get("heading_deg", 0.0)
+        wheel["mirrored"] = not wheel.get("mirrored", False)
+        wheel["roller_rates"] = (-np.array(wheel.get("roller_rates", 0.0))).tolist()
+    x, y, z = data["chassis"]["center_of_mass"]
+    data["chassis"]["center_of_mass"] = [x, -y, z]
+    initial = data.setdefault("initial", {})
+    for key in {"yaw_deg", "yaw_rate"} & set(initial):
+        initial[key] = -initial[key]
+    for key in {"position", "velocity"} & set(initial):
+        initial[key] = [initial[key][0], -initial[key][1]]
+    if "command" in data:
+        data["command"]["twist"] = [[vx, -vy, -yaw_rate] for vx, vy, yaw_rate in data["command"]["twist"]]
+    if "wrench" in data:
+        data["wrench"]["force"] = [[x, -y, z] for x, y, z in data["wrench"].get("force", [])]
+        data["wrench"]["yaw_torque"] = [-torque for torque in data["wrench"].get("yaw_torque", [])]
+    return data
+
+
+def rotated(data: dict, angle_deg: float) -> dict:
+    """The same machine after a turn of the world about the origin."""
+    data = json.loads(json.dumps(data))
+    turn = rotation(np.radians(angle_deg))
+    initial = data.setdefault("initial", {})
+    initial["yaw_deg"] = initial.get("yaw_deg", 0.0) + angle_deg
+    for key in {"position", "velocity"} & set(initial):
+        initial[key] = (turn @ initial[key]).tolist()
+    if "wrench" in data and data["wrench"].get("frame", "world") == "world":
+        data["wrench"]["force"] = [[*(turn @ force[:2]).tolist(), force[2]] for force in data["wrench"]["force"]]
+    return data
+
+
+def rotation(angle: float) -> np.ndarray:
+    """Matrix (2, 2) that turns by `angle` (rad)."""
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
