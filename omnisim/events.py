@@ -41,6 +41,7 @@ TURN, EXIT, SHARE, LOAD, JAM, DRIVE, KINK, GRIP, YOUNG = range(9)
 OF_WHEEL, GUARDS = 6, 9  # the first are of the wheel, the others of each of its contacts
 ANGLE_ROUNDING = 4.0 * 2.0**-53
 DRIVE_PLAY = 1e-12  # of its limit
+LOAD_PLAY = 1e-12  # of the weight: in the rounding of its load a wheel that has left the floor does not land again
 MOST_CHANGES = 50  # of modes that follow one another at one instant
 ON_A_LINE = 1e-9  # of the extent of the wheels squared
 SLIP_ROUNDING = 0.1  # of the slip that no longer matters
@@ -71,7 +72,8 @@ def guard(parameters, mode, kind, w, side, y, watch):
     if kind == SHARE:
         return watch[w].share_margin + share_rounding(parameters, mode[w], w, y, watch[w]) if mode[w].shared else 0.0
     if kind == LOAD:
-        return watch[w].normal_force if mode[w].loaded else -watch[w].normal_force
+        play = LOAD_PLAY * machine.mass * machine.gravity
+        return watch[w].normal_force if mode[w].loaded else play - watch[w].normal_force
     if kind == JAM:
         return watch[w].regular - LEAST_REGULAR
     if kind == DRIVE:
@@ -83,9 +85,10 @@ def guard(parameters, mode, kind, w, side, y, watch):
         return excess if mode[w].saturated[side] else -excess
     if machine.law != COULOMB or mode[w].grip[side] == SLIP:
         return 0.0
-    if kind == GRIP:
-        rounding = CONE * machine.friction * watch[w].normal_force if mode[w].grip[side] == STICK else 0.0
-        return watch[w].margin[side] + rounding
+    if kind == GRIP and mode[w].grip[side] == STICK:
+        return watch[w].margin[side] + CONE * machine.friction * watch[w].normal_force
+    if kind == GRIP:  # contacts that let go together leave one another some rounding
+        return watch[w].margin[side] + SLIP_ROUNDING * rest_speed(parameters, mode[w], w, side, y)
     young = mode[w].grip[side] == CREEP or mode[w].shared
     return CREEP_SPEED - math.sqrt(watch[w].slip_square[side]) if young else 0.0
 

@@ -129,10 +129,10 @@ def outrun(parameters, run, h):
 
 @kernel
 def rests(parameters, run, w, side):
-    """Whether a contact of wheel w slips so slowly that it is at rest."""
-    watch, limit = run.watch[w], parameters.machine.friction * run.watch[w].normal_force
-    slow = watch.slip_square[side] < rest_speed(parameters, run.mode[w], w, side, run.y) ** 2
-    return run.mode[w].grip[side] == SLIP and limit > 0.0 and slow
+    """Whether a contact of wheel w slips so slowly that it is at rest; in the air nothing holds it there."""
+    mode, watch, limit = run.mode[w], run.watch[w], parameters.machine.friction * run.watch[w].normal_force
+    slow = watch.slip_square[side] < rest_speed(parameters, mode, w, side, run.y) ** 2
+    return mode.loaded == 1 and mode.grip[side] == SLIP and limit > 0.0 and slow
 
 
 @kernel
