@@ -27,6 +27,50 @@ def tables(source: Scene | str) -> dict:
     return tomllib.loads((omnisim.load(source) if isinstance(source, str) else source).text)
 
 
+BOX = ((0.2, 0.15), (0.2, -0.15), (-0.2, 0.15), (-0.2, -0.15))  # front left, front right, rear left, rear right
+CHASSIS = {"mass": 6.0, "center_of_mass": [0.0, 0.0, 0.1], "inertia": [0.1, 0.2, 0.25]}
+
+
+def machine(kind: str, places=BOX, headings_deg=(), drives=(), **changed) -> dict:
+    """A machine on wheels w0, w1, ... of one of TYPES without friction; mecanum wheels alternate as in a BOX."""
+    wheels = [{"name": f"w{i}", "type": kind, "position": list(place)} for i, place in enumerate(places)]
+    for key, values in (("heading_deg", headings_deg), ("drive", drives)):
+        for wheel, value in zip(wheels, values, strict=False):
+            wheel[key] = value
+    if kind == "mecanum":
+        for wheel in wheels:
+            wheel["mirrored"] = wheel["position"][0] * wheel["position"][1] < 0.0
+    return {
+        "schema": 1,
+        "time": {"end": 1.0, "step": 1e-3, "output_interval": 0.01},
+        "friction": {"law": "none"},
+        "wheel_types": {kind: TYPES[kind]},
+        "chassis": CHASSIS,
+        "wheels": wheels,
+    } | changed
+
+
+def axle_inertia(kind: str) -> float:
+    """J_k of a wheel of one of TYPES, kg m^2."""
+    wheel, sine = TYPES[kind], np.sin(np.radians(TYPES[kind]["roller_angle_deg"]))
+    roller = wheel["roller"]
+    ring = roller["mass"] * wheel["roller_distance"] ** 2 + roller["inertia_transverse"] * (1.0 - sine**2)
+    return wheel["disk"]["inertia_axle"] + wheel["roller_count"] * ring
+
+
+def diameter_inertia(kind: str) -> float:
+    """J_t of a wheel of one of TYPES, kg m^2."""
+    wheel, cosine = TYPES[kind], np.cos(np.radians(TYPES[kind]["roller_angle_deg"]))
+    roller = wheel["roller"]
+    ring = roller["mass"] * wheel["roller_distance"] ** 2 / 2 + roller["inertia_transverse"] * (1.0 - cosine**2 / 2)
+    return wheel["disk"]["inertia_diameter"] + wheel["roller_count"] * ring
+
+
+def wheel_mass(kind: str) -> float:
+    wheel = TYPES[kind]
+    return wheel["disk"]["mass"] + wheel["roller_count"] * wheel["roller"]["mass"]
+
+
 def scene(data: dict, *overrides: str) -> Scene:
     return parse("\n".join(f"{key} = {toml(value)}" for key, value in data.items()), overrides=overrides)
 
