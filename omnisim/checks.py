@@ -68,7 +68,8 @@ def check_energy(parameters, run):
     loss = y[at.friction_loss] + (y[at.bearing_loss] if machine.bearings else 0.0)
     balance = 0.5 * doubled - clock.energy + loss - y[at.drive_work] - y[at.wrench_work]
     turned_over = clock.energy + abs(y[at.drive_work]) + abs(y[at.wrench_work])
-    if abs(balance) > UNBALANCED_PART * turned_over and clock.status == RUNNING:
+    clock.turnover = max(clock.turnover, turned_over)  # the works may have come back to nothing
+    if abs(balance) > UNBALANCED_PART * clock.turnover and clock.status == RUNNING:
         clock.status, clock.wheel = UNBALANCED, -1
 
 

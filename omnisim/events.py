@@ -28,7 +28,7 @@ from omnisim.body import LEAST_REGULAR
 from omnisim.contact.coulomb import CREEP, SLIP, STICK
 from omnisim.contact.reaction import COULOMB, SATURATED
 from omnisim.exchange import comes_to_rest_between, leave_edge, release_rollers, stand_on
-from omnisim.grip import CONE, CREEP_SPEED, come_to_rest, rest_speed, start_creep, start_slip
+from omnisim.grip import CONE, CREEP_SPEED, come_to_rest, rest_speed, start_creep, start_slip, youth
 from omnisim.kernel import kernel, merged, outlined
 from omnisim.parameters import CONTACTS
 from omnisim.runge_kutta import refresh
@@ -41,6 +41,7 @@ TURN, EXIT, SHARE, LOAD, JAM, DRIVE, KINK, GRIP, YOUNG = range(9)
 OF_WHEEL, GUARDS = 6, 9  # the first are of the wheel, the others of each of its contacts
 ANGLE_ROUNDING = 4.0 * 2.0**-53
 DRIVE_PLAY = 1e-12  # of its limit
+LOAD_PLAY = 1e-12  # of the weight: in the rounding of its load a wheel that has left the floor does not land again
 MOST_CHANGES = 50  # of modes that follow one another at one instant
 ON_A_LINE = 1e-9  # of the extent of the wheels squared
 SLIP_ROUNDING = 0.1  # of the slip that no longer matters
@@ -58,7 +59,7 @@ EVENT = np.dtype(
 
 
 @kernel
-def guard(parameters, mode, kind, w, side, y, watch):
+def guard(parameters, clock, mode, kind, w, side, y, watch):
     """Value of a guard of wheel w or its contact `side` at state `y`, by-products `watch`: >= 0 while it holds."""
     machine, wheel, at = parameters.machine, parameters.wheels[w], places(parameters)
     direction = mode[w].direction
@@ -71,7 +72,8 @@ def guard(parameters, mode, kind, w, side, y, watch):
     if kind == SHARE:
         return watch[w].share_margin + share_rounding(parameters, mode[w], w, y, watch[w]) if mode[w].shared else 0.0
     if kind == LOAD:
-        return watch[w].normal_force if mode[w].loaded else -watch[w].normal_force
+        play = LOAD_PLAY * machine.mass * machine.gravity
+        return watch[w].normal_force if mode[w].loaded else play - watch[w].normal_force
     if kind == JAM:
         return watch[w].regular - LEAST_REGULAR
     if kind == DRIVE:
@@ -83,12 +85,13 @@ def guard(parameters, mode, kind, w, side, y, watch):
         return excess if mode[w].saturated[side] else -excess
     if machine.law != COULOMB or mode[w].grip[side] == SLIP:
         return 0.0
-    if kind == GRIP:
-        rounding = CONE * machine.friction * watch[w].normal_force if mode[w].grip[side] == STICK else 0.0
-        return watch[w].margin[side] + rounding
+    if kind == GRIP and mode[w].grip[side] == STICK:
+        return watch[w].margin[side] + CONE * machine.friction * watch[w].normal_force
+    if kind == GRIP:  # contacts that let go together leave one another some rounding
+        return watch[w].margin[side] + SLIP_ROUNDING * rest_speed(parameters, mode[w], w, side, y)
     if mode[w].shared:
         return CREEP_SPEED - math.sqrt(watch[w].slip_square[side])
-    return mode[w].free_speed - math.sqrt(watch[w].slip_square[side]) if mode[w].grip[side] == CREEP else 0.0
+    return youth(parameters, clock, watch[w]) if mode[w].grip[side] == CREEP else 0.0
 
 
 @kernel
@@ -109,19 +112,19 @@ def share_rounding(parameters, mode, w, y, watch):
 
 
 @kernel
-def all_hold(parameters, mode, w, y, watch):
+def all_hold(parameters, clock, mode, w, y, watch):
     """Whether every guard of wheel w holds: what most steps ask, and all that they ask."""
-    held = guard(parameters, mode, TURN, w, 0, y, watch) >= 0.0
-    held = held and guard(parameters, mode, EXIT, w, 0, y, watch) >= 0.0
-    held = held and guard(parameters, mode, SHARE, w, 0, y, watch) >= 0.0
-    held = held and guard(parameters, mode, LOAD, w, 0, y, watch) >= 0.0
-    held = held and guard(parameters, mode, JAM, w, 0, y, watch) >= 0.0
-    held = held and guard(parameters, mode, DRIVE, w, 0, y, watch) >= 0.0
+    held = guard(parameters, clock, mode, TURN, w, 0, y, watch) >= 0.0
+    held = held and guard(parameters, clock, mode, EXIT, w, 0, y, watch) >= 0.0
+    held = held and guard(parameters, clock, mode, SHARE, w, 0, y, watch) >= 0.0
+    held = held and guard(parameters, clock, mode, LOAD, w, 0, y, watch) >= 0.0
+    held = held and guard(parameters, clock, mode, JAM, w, 0, y, watch) >= 0.0
+    held = held and guard(parameters, clock, mode, DRIVE, w, 0, y, watch) >= 0.0
     if parameters.machine.law in (COULOMB, SATURATED):
         for side in range(1 + mode[w].shared):
-            held = held and guard(parameters, mode, KINK, w, side, y, watch) >= 0.0
-            held = held and guard(parameters, mode, GRIP, w, side, y, watch) >= 0.0
-            held = held and guard(parameters, mode, YOUNG, w, side, y, watch) >= 0.0
+            held = held and guard(parameters, clock, mode, KINK, w, side, y, watch) >= 0.0
+            held = held and guard(parameters, clock, mode, GRIP, w, side, y, watch) >= 0.0
+            held = held and guard(parameters, clock, mode, YOUNG, w, side, y, watch) >= 0.0
     return held
 
 
@@ -221,7 +224,7 @@ def settle_others(parameters, run, log, time):
                 sticks = run.mode[w].grip[0] == STICK and not run.mode[w].shared
                 if run.clock.status != RUNNING or (kind == GRIP and not sticks):
                     continue
-                if guard(parameters, run.mode, kind, w, 0, run.y, run.watch) < 0.0:
+                if guard(parameters, run.clock, run.mode, kind, w, 0, run.y, run.watch) < 0.0:
                     transition(parameters, run, log, kind, w, 0, time)
                     changed = kind
         if changed < 0 or run.clock.status != RUNNING:

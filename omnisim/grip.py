@@ -4,7 +4,7 @@
     SLIP   ---- slip below rest_speed, F outside ------------>  CREEP  (through zero without sticking)
     SLIP   ---- slip about to stop, turning no more --------->  CREEP
     STICK  ---- |F| reaches mu N ---------------------------->  CREEP
-    CREEP  ---- slip above its free_speed ------------------->  SLIP
+    CREEP  ---- slip no longer young ------------------------>  SLIP
     CREEP  ---- slip turns back ----------------------------->  STICK or CREEP again
 
 Near zero slip v / |v| turns ever faster towards a limit direction, so a slipping contact is stepped by a fraction of
@@ -43,11 +43,12 @@ AUTO_ACCURATE = 0.5  # and up to which its explicit steps go
 COARSE_STEP = 1e-2  # s: a grid step from which on sub-steps are as coarse as is safe
 TURN_FRACTION = 0.7  # of the largest stable step of the method for the turning of the slip's direction
 REST = 1e-11  # of 1 m/s and of the speeds that make up the slip, below which it no longer matters
-CREEP_SPEED = 1e-7  # m/s: slip that has a direction of its own
+CREEP_SPEED = 1e-7  # m/s: slip that has no direction of its own in any case
 CREEP_STEP = 2.0  # of the time in which creeping slip doubles or stops, for one step
 ALIGNED = 0.1  # m/s: slip across its final direction that a coarse step does not see
 FINE_ALIGNED = 1e-6  # the same for methods "auto" and "radau5"
 LEAST_ALIGNED = 1e-13  # the same of the finest step: taking the last slip away at REST costs more
+LEAST_STIFF = 2.0  # relaxation of slip within a step, below which sub-steps cost nothing
 CONE = 1e-12  # of mu N, by which a sticking force may pass the cone in rounding
 
 
@@ -144,10 +145,10 @@ def outrun(parameters, run, h):
 
 @kernel
 def rests(parameters, run, w, side):
-    """Whether a contact of wheel w slips so slowly that it is at rest."""
-    watch, limit = run.watch[w], parameters.machine.friction * run.watch[w].normal_force
-    slow = watch.slip_square[side] < rest_speed(parameters, run.mode[w], w, side, run.y) ** 2
-    return run.mode[w].grip[side] == SLIP and limit > 0.0 and slow
+    """Whether a contact of wheel w slips so slowly that it is at rest; in the air nothing holds it there."""
+    mode, watch, limit = run.mode[w], run.watch[w], parameters.machine.friction * run.watch[w].normal_force
+    slow = watch.slip_square[side] < rest_speed(parameters, mode, w, side, run.y) ** 2
+    return mode.loaded == 1 and mode.grip[side] == SLIP and limit > 0.0 and slow
 
 
 @kernel
@@ -160,8 +161,24 @@ def stops(parameters, run, w):
     rate, slip, (hh, hk, kk) = slip_rate(parameters, run, w, 0)
     along, across, square = slip.h * rate.h + slip.k * rate.k, slip.h * rate.k - slip.k * rate.h, watch.slip_square[0]
     attraction = watch.factor[0] * (hh * slip.k * slip.k - 2.0 * hk * slip.h * slip.k + kk * slip.h * slip.h) + along
-    soon = square < -along * run.clock.dt and attraction > 0.0
+    soon = square < -along * run.clock.dt and attraction > 0.0 and stiffness(parameters, run.clock, watch) > LEAST_STIFF
     return soon and abs(across) * math.sqrt(square) < -along * run.clock.aligned
+
+
+@kernel
+def stiffness(parameters, clock, watch):
+    """Relaxation of slip within a grid step, at most, 1."""
+    return watch.factor[0] * parameters.machine.slip_mobility * clock.dt
+
+
+@kernel
+def youth(parameters, clock, watch):
+    """Positive while creeping slip is too young for a direction of its own: so slow, or else so little of it across
+    the direction of the contact equation that the error of a step hides it, while sub-steps would have to be short."""
+    square = watch.slip_square[0]
+    across = math.sqrt(max(square - watch.margin[0] * watch.margin[0], 0.0))
+    hidden = min(clock.aligned - across, stiffness(parameters, clock, watch) - 0.5 * LEAST_STIFF)
+    return max(CREEP_SPEED - math.sqrt(square), hidden)
 
 
 @kernel
@@ -198,7 +215,7 @@ def come_to_rest(parameters, run, w, side, t):
 def start_creep(parameters, run, w, t):
     """Let a contact at rest slip off in the direction of the contact equation."""
     mode = run.mode[w]
-    mode.grip[0], mode.free_speed = CREEP, CREEP_SPEED
+    mode.grip[0] = CREEP
     mode.creep[0] = mode.creep[1] = 0.0
     refresh(parameters, run, t)
     keep_creep(parameters, run, w)
@@ -209,7 +226,7 @@ def begin_to_stop(parameters, run, w, t):
     """Let the slip of wheel w's contact go on in the direction of the contact equation, in which it will stop."""
     mode, slip, speed = run.mode[w], parameters.room.contacts[2 * w].slip, math.sqrt(run.watch[w].slip_square[0])
     refresh(parameters, run, t)
-    mode.grip[0], mode.free_speed = CREEP, 2.0 * speed
+    mode.grip[0] = CREEP
     mode.creep[0], mode.creep[1] = slip[0] / speed, slip[1] / speed
     refresh(parameters, run, t)
     keep_creep(parameters, run, w)

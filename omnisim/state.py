@@ -81,7 +81,6 @@ MODE = np.dtype(
         ("saturated", np.int64, (2,)),  # branch of the saturated friction law at each contact
         ("grip", np.int64, (2,)),  # coulomb.SLIP, STICK or CREEP
         ("creep", np.float64, (2,)),  # direction of creeping slip when it began; 0: not known yet
-        ("free_speed", np.float64),  # slip beyond which a creeping contact has a direction of its own, m/s
         ("air_cos", np.float64),  # sums over the rollers in the air, D_i = gamma_i - gamma_contact:
         ("air_sin", np.float64),  # sum p_i cos D_i, sum p_i sin D_i and sum p_i, rad/s
         ("air_sum", np.float64),
@@ -115,6 +114,7 @@ CLOCK = np.dtype(
         ("implicit", np.int64),  # the step under way is implicit
         ("converged", np.int64),  # the last trial step: an implicit one may fail
         ("energy", np.float64),  # kinetic, at the start, J
+        ("turnover", np.float64),  # the largest sum of that and of the works so far, J
         ("status", np.int64),
         ("wheel", np.int64),  # that caused the status, or -1
         ("dt", np.float64),  # s

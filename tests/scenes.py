@@ -11,6 +11,7 @@ from omnisim.start import begin
 
 REFERENCE = Path(__file__).parent / "reference"
 REFERENCE_CASES = ("testbench_psi0", "testbench_psi30")
+REFERENCE_MACHINES = ("kiwi", "mecanum")
 
 
 def reference_scene(name, *overrides):
@@ -18,10 +19,25 @@ def reference_scene(name, *overrides):
 
 
 def reference_data(name):
-    """Converged states of a reference case, good to 1e-10: arrays by key, those by wheel name for the only wheel."""
+    """Converged states of a reference case, good to 1e-10: arrays by key, as columns where there is one for each wheel.
+
+    The only wheel has no column of its own. `exchange_wheels` names the wheels of a vehicle's exchanges.
+    """
     data = json.loads((REFERENCE / f"{name}.json").read_text())
-    flat = {key: value["wheel"] if isinstance(value, dict) else value for key, value in data.items()}
-    return {key: value if isinstance(value, str) else np.array(value) for key, value in flat.items()}
+    wheels = [wheel.name for wheel in reference_scene(name).config.wheels]
+    by_wheel = {key: [value[wheel] for wheel in wheels] for key, value in data.items() if isinstance(value, dict)}
+    if len(wheels) == 1:
+        data |= {key: values[0] for key, values in by_wheel.items()}
+    else:
+        data |= {key: np.transpose(values) for key, values in by_wheel.items()}
+        data["exchange_times"], data["exchange_wheels"] = zip(*data["exchange_times"], strict=True)
+    return {key: value if isinstance(value, str) else np.array(value) for key, value in data.items()}
+
+
+def final_reference(name):
+    """What `final_state` converges to."""
+    data = reference_data(name)
+    return np.array([*data["position"][-1], data["yaw"][-1], *np.atleast_1d(data["spin_angle"][-1])])
 
 
 def simulate(name, *overrides):
@@ -31,11 +47,15 @@ def simulate(name, *overrides):
     return trajectory
 
 
+def of_wheels(trajectory, path):
+    """A dataset of every wheel, as columns."""
+    return np.stack([trajectory[f"wheels/{wheel}/{path}"] for wheel in trajectory.wheels], axis=1)
+
+
 def final_state(trajectory):
-    """Position, yaw and spin angle in the last row."""
-    wheel = trajectory.wheels[0]
-    angles = [trajectory["body/yaw"][-1], trajectory[f"wheels/{wheel}/spin_angle"][-1]]
-    return np.concatenate([trajectory["body/position"][-1, :2], angles])
+    """Position, yaw and spin angles in the last row."""
+    spin_angles = of_wheels(trajectory, "spin_angle")[-1]
+    return np.array([*trajectory["body/position"][-1, :2], trajectory["body/yaw"][-1], *spin_angles])
 
 
 def packed(scene):

@@ -65,6 +65,8 @@ def slip_direction(a, b, limit):
             break
     u_1, u_2 = b_1 / max(s_1 + kappa, TINY), b_2 / max(s_2 + kappa, TINY)
     norm = math.sqrt(u_1 * u_1 + u_2 * u_2)
+    if norm == 0.0:  # nothing accelerates it
+        return Direction(cos, sin, -s_1)
     u_1, u_2 = u_1 / norm, u_2 / norm
     return Direction(u_1 * cos - u_2 * sin, u_1 * sin + u_2 * cos, kappa)
 
