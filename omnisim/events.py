@@ -45,6 +45,7 @@ LOAD_PLAY = 1e-12  # of the weight: in the rounding of its load a wheel that has
 MOST_CHANGES = 50  # of modes that follow one another at one instant
 ON_A_LINE = 1e-9  # of the extent of the wheels squared
 SLIP_ROUNDING = 0.1  # of the slip that no longer matters
+CREEP_ROUNDING = 1e-3  # of the same: what contacts that let go together may slip back
 EXCHANGE, STUCK, SLIPS, LIFT, LANDING, SHARED, PARTED, STOP = range(len(EVENT_KINDS))
 
 EVENT = np.dtype(
@@ -88,7 +89,7 @@ def guard(parameters, clock, mode, kind, w, side, y, watch):
     if kind == GRIP and mode[w].grip[side] == STICK:
         return watch[w].margin[side] + CONE * machine.friction * watch[w].normal_force
     if kind == GRIP:  # contacts that let go together leave one another some rounding
-        return watch[w].margin[side] + SLIP_ROUNDING * rest_speed(parameters, mode[w], w, side, y)
+        return watch[w].margin[side] + CREEP_ROUNDING * rest_speed(parameters, mode[w], w, side, y)
     if mode[w].shared:
         return CREEP_SPEED - math.sqrt(watch[w].slip_square[side])
     return youth(parameters, clock, watch[w]) if mode[w].grip[side] == CREEP else 0.0

@@ -45,9 +45,10 @@ TURN_FRACTION = 0.7  # of the largest stable step of the method for the turning 
 REST = 1e-11  # of 1 m/s and of the speeds that make up the slip, below which it no longer matters
 CREEP_SPEED = 1e-7  # m/s: slip that has no direction of its own in any case
 CREEP_STEP = 2.0  # of the time in which creeping slip doubles or stops, for one step
-ALIGNED = 0.1  # m/s: slip across its final direction that a coarse step does not see
+ALIGNED = 1e-3  # m/s: slip across its final direction that a coarse step does not see
 FINE_ALIGNED = 1e-6  # the same for methods "auto" and "radau5"
 LEAST_ALIGNED = 1e-13  # the same of the finest step: taking the last slip away at REST costs more
+MOST_FREED = 20  # times in a step, after which slip is followed by sub-steps to its end
 LEAST_STIFF = 2.0  # relaxation of slip within a step, below which sub-steps cost nothing
 CONE = 1e-12  # of mu N, by which a sticking force may pass the cone in rounding
 
@@ -158,11 +159,13 @@ def stops(parameters, run, w):
     mode, watch = run.mode[w], run.watch[w]
     if mode.shared or mode.grip[0] != SLIP or watch.factor[0] == 0.0:
         return False
+    if mode.freed_step == run.clock.step and mode.freed >= MOST_FREED:
+        return False
     rate, slip, (hh, hk, kk) = slip_rate(parameters, run, w, 0)
-    along, across, square = slip.h * rate.h + slip.k * rate.k, slip.h * rate.k - slip.k * rate.h, watch.slip_square[0]
+    along, turn, square = slip.h * rate.h + slip.k * rate.k, slip.h * rate.k - slip.k * rate.h, watch.slip_square[0]
     attraction = watch.factor[0] * (hh * slip.k * slip.k - 2.0 * hk * slip.h * slip.k + kk * slip.h * slip.h) + along
     soon = square < -along * run.clock.dt and attraction > 0.0 and stiffness(parameters, run.clock, watch) > LEAST_STIFF
-    return soon and abs(across) * math.sqrt(square) < -along * run.clock.aligned
+    return soon and abs(turn) * math.sqrt(square) < -along * run.clock.aligned
 
 
 @kernel
@@ -172,12 +175,17 @@ def stiffness(parameters, clock, watch):
 
 
 @kernel
+def across(watch):
+    """Slip of a creeping contact across the direction of the contact equation, m/s."""
+    return math.sqrt(max(watch.slip_square[0] - watch.margin[0] * watch.margin[0], 0.0))
+
+
+@kernel
 def youth(parameters, clock, watch):
     """Positive while creeping slip is too young for a direction of its own: so slow, or else so little of it across
     the direction of the contact equation that the error of a step hides it, while sub-steps would have to be short."""
     square = watch.slip_square[0]
-    across = math.sqrt(max(square - watch.margin[0] * watch.margin[0], 0.0))
-    hidden = min(clock.aligned - across, stiffness(parameters, clock, watch) - 0.5 * LEAST_STIFF)
+    hidden = min(clock.aligned - across(watch), stiffness(parameters, clock, watch) - 0.5 * LEAST_STIFF)
     return max(CREEP_SPEED - math.sqrt(square), hidden)
 
 
@@ -203,7 +211,7 @@ def come_to_rest(parameters, run, w, side, t):
     if mode.shared:
         change_slip(parameters, run, w, side, Slip(0.0, 0.0))
     else:
-        stop_slip(parameters, run)
+        align_slip(parameters, run)
     refresh(parameters, run, t)
     limit = parameters.machine.friction * run.watch[w].normal_force
     if not mode.shared and run.watch[w].margin[side] < -CONE * limit:
@@ -222,15 +230,18 @@ def start_creep(parameters, run, w, t):
 
 
 @outlined
-def begin_to_stop(parameters, run, w, t):
-    """Let the slip of wheel w's contact go on in the direction of the contact equation, in which it will stop."""
-    mode, slip, speed = run.mode[w], parameters.room.contacts[2 * w].slip, math.sqrt(run.watch[w].slip_square[0])
+def begin_to_stop(parameters, run, t):
+    """Let slips that are about to stop go on in the direction of the contact equation, in which they will."""
+    for w in range(len(run.mode)):
+        if stops(parameters, run, w):
+            mode, slip = run.mode[w], parameters.room.contacts[2 * w].slip
+            mode.grip[0], speed = CREEP, math.sqrt(run.watch[w].slip_square[0])
+            mode.creep[0], mode.creep[1] = slip[0] / speed, slip[1] / speed
     refresh(parameters, run, t)
-    mode.grip[0] = CREEP
-    mode.creep[0], mode.creep[1] = slip[0] / speed, slip[1] / speed
-    refresh(parameters, run, t)
-    keep_creep(parameters, run, w)
-    turn_slip(parameters, run, w)
+    for w in range(len(run.mode)):
+        if run.mode[w].grip[0] == CREEP:
+            keep_creep(parameters, run, w)
+    align_slip(parameters, run)
     refresh(parameters, run, t)
 
 
@@ -247,47 +258,53 @@ def start_slip(parameters, run, w, side, t):
     mode = run.mode[w]
     if mode.grip[side] == CREEP and not mode.shared:
         refresh(parameters, run, t)
-        turn_slip(parameters, run, w)
+        keep_creep(parameters, run, w)
+        align_slip(parameters, run)
+        mode.freed = mode.freed + 1 if mode.freed_step == run.clock.step else 1
+        mode.freed_step = run.clock.step
     mode.grip[side] = SLIP
     refresh(parameters, run, t)
 
 
 @kernel
-def turn_slip(parameters, run, w):
-    """Turn the slip of a creeping contact into the direction that the last right-hand side found."""
-    creep, speed = parameters.room.contacts[2 * w].creep, math.sqrt(run.watch[w].slip_square[0])
-    change_slip(parameters, run, w, 0, Slip(speed * creep[0], speed * creep[1]))
-
-
-@kernel
 def hold(parameters, run, t):
-    """Take the drift of sticking contacts away: they hold the slip acceleration at zero, the slip to rounding."""
+    """Take drift away: sticking contacts hold the slip acceleration at zero, the slip only to rounding; creeping ones
+    have a direction that turns, and their slip follows."""
     drifts = False
     for w in range(len(run.mode)):
-        if run.mode[w].grip[0] == STICK and not run.mode[w].shared:
-            rest = rest_speed(parameters, run.mode[w], w, 0, run.y)
-            drifts = drifts or run.watch[w].slip_square[0] > 0.01 * rest * rest
+        mode, watch = run.mode[w], run.watch[w]
+        if mode.shared:
+            continue
+        if mode.grip[0] == STICK:
+            rest = rest_speed(parameters, mode, w, 0, run.y)
+            drifts = drifts or watch.slip_square[0] > 0.01 * rest * rest
+        elif mode.grip[0] == CREEP:
+            keep_creep(parameters, run, w)
+            drifts = drifts or across(watch) > 0.0
     if drifts:
-        stop_slip(parameters, run)
+        align_slip(parameters, run)
         refresh(parameters, run, t)
 
 
 @outlined
-def stop_slip(parameters, run):
-    """Change the speeds by the impulses at all sticking contacts that leave none of them any slip.
+def align_slip(parameters, run):
+    """Change the speeds by the impulses that leave no slip to sticking contacts, and none across their direction to
+    creeping ones, all at once.
 
-    The equations of body.py for a sticking contact, with its slip in the place of its slip acceleration.
+    The equations of body.py for sticking contacts, with that slip in the place of the slip acceleration.
     """
     machine, room, y, at = parameters.machine, parameters.room, run.y, places(parameters)
     body = body_motion(parameters, run.y)
     for w in range(len(run.mode)):
-        part, contact = room.parts[w], room.contacts[2 * w]
-        part.loaded = run.mode[w].grip[0] == STICK and not run.mode[w].shared
+        part, contact, mode, wheel = room.parts[w], room.contacts[2 * w], run.mode[w], parameters.wheels[w]
+        part.loaded = mode.grip[0] != SLIP and not mode.shared
         part.contacts, part.sought, part.yaw_moment = 1, 0, 0.0
         if part.loaded:
-            state = contact_state(parameters, run.mode[w], w, 0, body, y)
-            set_contact(parameters.wheels[w], contact, state, 0)
-            set_held(machine, parameters.wheels[w], contact, state, state.slip)
+            state = contact_state(parameters, mode, w, 0, body, y)
+            slip, u = state.slip, mode.creep
+            along = slip.h * u[0] + slip.k * u[1] if mode.grip[0] == CREEP else 0.0
+            set_contact(wheel, contact, state, 0)
+            set_held(machine, wheel, contact, state, Slip(slip.h - along * u[0], slip.k - along * u[1]))
             contact.rest = 1
     room.external.x = room.external.y = room.external.yaw = 0.0
     plane = plane_balance(machine, room)

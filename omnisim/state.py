@@ -81,6 +81,8 @@ MODE = np.dtype(
         ("saturated", np.int64, (2,)),  # branch of the saturated friction law at each contact
         ("grip", np.int64, (2,)),  # coulomb.SLIP, STICK or CREEP
         ("creep", np.float64, (2,)),  # direction of creeping slip when it began; 0: not known yet
+        ("freed", np.int64),  # how often creeping slip got a direction of its own in the grid step
+        ("freed_step", np.int64),  # where it last did so
         ("air_cos", np.float64),  # sums over the rollers in the air, D_i = gamma_i - gamma_contact:
         ("air_sin", np.float64),  # sum p_i cos D_i, sum p_i sin D_i and sum p_i, rad/s
         ("air_sum", np.float64),

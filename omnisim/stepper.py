@@ -131,12 +131,14 @@ def grid_step(parameters, method, run, log):
         h, knot = piece_length(parameters, clock, start)
         whole = h
         if coulomb:
+            stopping = False
             for w in range(len(run.mode)):
                 for side in range(1 + run.mode[w].shared):
                     if rests(parameters, run, w, side):
                         settle_slip(parameters, run, log, w, side, t)
-                if stops(parameters, run, w):
-                    begin_to_stop(parameters, run, w, t)
+                stopping = stopping or stops(parameters, run, w)
+            if stopping:
+                begin_to_stop(parameters, run, t)
         if coulomb or clock.choice != EXPLICIT:
             h = step_length(parameters, run, t, h)
         h, kind, w, side = step_to_event(parameters, method, run, t, h)
