@@ -1,6 +1,6 @@
 """Run the benchmarks: Markdown on stdout, progress on stderr.
 
-python bench/run.py [--quick] [--json FILE] [c_loop scipy_peer laws scaling kernels startup hard_cases]
+python bench/run.py [--quick] [--json FILE] [c_loop scipy_peer laws scaling kernels machines startup hard_cases]
 """
 
 import argparse
@@ -13,6 +13,7 @@ import c_loop
 import hard_cases
 import kernels
 import laws
+import machines
 import numba
 import numpy
 import scaling
@@ -28,6 +29,7 @@ BENCHMARKS = {
     "laws": (laws, "Set-valued against regularized friction at equal error", 20, 2),
     "scaling": (scaling, "64 rollers against 8", 31, 5),
     "kernels": (kernels, "Kernels", 31, 5),
+    "machines": (machines, "Machines", 9, 1),
     "startup": (startup, "Whole command", 5, 1),
     "hard_cases": (hard_cases, "Hard cases", 1, 1),
 }
@@ -88,10 +90,32 @@ def verdict(results: dict) -> str:
     if wheels := results.get("scaling"):
         worst = max(row["ratio"] for row in wheels.values())
         sentences.append(judge(f"64 rollers take {worst:.2f} times as long as 8", scaling.TARGET, worst, "most"))
+    if whole := results.get("machines"):
+        sentences += machine_sentences(whole)
     if cases := results.get("hard_cases"):
         kept = sum(row["error"] < row["bound"] and row["energy"] < hard_cases.BALANCED for row in cases)
         sentences.append(f"{kept} of {len(cases)} hard cases keep their bounds.")
     return " ".join(sentences)
+
+
+def machine_sentences(result: dict) -> list[str]:
+    """Of the platform, of the wheels of a machine, of its rollers."""
+    fast, march, free = (
+        machines.slowest(result, *key) for key in (("rate", "simulate"), ("rate", "march"), ("torque", "simulate"))
+    )
+    text = f"The platform on 4 x 9 mecanum rollers, position within {machines.ACCURATE:.0e} m, runs at {fast:.0f} times"
+    text += (
+        f" real time in the slowest of its motions (the march alone at {march:.0f}, without controllers at {free:.0f})"
+    )
+    most = max(rows[-1]["ratio"] for rows in result["wheels"].values())
+    steps = f"A step of {machines.MOST} wheels takes {most:.2f} times that of {machines.FEWEST}"
+    rollers = max(row["ratio"] for row in result["rollers"].values())
+    return [
+        judge(text, machines.TARGET, fast, "least"),
+        f"The aim is {machines.AIM:g}; {machines.ELSEWHERE}.",
+        judge(steps, machines.MOST / machines.FEWEST, most, "most"),
+        f"64 rollers on each of four wheels take {rollers:.2f} times as long as 8, with their exchanges.",
+    ]
 
 
 def usual_peer(row: dict[str, float]) -> float:
