@@ -1,4 +1,4 @@
-"""The machines of `machines.py` as scenes: a platform on four mecanum wheels, and rings of omni wheels.
+"""The machines of `whole_machines.py` as scenes: a platform on four mecanum wheels, and rings of omni wheels.
 
 The platform has the size of common ones (22.7 kg in all, wheels of 100 mm with nine rollers at 45 deg). It follows a
 twist that rises for RAMP seconds and then stays, in one of two ways:
