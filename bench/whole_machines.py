@@ -187,7 +187,7 @@ def measure_steps(rounds: int) -> dict:
     platforms = {kind: platform("forward", kind, "rk4", FINE, end=1.0) for kind in ("rate", "torque")}
     scenes = {
         bare: bare_wheel(FINE, end=1.0),
-        "tests/reference/mecanum, 4 x 6, regularized": omnisim.load(MECANUM, [fine, "time.end=0.5"]),
+        "tests/reference/mecanum, 4 x 6, regularized": omnisim.load(MECANUM, [fine, "time.end=1.0"]),
         "kiwi, 3 x 18, coulomb, rate drives": omnisim.load("kiwi", [fine, "time.end=1.0"]),
         **{f"platform forward, 4 x 9, coulomb, {kind} drives": scene for kind, scene in platforms.items()},
     }
@@ -273,7 +273,7 @@ def report(result: dict) -> str:
             rollers_table(result["rollers"]),
             "The kiwi drive stepped from outside, by its own step of 0.5 ms:",
             loop_table(result["loop"]),
-            f"One RK4 step of {FINE:.0e} s, with the events of the run:",
+            f"One RK4 step of {FINE:.0e} s, in marches of 1 s, with the events of the run:",
             steps_table(result["steps"]),
         ]
     )
