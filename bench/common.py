@@ -3,10 +3,12 @@
 import statistics
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
+import omnisim
 from omnisim.events import EVENT
 from omnisim.parameters import Parameters, pack
 from omnisim.scene import Scene, parse
@@ -15,6 +17,7 @@ from omnisim.state import Rows, Run
 from omnisim.status import COMPLETE, EVENTS_PER_STEP
 from omnisim.stepper import march
 from omnisim.tableau import METHODS, Stages
+from omnisim.trajectory import Trajectory
 
 ROLLER_RATES = (3.0, -2.0, 5.0, 1.0, -4.0, 2.0)
 SCENE = """
@@ -89,6 +92,17 @@ def ready(scene: Scene) -> March:
     rows = blank_rows(run, config.time.outputs + 1)
     log = np.zeros(4 * EVENTS_PER_STEP, EVENT).view(np.recarray)
     return March(parameters, METHODS[config.solver.method].stages, run, rows, log)
+
+
+def simulation(scene: Scene) -> Callable[[], Trajectory]:
+    """A contestant: a call after another of its kind, since after a long march by another one the first is cold."""
+    omnisim.simulate(scene)
+    return partial(omnisim.simulate, scene)
+
+
+def marching(scene: Scene) -> Callable[[], object]:
+    """The march of a scene, ready to go: a contestant."""
+    return ready(scene).go
 
 
 def interleaved(contestants: dict[str, Callable[[], Callable[[], object]]], rounds: int) -> dict[str, list[float]]:

@@ -9,13 +9,12 @@ import json
 import math
 import statistics
 import time
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from common import interleaved, median_ratio, ready, table
+from common import interleaved, marching, median_ratio, simulation, table
 
 import omnisim
 from omnisim.scene import Scene
@@ -99,16 +98,6 @@ def measure(rounds: int) -> dict:
         "equal": [equal_row(setup, errors[setup], rival, seconds) for setup, rival in rivals.items() if rival],
         "survey": [trial.setup._asdict() | {"error": trial.error, "ms": trial.ms} for trial in surveyed],
     }
-
-
-def simulation(scene: Scene) -> Callable[[], Trajectory]:
-    """A call that follows another of its kind: after a long march by another contestant the first one is cold."""
-    omnisim.simulate(scene)
-    return partial(omnisim.simulate, scene)
-
-
-def marching(scene: Scene) -> Callable[[], object]:
-    return ready(scene).go
 
 
 def error_of(run: Trajectory) -> float:

@@ -1,6 +1,6 @@
 """Run the benchmarks: Markdown on stdout, progress on stderr.
 
-python bench/run.py [--quick] [--json FILE] [c_loop scipy_peer laws scaling kernels startup hard_cases]
+python bench/run.py [--quick] [--json FILE] [c_loop scipy_peer laws scaling kernels whole_machines startup hard_cases]
 """
 
 import argparse
@@ -19,6 +19,7 @@ import scaling
 import scipy
 import scipy_peer
 import startup
+import whole_machines
 
 import omnisim
 
@@ -28,6 +29,7 @@ BENCHMARKS = {
     "laws": (laws, "Set-valued against regularized friction at equal error", 20, 2),
     "scaling": (scaling, "64 rollers against 8", 31, 5),
     "kernels": (kernels, "Kernels", 31, 5),
+    "whole_machines": (whole_machines, "Whole machines", 20, 1),
     "startup": (startup, "Whole command", 5, 1),
     "hard_cases": (hard_cases, "Hard cases", 1, 1),
 }
@@ -88,10 +90,31 @@ def verdict(results: dict) -> str:
     if wheels := results.get("scaling"):
         worst = max(row["ratio"] for row in wheels.values())
         sentences.append(judge(f"64 rollers take {worst:.2f} times as long as 8", scaling.TARGET, worst, "most"))
+    if whole := results.get("whole_machines"):
+        sentences += machine_sentences(whole)
     if cases := results.get("hard_cases"):
         kept = sum(row["error"] < row["bound"] and row["energy"] < hard_cases.BALANCED for row in cases)
         sentences.append(f"{kept} of {len(cases)} hard cases keep their bounds.")
     return " ".join(sentences)
+
+
+def machine_sentences(result: dict) -> list[str]:
+    """Of the platform, of the wheels of a machine, of its rollers."""
+    keys = ("rate", "simulate"), ("rate", "march"), ("torque", "simulate")
+    fast, march, free = (f"{whole_machines.slowest(result, *key):.0f}" for key in keys)
+    text = f"The platform on 4 x 9 mecanum rollers runs at {fast} times real time in the slowest of its motions"
+    text += (
+        f" (the march alone at {march}, without controllers at {free}), position within {whole_machines.ACCURATE:g} m"
+    )
+    most = max(rows[-1]["ratio"] for rows in result["wheels"].values())
+    steps = f"A step of {whole_machines.MOST} wheels takes {most:.2f} times that of {whole_machines.FEWEST}"
+    rollers = max(row["ratio"] for row in result["rollers"].values())
+    return [
+        judge(text, whole_machines.TARGET, float(fast), "least"),
+        f"The aim is {whole_machines.AIM:g}; {whole_machines.ELSEWHERE}.",
+        judge(steps, whole_machines.MOST / whole_machines.FEWEST, most, "most"),
+        f"64 rollers on each of four wheels take {rollers:.2f} times as long as 8, with their exchanges.",
+    ]
 
 
 def usual_peer(row: dict[str, float]) -> float:

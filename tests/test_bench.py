@@ -10,9 +10,13 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1] / "bench"))
 import c_loop
 import laws
+import machine_scenes
+import whole_machines
 from common import bare_wheel, ready, table
 
 import omnisim
+from omnisim.loop import Loop
+from omnisim.parameters import bodies
 
 CASES = {
     "straight rollers": {},
@@ -87,15 +91,55 @@ def test_a_run_that_stops_has_no_error_to_compare():
     assert law_error(1e-3, "rk4", 1e-3) == np.inf
 
 
+@pytest.mark.parametrize("drive", ["rate", "torque"])
+@pytest.mark.parametrize("motion", machine_scenes.MOTIONS)
+def test_the_reference_of_the_platform_is_confirmed_and_the_ladder_tends_to_it(motion, drive):
+    converged = whole_machines.reference(motion, drive)
+    run = omnisim.simulate(machine_scenes.platform(motion, drive, "rk4", 1e-3))
+    error = whole_machines.distances(run, converged).max()
+    assert error < 1e-7  # measured: 5.5e-9, diagonal with yaw by rate drives
+
+
+def test_the_platform_weighs_what_it_should_and_goes_forward_as_ideal_wheels_do():
+    scene = machine_scenes.platform("forward", "torque", "rk4", 1e-3)
+    assert bodies(scene.config).mass == pytest.approx(22.7)
+    x, y = omnisim.simulate(scene)["body/position"][-1, :2]
+    assert (x, y) == pytest.approx((0.875, 0.0), abs=1e-3)  # measured: 0.3 mm short, what rollers take to speed up
+
+
+@pytest.mark.parametrize("wheels", whole_machines.WHEELS)
+def test_every_contact_of_a_ring_sticks_throughout(wheels):
+    run = omnisim.simulate(machine_scenes.ring(wheels, "coulomb", 1e-3, whole_machines.STUCK))
+    slip = max(np.abs(run[f"wheels/w{i}/slip_velocity"]).max() for i in range(wheels))
+    assert run.complete
+    assert len(run["events/time"]) == 0
+    assert slip < 1e-11  # measured: 5e-13, of 12
+    assert np.hypot(*run["body/velocity"][-1, :2]) > 0.01  # measured: 0.023, of 3
+
+
+def test_stepping_from_outside_leaves_the_motion_as_it_is():
+    scene = omnisim.load("kiwi")
+    poses = []
+    for call in whole_machines.CALLS.values():
+        loop = Loop(scene)
+        call(loop)
+        assert loop.time == pytest.approx(0.5)
+        poses.append(loop.position)
+    np.testing.assert_array_equal(poses[1], poses[0])
+    np.testing.assert_allclose(poses[2], poses[0], rtol=0, atol=1e-12)  # measured: 6e-14
+    np.testing.assert_allclose(poses[3], poses[0], rtol=0, atol=1e-4)  # stairs for a ramp; measured: 3.7e-5
+
+
 def test_a_table_is_markdown():
     assert table(["a", "b"], [[1, 2]]) == "| a | b |\n| --- | --- |\n| 1 | 2 |"
 
 
 def test_every_benchmark_runs_and_reports():
     """The whole of `python bench/run.py --quick` but the start-up of commands, with its verdict."""
-    command = [sys.executable, "bench/run.py", "--quick", "c_loop", "laws", "scaling", "kernels"]
+    command = [sys.executable, "bench/run.py", "--quick", "c_loop", "laws", "scaling", "kernels", "whole_machines"]
     done = subprocess.run(command, cwd=Path(__file__).parents[1], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "## Kernels" in done.stdout
     assert "times as long as the set-valued one" in done.stdout
     assert "64 rollers take" in done.stdout
+    assert "A step of 12 wheels takes" in done.stdout
