@@ -25,6 +25,7 @@ MOST_ITERATIONS = 100  # for a share
 MOST_SWEEPS = 500  # over the wheels
 MOST_ROUNDS = 100  # of loads
 SETTLED = 1e-15  # change of forces and loads, relative to the largest, and of a share
+STEADY = 1e-12  # correction of a direction by Newton's method: the next would be lost in rounding
 ROUNDING = 1e-11  # a change below which, if it no longer falls, is rounding
 
 
@@ -38,7 +39,8 @@ def settle_forces(machine, wheels, room, load):
         for w in range(len(wheels)):
             part = room.parts[w]
             if part.sought and part.contacts == 1:
-                change = max(change, turn_creep(machine, wheels[w], room, w, mobility, acceleration))
+                correction = turn_creep(machine, wheels[w], room, w, mobility, acceleration)
+                change = max(change, correction if correction > STEADY else 0.0)
         if settled(change, last):
             break
         last = change

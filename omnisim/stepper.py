@@ -7,9 +7,11 @@ is taken from there, each piece with the mode frozen, so the order of the method
 import math
 
 from omnisim.checks import check, check_energy, too_fast, too_stiff
+from omnisim.contact.coulomb import CREEP
 from omnisim.contact.reaction import COULOMB
 from omnisim.events import (
     EXIT,
+    GRIP,
     GUARDS,
     OF_WHEEL,
     SHARED,
@@ -22,10 +24,11 @@ from omnisim.events import (
     transition,
 )
 from omnisim.exchange import release_rollers, settle, stand_up
-from omnisim.grip import begin_to_stop, hold, outrun, rests, step_length, stops
+from omnisim.grip import begin_to_stop, hold, outrun, rest_speed, rests, step_length, stops
 from omnisim.implicit import implicit_step
 from omnisim.kernel import kernel, merged, outlined
 from omnisim.runge_kutta import accept, copy, explicit_step, refresh
+from omnisim.state import places
 from omnisim.status import (
     COMPLETE,
     CROWDED,
@@ -46,6 +49,7 @@ from omnisim.tableau import EXPLICIT
 TURNS_PER_STEP = 1000  # reversals of spin, swings about an edge that never come to rest on both rollers
 CUTS_PER_STEP = 1000  # changes of friction, in a step that no branch of the law survives
 SLIPS_PER_STEP = 10**6  # sub-steps of slow slip in one step
+STOPPED = 0.1  # of the slip that no longer matters, at which the end of creeping slip is found
 NEAR = 1e-3  # of a step, between two iterates that tell how good the root is
 REACH_GROWTH = 2.0  # of an implicit step over the last one that converged
 GRID_ROUNDING = 1e-14
@@ -249,26 +253,46 @@ def locate(parameters, method, run, t, h, kind, w, side, value):
             low, g_low = s, g
         else:
             high, g_high = s, g
-    tolerance = 1e-12 * h + EPSILON * (t + h)
+    tolerance, slack = 1e-12 * h + EPSILON * (t + h), 0.0
     s, s_last, g_last = low + (high - low) * g_low / (g_low - g_high), high, g_high
+    if kind == EXIT:  # the angle and its rate are known at both ends
+        spin, direction = places(parameters).spin_rate + w, run.mode[w].direction
+        if low == 0.0 and high == h:
+            s = hermite_root(h, g_low, g_high, -direction * run.y[spin], -direction * run.trial[spin], s)
+    elif kind == GRIP and run.mode[w].grip[side] == CREEP:  # what is left of the slip is taken away
+        slack = STOPPED * rest_speed(parameters, run.mode[w], w, side, run.y)
     for iteration in range(60):
         g = trial_guard(parameters, method, run, t, s, kind, w, side)
         if not math.isfinite(g + s):  # of a state that has burst nothing can be located
             return h
         correction = g * (s - s_last) / (g_last - g)
+        if kind == EXIT:
+            correction = g / (direction * run.trial[spin])
         if g > 0.0:
             low = s
         else:
             high = s
         # A chord over a guard that bends sharply gives a small correction far from the root: judge it at its scale.
-        near = abs(correction) <= tolerance and abs(s - s_last) <= NEAR * h
-        if g == 0.0 or near or high - low <= tolerance:
+        near = abs(correction) <= tolerance and (kind == EXIT or abs(s - s_last) <= NEAR * h)
+        if abs(g) <= slack or near or high - low <= tolerance:
             break
         s_last, g_last = s, g
         s += correction
         if iteration % 4 == 3 or not low < s < high:
             s = 0.5 * (low + high)
     return s
+
+
+@kernel
+def hermite_root(h, g_0, g_1, rate_0, rate_1, s):
+    """Root in [0, h] of the cubic with these values and rates at its ends, from the guess s."""
+    x, d_0, d_1 = s / h, h * rate_0, h * rate_1
+    for _ in range(3):
+        y = 1.0 - x
+        value = y * y * ((1.0 + 2.0 * x) * g_0 + x * d_0) + x * x * ((1.0 + 2.0 * y) * g_1 - y * d_1)
+        slope = 6.0 * x * y * (g_1 - g_0) + y * (1.0 - 3.0 * x) * d_0 + x * (3.0 * x - 2.0) * d_1
+        x = min(max(x - value / slope, 0.0), 1.0)
+    return x * h if 0.0 < x < 1.0 else s
 
 
 @kernel
