@@ -1,6 +1,6 @@
 """Run the benchmarks: Markdown on stdout, progress on stderr.
 
-python bench/run.py [--quick] [--json FILE] [c_loop scipy_peer laws scaling kernels startup hard_cases]
+python bench/run.py [--quick] [--json FILE] [c_loop scipy_peer laws scaling kernels startup hard_cases vehicle twists]
 """
 
 import argparse
@@ -19,6 +19,8 @@ import scaling
 import scipy
 import scipy_peer
 import startup
+import twists
+import vehicle
 
 import omnisim
 
@@ -30,6 +32,8 @@ BENCHMARKS = {
     "kernels": (kernels, "Kernels", 31, 5),
     "startup": (startup, "Whole command", 5, 1),
     "hard_cases": (hard_cases, "Hard cases", 1, 1),
+    "vehicle": (vehicle, "The authors' vehicle against its ideal", 20, 2),  # simulated seconds, as of the next
+    "twists": (twists, "Machines that follow a twist", 4, 4),
 }
 
 
