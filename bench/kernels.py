@@ -42,7 +42,7 @@ def measure(rounds: int) -> dict:
 def evaluation(scene):
     """A function that evaluates the right-hand side EVALUATIONS times, from the state after the first steps."""
     march = ready(scene)
-    march.run.clock.steps = 10
+    march.run.clock.steps = march.run.clock.goal = 10
     march.go()
     return lambda: evaluate(march.parameters, march.run, EVALUATIONS)
 

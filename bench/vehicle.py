@@ -46,8 +46,8 @@ SYMMETRIC = {("viscous", "in place"): 1e-3, ("viscous", "straight"): 1e-3}  # s;
 SHARES = (1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001)
 SHORT = 20.0  # s, of the table of shares
 NOTES = """Method radau5. Energy: the largest imbalance in any row, relative to the initial kinetic energy. Distance:
-from the ideal motion with the same twist at the start. The wheels start at rest on the chassis, or as if it yawed alone,
-so that all but the first start begin with a skid, over at 1 s. Viscous friction: with upright = "servo"."""
+from the ideal motion with the same twist at the start. The wheels start at rest on the chassis, or as if it yawed
+alone, so that all but the first start begin with a skid, over at 1 s. Viscous friction: with upright = "servo"."""
 
 
 class Ideal(NamedTuple):
