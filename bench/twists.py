@@ -109,15 +109,15 @@ def of_wheels(found: Trajectory, path: str) -> np.ndarray:
 def report(rows: list[dict[str, object]]) -> str:
     poses = [
         [line["machine"], line["twist"], *(f"{value:g}" for value in line["command"]), f"{line['x']:z.4f}",
-         f"{line['y']:z.4f}", f"{line['yaw']:z.4f}", f"{1e3 * line['position_error']:.2g}",
-         f"{1e3 * line['yaw_error']:.2g}", f"{100 * line['lost']:.2g}"] for line in rows
+         f"{line['y']:z.4f}", f"{line['yaw']:z.4f}", f"{1e3 * line['position_error']:.3g}",
+         f"{1e3 * line['yaw_error']:.3g}", f"{100 * line['lost']:.2g}"] for line in rows
     ]  # fmt: skip
     header = ["machine", "twist", "vx, m/s", "vy, m/s", "yaw rate, rad/s", "x, m", "y, m", "yaw, rad",
               "odometry error, mm", "of yaw, mrad", "per cent"]  # fmt: skip
     loads = [
         [line["machine"], line["twist"], f"{1e3 * line['ripple']:.2g} {line['unit']}",
          f"{100 * line['relative_ripple']:.2g}", f"{line['torque']:.2g}", f"{line['peak_torque']:.2g}",
-         f"{line['exchanges']:.0f}", f"{1e3 * line['slip']:.2g}", f"{1e3 * line['steady_slip']:.2g}"] for line in rows
+         f"{line['exchanges']:.0f}", f"{1e3 * line['slip']:.3g}", f"{1e3 * line['steady_slip']:.3g}"] for line in rows
     ]  # fmt: skip
     names = ["machine", "twist", "ripple", "per cent", "rms torque, N m", "peak, N m", "exchanges per second",
              "slip, mm/s", "from 2 s on"]  # fmt: skip
