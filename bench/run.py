@@ -1,6 +1,7 @@
 """Run the benchmarks: Markdown on stdout, progress on stderr.
 
-python bench/run.py [--quick] [--json FILE] [c_loop scipy_peer laws scaling kernels whole_machines startup hard_cases]
+python bench/run.py [--quick] [--json FILE] [BENCHMARK...]      c_loop scipy_peer laws scaling kernels whole_machines
+                                                                startup hard_cases vehicle twists
 """
 
 import argparse
@@ -19,6 +20,8 @@ import scaling
 import scipy
 import scipy_peer
 import startup
+import twists
+import vehicle
 import whole_machines
 
 import omnisim
@@ -32,6 +35,8 @@ BENCHMARKS = {
     "whole_machines": (whole_machines, "Whole machines", 20, 1),
     "startup": (startup, "Whole command", 5, 1),
     "hard_cases": (hard_cases, "Hard cases", 1, 1),
+    "vehicle": (vehicle, "The authors' vehicle against its ideal", 20, 2),  # simulated seconds, as of the next
+    "twists": (twists, "Machines that follow a twist", 4, 4),
 }
 
 

@@ -35,6 +35,8 @@ from omnisim.wheel import (
     world_heading,
 )
 
+NEARLY = 0.99  # cosine between two directions of creeping
+
 
 @kernel
 def rhs(parameters, mode, piece, t, y, dy, watch):
@@ -123,8 +125,10 @@ def observe_contact(parameters, mode, w, side, body, state):
         centre = centre_acceleration(wheel, body, 0.0, 0.0, 0.0)
         bias = slip_acceleration(wheel, state, Motion(centre.h, centre.k, spin, 0.0, roller))
         set_held(machine, wheel, contact, state, bias)
-        for i in range(2):  # of a contact that creeps
-            contact.creep[i], contact.unit[i] = mode.creep[i], -machine.friction * mode.creep[i]
+        creep = contact.creep  # where the last search ended is the best place to begin, if it is of this creeping
+        if not creep[0] * mode.creep[0] + creep[1] * mode.creep[1] > NEARLY:
+            creep[0], creep[1] = mode.creep[0], mode.creep[1]
+        contact.unit[0], contact.unit[1] = -machine.friction * creep[0], -machine.friction * creep[1]
 
 
 @merged

@@ -136,10 +136,13 @@ def test_a_table_is_markdown():
 
 def test_every_benchmark_runs_and_reports():
     """The whole of `python bench/run.py --quick` but the start-up of commands, with its verdict."""
-    command = [sys.executable, "bench/run.py", "--quick", "c_loop", "laws", "scaling", "kernels", "whole_machines"]
+    parts = ("c_loop", "laws", "scaling", "kernels", "whole_machines", "vehicle", "twists")
+    command = [sys.executable, "bench/run.py", "--quick", *parts]
     done = subprocess.run(command, cwd=Path(__file__).parents[1], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "## Kernels" in done.stdout
     assert "times as long as the set-valued one" in done.stdout
     assert "64 rollers take" in done.stdout
     assert "A step of 12 wheels takes" in done.stdout
+    assert "| slope |" in done.stdout
+    assert "| youbot | sideways |" in done.stdout
