@@ -43,6 +43,7 @@ ANGLE_ROUNDING = 4.0 * 2.0**-53
 DRIVE_PLAY = 1e-12  # of its limit
 LOAD_PLAY = 1e-12  # of the weight: in the rounding of its load a wheel that has left the floor does not land again
 MOST_CHANGES = 50  # of modes that follow one another at one instant
+MOST_TRIED = 10  # wheels of which all sets are tried
 ON_A_LINE = 1e-9  # of the extent of the wheels squared
 SLIP_ROUNDING = 0.1  # of the slip that no longer matters
 CREEP_ROUNDING = 1e-3  # of the same: what contacts that let go together may slip back
@@ -230,8 +231,38 @@ def settle_others(parameters, run, log, time):
                     changed = kind
         if changed < 0 or run.clock.status != RUNNING:
             return
-    if changed == LOAD:  # what else does not come to an end is found out by the step that tries to go on
+    # what else does not come to an end is found out by the step that tries to go on
+    if changed == LOAD and not find_loads(parameters, run, log, time):
         run.clock.status, run.clock.wheel = JAMMED, heaviest(run)
+
+
+@merged
+def find_loads(parameters, run, log, time):
+    """Try all sets of wheels on the floor for one that agrees with its loads, where one change calls for the next
+    without end; whether there is one."""
+    count, before = len(run.mode), 0
+    for w in range(count):
+        before += run.mode[w].loaded << w
+    if count > MOST_TRIED:
+        return False
+    for chosen in range(1 << count):
+        for w in range(count):
+            run.mode[w].loaded = (chosen >> w) & 1
+            if not run.mode[w].loaded:
+                run.mode[w].grip[0] = run.mode[w].grip[1] = SLIP
+        if not carried(parameters, run):
+            continue
+        refresh(parameters, run, time)
+        agrees = True
+        for w in range(count):
+            for kind in (LOAD, JAM):
+                agrees = agrees and guard(parameters, run.clock, run.mode, kind, w, 0, run.y, run.watch) >= 0.0
+        if agrees:
+            for w in range(count):
+                if (before ^ chosen) >> w & 1:
+                    record(run.clock, log, time, LANDING if run.mode[w].loaded else LIFT, w, -1, -1)
+            return True
+    return False
 
 
 @merged

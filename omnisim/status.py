@@ -73,8 +73,8 @@ SENTENCES = {
         "carry no roll and pitch; upright = 'servo' would hold it"
     ),
     JAMMED: (
-        "friction jams at t = {time:.9g} s (a Painleve state): no load on the wheels carries the machine, and that of "
-        "wheel '{wheel}' grows without bound; lower the centre of mass or the friction, or use upright = 'servo'"
+        "friction jams at t = {time:.9g} s (a Painleve state): no loads of the wheels, none below zero, carry the "
+        "machine; most was on wheel '{wheel}'; lower the centre of mass or the friction, or use upright = 'servo'"
     ),
     LIFT_OFF: (
         "wheel '{wheel}' leaves the floor at t = {time:.9g} s: the vertical force lifts more than the weight; "
