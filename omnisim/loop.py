@@ -162,7 +162,8 @@ class Loop:
 
     def trajectory(self) -> Trajectory:
         """The run so far, at the output times it has passed."""
-        self.march(0)  # takes over what was set last
+        if self._driven:
+            self.march(0)  # takes over what was set last
         return collect(self._scene(), self.parameters, self.run, self.rows, self.log, self.wall_time)
 
     def _to_centre(self) -> np.ndarray:

@@ -48,8 +48,8 @@ def places(parameters):
 def places_in(parameters):
     """The same outside kernels, where handing over all parameters takes longer than the answer."""
     machine = parameters.machine
-    flags = (int(flag) for flag in (machine.slots, machine.integrals, machine.bearings, machine.odometry))
-    return places_of(len(parameters.wheels), *flags)
+    flags = (machine.slots, machine.integrals, machine.bearings, machine.odometry)
+    return plain_places(len(parameters.wheels), *map(int, flags))
 
 
 @kernel
@@ -60,6 +60,9 @@ def places_of(wheels, slots, integrals, bearings, odometry):
     pose = works + 3 + bearings
     rho = pose + 2 * odometry
     return Places(3, rates, rates + 2, rates + 3, rollers, integral, works, works + 1, works + 2, works + 3, pose, rho)
+
+
+plain_places = getattr(places_of, "py_func", places_of)  # a call from Python, without the detour through compiled code
 
 
 @kernel

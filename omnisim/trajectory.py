@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from os import PathLike
 from types import MappingProxyType
 from typing import Any
@@ -39,7 +39,7 @@ class Quantity:
     dtype: str = "float64"  # or int64, str
     optional: bool = False  # only of scenes that have it
 
-    @property
+    @cached_property
     def is_scale(self) -> bool:
         return self.axes == (self.path,)
 
@@ -152,9 +152,10 @@ class Trajectory:
         for name, kind in ATTRIBUTES.items():
             if kind is float and not np.isfinite(self.attributes[name]):
                 raise ValueError(f"attribute {name} is {self.attributes[name]}: it must be finite")
-        for quantity in self.quantities:
-            shape = tuple(np.size(self.data[axis]) for axis in quantity.axes)
-            _check(quantity, self.data[quantity.path], shape)
+        quantities = self.quantities
+        sizes = {quantity.path: np.size(self.data[quantity.path]) for quantity in quantities if quantity.is_scale}
+        for quantity in quantities:
+            _check(quantity, self.data[quantity.path], tuple(sizes[axis] for axis in quantity.axes))
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
@@ -265,13 +266,17 @@ def _datasets(trajectory: Trajectory) -> str:
 def _scales(table: Mapping[str, Quantity], data: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """The scales that follow from the rest: names of directions, or 0 .. n - 1 with n from the first user."""
     sizes: dict[str, int] = {}
-    for path in (path for path in table if path in data):
-        for axis, size in zip(table[path].axes, np.shape(data[path]), strict=False):
-            sizes.setdefault(axis, size)
+    for path, array in data.items():
+        if path in table:
+            for axis, size in zip(table[path].axes, np.shape(array), strict=False):
+                sizes.setdefault(axis, size)
+    scales = (row for row in table.values() if row.is_scale and row.path != TIME)
     return {
-        path: np.array(LABELS[path]) if path in LABELS else np.arange(sizes.get(path, 0), dtype=np.int64)
-        for path, quantity in table.items()
-        if quantity.is_scale and path != TIME and (path in sizes or not quantity.optional)
+        row.path: np.array(LABELS[row.path])
+        if row.path in LABELS
+        else np.arange(sizes.get(row.path, 0), dtype=np.int64)
+        for row in scales
+        if row.path in sizes or not row.optional
     }
 
 
