@@ -93,7 +93,7 @@ def guard(parameters, clock, mode, kind, w, side, y, watch):
         return watch[w].margin[side] + CREEP_ROUNDING * rest_speed(parameters, mode[w], w, side, y)
     if mode[w].shared:
         return CREEP_SPEED - math.sqrt(watch[w].slip_square[side])
-    return youth(parameters, clock, watch[w]) if mode[w].grip[side] == CREEP else 0.0
+    return youth(parameters, clock, mode[w], watch[w]) if mode[w].grip[side] == CREEP else 0.0
 
 
 @kernel
@@ -165,7 +165,7 @@ def transition(parameters, run, log, kind, w, side, time):
         record(clock, log, time, SLIPS, w, -1, -1)
         start_creep(parameters, run, w, time)
     elif kind == GRIP:
-        settle_slip(parameters, run, log, w, side, time)
+        settle_slips(parameters, run, log, w, side, time)
     else:
         if mode.shared:
             record(clock, log, time, SLIPS, w, (mode.roller - side) % rollers, -1)
@@ -266,12 +266,16 @@ def find_loads(parameters, run, log, time):
 
 
 @merged
-def settle_slip(parameters, run, log, w, side, time):
-    """A slip that has come to its end: the contact sticks or creeps on."""
-    if come_to_rest(parameters, run, w, side, time):
-        mode = run.mode[w]
-        which = (mode.roller - side) % parameters.wheels[w].rollers if mode.shared else -1  # of the two
-        record(run.clock, log, time, STUCK, w, which, -1)
+def settle_slips(parameters, run, log, w, side, time):
+    """Slips that have come to their end, and that of contact `side` of wheel w (-1: of none): the contacts stick or
+    creep on."""
+    come_to_rest(parameters, run, w, side, True, time)
+    for v in range(len(run.mode)):
+        mode = run.mode[v]
+        for other in range(1 + mode.shared):
+            if mode.stopped[other]:
+                which = (mode.roller - other) % parameters.wheels[v].rollers if mode.shared else -1  # of the two
+                record(run.clock, log, time, STUCK, v, which, -1)
 
 
 @kernel

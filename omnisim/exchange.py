@@ -108,7 +108,7 @@ def renew_friction(parameters, run, w, t):
     for side in range(1 + mode.shared):
         if parameters.machine.law == COULOMB:
             if rests(parameters, run, w, side):
-                come_to_rest(parameters, run, w, side, t)
+                come_to_rest(parameters, run, w, side, False, t)
         elif parameters.machine.law == SATURATED:
             mode.saturated[side] = run.watch[w].slip_square[side] > slip_speed * slip_speed
             refresh(parameters, run, t)

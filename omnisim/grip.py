@@ -45,9 +45,12 @@ TURN_FRACTION = 0.7  # of the largest stable step of the method for the turning 
 REST = 1e-11  # of 1 m/s and of the speeds that make up the slip, below which it no longer matters
 CREEP_SPEED = 1e-7  # m/s: slip that has no direction of its own in any case
 CREEP_STEP = 1.05  # of the time in which creeping slip doubles or stops, for one step: a little beyond its end
-ALIGNED = 3e-4  # m/s: slip across its final direction that a coarse step does not see
-FINE_ALIGNED = 1e-6  # the same for methods "auto" and "radau5"
-LEAST_ALIGNED = 1e-13  # the same of the finest step: taking the last slip away at REST costs more
+# What a coarse step does not see of slip across its final direction:
+ALIGNED, FINE_ALIGNED = 3e-4, 1e-6  # m/s; the second for methods "auto" and "radau5"
+STOPPING = 3.5e-6  # m/s of the machine, which slip that is about to stop pushes aside; for explicit methods
+STOPPED = 0.1  # of the slip that no longer matters, at which creeping slip has come to its end, or
+STOPPED_OF_STOPPING = 1e-3  # of that which may be taken away across its direction
+LEAST_ALIGNED = 1e-13  # m/s of slip, of the finest step: taking the last slip away at REST costs more
 MOST_FREED = 20  # times in a step, after which slip is followed by sub-steps to its end
 LEAST_STIFF = 2.0  # relaxation of slip within a step, below which sub-steps cost nothing
 CONE = 1e-12  # of mu N, by which a sticking force may pass the cone in rounding
@@ -129,6 +132,18 @@ def alignment(dt: float, choice: int) -> float:
     return max(coarsest * min(1.0, dt / COARSE_STEP) ** 4, LEAST_ALIGNED)
 
 
+def stopping_alignment(dt: float, choice: int, lightness: float) -> float:
+    """The same of slip that is about to stop. Friction would have turned it soon in any case: what remains is its
+    square by twice the slip, a speed along the slip, and of that what the contact gives the machine. So it goes with
+    dt^2, for errors that fall with dt^4; implicit steps follow it at no cost.
+
+    lightness: mass of the machine by that with which a contact resists its slip, 1.
+    """
+    if choice != EXPLICIT:
+        return alignment(dt, choice)
+    return max(lightness * STOPPING * min(1.0, dt / COARSE_STEP) ** 2, LEAST_ALIGNED)
+
+
 @kernel
 def outrun(parameters, run, h):
     """Whether an explicit trial step of coulomb friction has become far too long for the slip that it ended with."""
@@ -148,14 +163,25 @@ def outrun(parameters, run, h):
 def rests(parameters, run, w, side):
     """Whether a contact of wheel w slips so slowly that it is at rest; in the air nothing holds it there."""
     mode, watch, limit = run.mode[w], run.watch[w], parameters.machine.friction * run.watch[w].normal_force
+    if mode.loaded == 0 or limit <= 0.0:
+        return False
+    if mode.grip[side] == CREEP and mode.stopping:  # together with another one whose end has been found
+        return watch.margin[side] <= stopped_speed(parameters, run, w, side)
     slow = watch.slip_square[side] < rest_speed(parameters, mode, w, side, run.y) ** 2
-    return mode.loaded == 1 and mode.grip[side] == SLIP and limit > 0.0 and slow
+    return mode.grip[side] == SLIP and slow
+
+
+@kernel
+def stopped_speed(parameters, run, w, side):
+    """Slip that counts as the end of creeping slip, m/s."""
+    rest = rest_speed(parameters, run.mode[w], w, side, run.y)
+    return max(STOPPED * rest, STOPPED_OF_STOPPING * run.clock.stopping)
 
 
 @kernel
 def stops(parameters, run, w):
-    """Whether a contact slips that will stop within a step in a direction that attracts, and turns so little until
-    then (v times the sine between v and v') that the error of a step hides what it slips across that direction."""
+    """Whether a contact slips that will stop within a step in a direction that attracts, and is so near to it that the
+    error of a step hides what it slips across: by the turning of the slip, |v x v'|, and the rate of attraction."""
     mode, watch = run.mode[w], run.watch[w]
     if mode.shared or mode.grip[0] != SLIP or watch.factor[0] == 0.0:
         return False
@@ -164,8 +190,8 @@ def stops(parameters, run, w):
     rate, slip, (hh, hk, kk) = slip_rate(parameters, run, w, 0)
     along, turn, square = slip.h * rate.h + slip.k * rate.k, slip.h * rate.k - slip.k * rate.h, watch.slip_square[0]
     attraction = watch.factor[0] * (hh * slip.k * slip.k - 2.0 * hk * slip.h * slip.k + kk * slip.h * slip.h) + along
-    soon = square < -along * run.clock.dt and attraction > 0.0 and stiffness(parameters, run.clock, watch) > LEAST_STIFF
-    return soon and abs(turn) * math.sqrt(square) < -along * run.clock.aligned
+    soon = square < -along * run.clock.dt and stiffness(parameters, run.clock, watch) > LEAST_STIFF
+    return soon and abs(turn) * math.sqrt(square) < attraction * run.clock.stopping
 
 
 @kernel
@@ -181,11 +207,11 @@ def across(watch):
 
 
 @kernel
-def youth(parameters, clock, watch):
+def youth(parameters, clock, mode, watch):
     """Positive while creeping slip is too young for a direction of its own: so slow, or else so little of it across
     the direction of the contact equation that the error of a step hides it, while sub-steps would have to be short."""
-    square = watch.slip_square[0]
-    hidden = min(clock.aligned - across(watch), stiffness(parameters, clock, watch) - 0.5 * LEAST_STIFF)
+    square, hidden = watch.slip_square[0], clock.stopping if mode.stopping else clock.aligned
+    hidden = min(hidden - across(watch), stiffness(parameters, clock, watch) - 0.5 * LEAST_STIFF)
     return max(CREEP_SPEED - math.sqrt(square), hidden)
 
 
@@ -201,29 +227,36 @@ def rest_speed(parameters, mode, w, side, y):
 
 
 @outlined
-def come_to_rest(parameters, run, w, side, t):
-    """Take the rest of the slip away; stick if the force lies inside the cone, else creep on. Whether it sticks.
+def come_to_rest(parameters, run, w, side, others, t):
+    """Take the rest of the slip of contact `side` of wheel w away (-1: of none) and, if `others`, of all that rest.
 
-    On two rollers, sticking is being at rest: there the force follows from Gauss' principle, cone included.
+    Marks them as `stopped` and lets those stick whose force lies inside the cone; the others creep on. On two rollers,
+    sticking is being at rest: there the force follows from Gauss' principle, cone included.
     """
-    mode = run.mode[w]
-    mode.grip[side] = STICK
-    if mode.shared:
-        change_slip(parameters, run, w, side, Slip(0.0, 0.0))
-    else:
-        align_slip(parameters, run)
+    for v in range(len(run.mode)):
+        mode = run.mode[v]
+        for other in range(1 + mode.shared):
+            stopped = (v == w and other == side) or (others and rests(parameters, run, v, other))
+            mode.stopped[other] = stopped
+            if stopped:
+                mode.grip[other] = STICK
+                if mode.shared:
+                    change_slip(parameters, run, v, other, Slip(0.0, 0.0))
+    align_slip(parameters, run)
     refresh(parameters, run, t)
-    limit = parameters.machine.friction * run.watch[w].normal_force
-    if not mode.shared and run.watch[w].margin[side] < -CONE * limit:
-        start_creep(parameters, run, w, t)
-    return mode.grip[side] == STICK
+    for v in range(len(run.mode)):
+        mode, watch = run.mode[v], run.watch[v]
+        outside = watch.margin[0] < -CONE * parameters.machine.friction * watch.normal_force
+        if mode.stopped[0] and not mode.shared and outside:
+            mode.stopped[0] = 0
+            start_creep(parameters, run, v, t)
 
 
 @outlined
 def start_creep(parameters, run, w, t):
     """Let a contact at rest slip off in the direction of the contact equation."""
     mode = run.mode[w]
-    mode.grip[0] = CREEP
+    mode.grip[0], mode.stopping = CREEP, 0
     mode.creep[0] = mode.creep[1] = 0.0
     refresh(parameters, run, t)
     keep_creep(parameters, run, w)
@@ -235,7 +268,7 @@ def begin_to_stop(parameters, run, t):
     for w in range(len(run.mode)):
         if stops(parameters, run, w):
             mode, slip = run.mode[w], parameters.room.contacts[2 * w].slip
-            mode.grip[0], speed = CREEP, math.sqrt(run.watch[w].slip_square[0])
+            mode.grip[0], mode.stopping, speed = CREEP, 1, math.sqrt(run.watch[w].slip_square[0])
             mode.creep[0], mode.creep[1] = slip[0] / speed, slip[1] / speed
     refresh(parameters, run, t)
     for w in range(len(run.mode)):
@@ -313,6 +346,8 @@ def align_slip(parameters, run):
         if room.parts[w].loaded:
             wheel, contact = parameters.wheels[w], room.contacts[2 * w]
             impulse_h, impulse_k = holding_force(contact, change)
+            mean_h, mean_k = contact.slip[0] - 0.5 * contact.bias[0], contact.slip[1] - 0.5 * contact.bias[1]
+            y[at.friction_loss] -= impulse_h * mean_h + impulse_k * mean_k
             spin = contact.spin[0] * impulse_h + contact.spin[1] * impulse_k
             roller = contact.arm[0] * impulse_h + contact.arm[1] * impulse_k
             y[at.spin_rate + w] += spin / spin_inertia(wheel)
@@ -342,3 +377,5 @@ def change_slip(parameters, run, w, side, slip):
     y[rate_place(parameters, mode.roller, w, side)] += (
         j.roller_h * impulse_h + j.roller_k * impulse_k
     ) / wheel.axial_inertia
+    mean_h, mean_k = 0.5 * (slip.h + state.slip.h), 0.5 * (slip.k + state.slip.k)
+    y[at.friction_loss] -= impulse_h * mean_h + impulse_k * mean_k

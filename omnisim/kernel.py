@@ -13,6 +13,7 @@ from pathlib import Path
 import numba
 import platformdirs
 from numba.core import config as numba_config
+from numba.core.compiler import Compiler
 
 KEPT_CACHES = 4  # how many cache folders of other versions of the sources survive
 
@@ -87,11 +88,20 @@ def outlined(function):
     return compiled(function, inline=False)
 
 
+class Disjoint(Compiler):
+    """The compiler, told that no two arrays that a kernel is given overlap where it writes."""
+
+    def define_pipelines(self):
+        self.state.flags.noalias = True
+        return super().define_pipelines()
+
+
 def compiled(function, inline, inlining="never"):
     """Numba reads its cache folder while decorating, so the setting is put back at once: other packages keep theirs."""
     theirs = numba_config.CACHE_DIR
     numba_config.CACHE_DIR = str(CACHE_DIRECTORY)
     try:
-        return numba.njit(cache=True, error_model="numpy", _nrt=False, forceinline=inline, inline=inlining)(function)
+        options = {"cache": True, "error_model": "numpy", "_nrt": False, "pipeline_class": Disjoint}
+        return numba.njit(forceinline=inline, inline=inlining, **options)(function)
     finally:
         numba_config.CACHE_DIR = theirs

@@ -214,10 +214,16 @@ def bodies(config: Config) -> Bodies:
         points.append(config.chassis.center_of_mass)
         inertias.append(config.chassis.inertia[2])
     mass, places = np.array(masses), np.array(points)
-    centre = mass @ places / mass.sum()
+    whole = math.fsum(mass)
+    centre = exact_sums(mass[:, None] * places) / whole
     planar = places[:, :2] - centre[:2]
-    yaw_inertia = sum(inertias) + mass @ np.sum(planar**2, axis=1)
-    return Bodies(float(mass.sum()), centre, float(yaw_inertia), (mass * places[:, 2]) @ planar)
+    yaw_inertia = math.fsum(inertias) + math.fsum(mass * np.sum(planar**2, axis=1))
+    return Bodies(whole, centre, yaw_inertia, exact_sums((mass * places[:, 2])[:, None] * planar))
+
+
+def exact_sums(rows: np.ndarray) -> np.ndarray:
+    """Sum of each column, rounded once: what cancels in a symmetric machine cancels to the last bit."""
+    return np.array([math.fsum(column) for column in rows.T])
 
 
 def machine_values(config: Config, types: list[WheelType]) -> dict:

@@ -6,7 +6,7 @@ import numpy as np
 
 from omnisim.config import Config
 from omnisim.contact.tracking import IMPLICIT
-from omnisim.grip import alignment, fineness
+from omnisim.grip import alignment, fineness, stopping_alignment
 from omnisim.parameters import Parameters
 from omnisim.state import CLOCK, MODE, WATCH, YAW, Newton, Rows, Run, X, Y, places_in
 from omnisim.stiffness import resolve
@@ -22,7 +22,9 @@ def begin(config: Config, parameters: Parameters) -> Run:
     clock.goal, clock.wheel, clock.reach = clock.steps, -1, clock.dt
     method = METHODS[config.solver.method]
     clock.choice, clock.stability_limit = resolve(config, parameters), method.tableau.stability_limit
+    lightness = parameters.machine.mass * parameters.machine.slip_mobility
     clock.fineness, clock.aligned = fineness(clock.dt), alignment(clock.dt, clock.choice)
+    clock.stopping = stopping_alignment(clock.dt, clock.choice, lightness)
     return Run(
         y=y,
         trial=np.empty_like(y),

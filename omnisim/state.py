@@ -84,6 +84,8 @@ MODE = np.dtype(
         ("saturated", np.int64, (2,)),  # branch of the saturated friction law at each contact
         ("grip", np.int64, (2,)),  # coulomb.SLIP, STICK or CREEP
         ("creep", np.float64, (2,)),  # direction of creeping slip when it began; 0: not known yet
+        ("stopping", np.int64),  # 1: creeping slip is about to stop; 0: it has been released
+        ("stopped", np.int64, (2,)),  # 1: slip has just come to its end at this contact
         ("freed", np.int64),  # how often creeping slip got a direction of its own in the grid step
         ("freed_step", np.int64),  # where it last did so
         ("air_cos", np.float64),  # sums over the rollers in the air, D_i = gamma_i - gamma_contact:
@@ -125,6 +127,7 @@ CLOCK = np.dtype(
         ("dt", np.float64),  # s
         ("fineness", np.float64),  # of sub-steps of slip: grip.fineness
         ("aligned", np.float64),  # slip across its final direction that does not matter, m/s: grip.alignment
+        ("stopping", np.float64),  # the same of slip about to stop: grip.stopping_alignment
         ("elapsed", np.float64),  # in the grid step under way, s
         ("reach", np.float64),  # length of the last implicit step that converged, s
         ("rate", np.float64),  # relaxation rate of slip when found too stiff, 1/s

@@ -20,11 +20,11 @@ from omnisim.events import (
     guard,
     record,
     settle_others,
-    settle_slip,
+    settle_slips,
     transition,
 )
 from omnisim.exchange import release_rollers, settle, stand_up
-from omnisim.grip import begin_to_stop, hold, outrun, rest_speed, rests, step_length, stops
+from omnisim.grip import begin_to_stop, hold, outrun, rests, step_length, stopped_speed, stops
 from omnisim.implicit import implicit_step
 from omnisim.kernel import kernel, merged, outlined
 from omnisim.runge_kutta import accept, copy, explicit_step, refresh
@@ -49,7 +49,7 @@ from omnisim.tableau import EXPLICIT
 TURNS_PER_STEP = 1000  # reversals of spin, swings about an edge that never come to rest on both rollers
 CUTS_PER_STEP = 1000  # changes of friction, in a step that no branch of the law survives
 SLIPS_PER_STEP = 10**6  # sub-steps of slow slip in one step
-STOPPED = 0.1  # of the slip that no longer matters, at which the end of creeping slip is found
+SHRINKING = 2.0**-5  # of a step, in the search for a point inside
 NEAR = 1e-3  # of a step, between two iterates that tell how good the root is
 REACH_GROWTH = 2.0  # of an implicit step over the last one that converged
 GRID_ROUNDING = 1e-14
@@ -135,11 +135,13 @@ def grid_step(parameters, method, run, log):
         h, knot = piece_length(parameters, clock, start)
         whole = h
         if coulomb:
-            stopping = False
+            resting, stopping = False, False
             for w in range(len(run.mode)):
                 for side in range(1 + run.mode[w].shared):
-                    if rests(parameters, run, w, side):
-                        settle_slip(parameters, run, log, w, side, t)
+                    resting = resting or rests(parameters, run, w, side)
+            if resting:
+                settle_slips(parameters, run, log, -1, 0, t)
+            for w in range(len(run.mode)):
                 stopping = stopping or stops(parameters, run, w)
             if stopping:
                 begin_to_stop(parameters, run, t)
@@ -243,9 +245,10 @@ def locate(parameters, method, run, t, h, kind, w, side, value):
     """
     low, high = 0.0, h
     g_low, g_high = guard(parameters, run.clock, run.mode, kind, w, side, run.y, run.watch), value
+    at_once = g_low <= 0.0 and leaves_at_once(parameters, run, kind, w, side)
     while g_low <= 0.0:
-        s = 0.5 * high
-        if s < GRID_ROUNDING * run.clock.dt:
+        s = SHRINKING * high
+        if at_once or s < GRID_ROUNDING * run.clock.dt:
             advance_again(parameters, method, run, t, 0.0)
             return 0.0
         g = trial_guard(parameters, method, run, t, s, kind, w, side)
@@ -260,7 +263,7 @@ def locate(parameters, method, run, t, h, kind, w, side, value):
         if low == 0.0 and high == h:
             s = hermite_root(h, g_low, g_high, -direction * run.y[spin], -direction * run.trial[spin], s)
     elif kind == GRIP and run.mode[w].grip[side] == CREEP:  # what is left of the slip is taken away
-        slack = STOPPED * rest_speed(parameters, run.mode[w], w, side, run.y)
+        slack = stopped_speed(parameters, run, w, side)
     for iteration in range(60):
         g = trial_guard(parameters, method, run, t, s, kind, w, side)
         if not math.isfinite(g + s):  # of a state that has burst nothing can be located
@@ -281,6 +284,15 @@ def locate(parameters, method, run, t, h, kind, w, side, value):
         if iteration % 4 == 3 or not low < s < high:
             s = 0.5 * (low + high)
     return s
+
+
+@kernel
+def leaves_at_once(parameters, run, kind, w, side):
+    """Whether a guard that is on its root at the start of a step, or beyond, does not come back: spin that has no rate
+    or the other sense and goes on to gain it, and creeping slip that has turned."""
+    if kind == TURN:
+        return run.mode[w].direction * run.slopes[0, places(parameters).spin_rate + w] < 0.0
+    return kind == GRIP and run.mode[w].grip[side] == CREEP
 
 
 @kernel
