@@ -39,7 +39,7 @@ from omnisim.wheel import roller_end
 
 TURN, EXIT, SHARE, LOAD, JAM, DRIVE, KINK, GRIP, YOUNG = range(9)
 OF_WHEEL, GUARDS = 6, 9  # the first are of the wheel, the others of each of its contacts
-ANGLE_ROUNDING = 4.0 * 2.0**-53
+ANGLE_ROUNDING = 16.0 * 2.0**-53
 DRIVE_PLAY = 1e-12  # of its limit
 LOAD_PLAY = 1e-12  # of the weight: in the rounding of its load a wheel that has left the floor does not land again
 MOST_CHANGES = 50  # of modes that follow one another at one instant

@@ -14,6 +14,7 @@ import math
 import time
 import tomllib
 from dataclasses import replace
+from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
@@ -23,6 +24,7 @@ from omnisim.collect import collect
 from omnisim.config import DRIVE_KEYS
 from omnisim.events import EVENT
 from omnisim.ideal import wheel_rows
+from omnisim.kernel import direct
 from omnisim.parameters import DRIVE, Parameters, pack
 from omnisim.scene import Scene, SceneError
 from omnisim.start import begin, blank_rows
@@ -55,7 +57,10 @@ class Loop:
         self.log = np.zeros(4 * EVENTS_PER_STEP, EVENT).view(np.recarray)
         self.wall_time = 0.0
         self._at: Places = places_in(self.parameters)
+        self._dt = float(self.run.clock.dt)
         self._driven: set[int] = set()
+        self._pieces = len(self.parameters.starts)  # of the tables; there may be room for more
+        self._followers = [w for w, wheel in enumerate(scene.config.wheels) if wheel.drive.kind == "rate"]
         self.names = MappingProxyType({wheel.name: w for w, wheel in enumerate(scene.config.wheels)})
         self.march(0)  # finds the rollers in contact; the first call loads or compiles the kernels
         self.wall_time = 0.0
@@ -63,12 +68,14 @@ class Loop:
     def march(self, work: int = FOR_EVER) -> int:
         """March up to the goal, or for about so many right-hand sides; the status."""
         clock = self.run.clock
-        clock.pause = min(clock.rhs + work, FOR_EVER) if work < FOR_EVER else FOR_EVER
+        clock["pause"] = FOR_EVER if work == FOR_EVER else min(int(clock["rhs"]) + work, FOR_EVER)
         begun = time.perf_counter()
-        while march(self.parameters, self.stages, self.run, self.rows, self.log) == status.LOG_FULL:
+        result = direct(march, self.parameters, self.stages, self.run, self.rows, self.log)
+        while result == status.LOG_FULL:
             self.log = np.concatenate([self.log, np.zeros_like(self.log)]).view(np.recarray)
+            result = direct(march, self.parameters, self.stages, self.run, self.rows, self.log)
         self.wall_time += time.perf_counter() - begun
-        return int(clock.status)
+        return result
 
     def advance(self, seconds: float) -> bool:
         """March on by a multiple of the scene's step; whether the run goes on after that.
@@ -76,11 +83,11 @@ class Loop:
         False at the end of the scene, or where something stopped the run: `status` says what. Raises ValueError for a
         time that is no multiple of the step.
         """
+        steps = round(seconds / self._dt) if math.isfinite(seconds) else 0
+        if steps < 1 or abs(seconds - steps * self._dt) > ON_GRID * seconds:
+            raise ValueError(f"{seconds!r} s is no multiple of the scene's step, {self._dt:g} s")
         clock = self.run.clock
-        steps = round(seconds / clock.dt) if math.isfinite(seconds) else 0
-        if steps < 1 or abs(seconds - steps * clock.dt) > ON_GRID * seconds:
-            raise ValueError(f"{seconds!r} s is no multiple of the scene's step, {clock.dt:g} s")
-        clock.goal = min(clock.step + steps, clock.steps)
+        clock["goal"] = min(int(clock["step"]) + steps, self.scene.config.time.steps)
         return self.march() == status.RUNNING
 
     def drive(self, wheel: str, value: float) -> None:
@@ -99,17 +106,15 @@ class Loop:
 
         Raises ValueError if the machine has no rate drive, or for a number that is not finite.
         """
-        wheels = self.scene.config.wheels
-        followers = [w for w, wheel in enumerate(wheels) if wheel.drive.kind == "rate"]
-        if not followers:
+        if not self._followers:
             raise ValueError("no wheel has a drive of kind 'rate', which could follow a command")
-        rates = self._rows @ (vx, vy, yaw_rate)
-        self._set({w: rates[w] for w in followers})
+        rates = (self._rows @ (vx, vy, yaw_rate)).tolist()
+        self._set({w: rates[w] for w in self._followers})
 
     @property
     def time(self) -> float:
         """s"""
-        return float(self.run.clock.step * self.run.clock.dt)
+        return int(self.run.clock["step"]) * self._dt
 
     @property
     def status(self) -> str:
@@ -171,30 +176,36 @@ class Loop:
         (x, y), yaw = self.parameters.machine.centre, self.run.y[YAW]
         return np.array([x * np.cos(yaw) - y * np.sin(yaw), x * np.sin(yaw) + y * np.cos(yaw)])
 
-    @property
+    @cached_property
     def _rows(self) -> np.ndarray:
-        if not hasattr(self, "_wheel_rows"):
-            self._wheel_rows = wheel_rows(self.scene.config)
-        return self._wheel_rows
+        return wheel_rows(self.scene.config)
 
     def _set(self, values: dict[int, float]) -> None:
         """Hold these inputs of drives from now on: a piece of the tables begins here, later ones keep the rest."""
-        if not all(np.isfinite(value) for value in values.values()):
+        if not all(map(math.isfinite, values.values())):
             raise ValueError(f"inputs of drives must be finite numbers: {values}")
-        starts, inputs = self.parameters.starts, self.parameters.inputs
-        here, piece = self.time, int(self.run.clock.piece) + 1
-        if piece == len(starts) or starts[piece] > here:  # none begins here yet
-            if starts[-1] < np.inf:  # no room left
-                room = max(64, len(starts))
-                starts = np.concatenate([starts, np.full(room, np.inf)])
-                inputs = np.concatenate([inputs, np.zeros((room, *inputs.shape[1:]))])
-                self.parameters = self.parameters._replace(starts=starts, inputs=inputs)
-            starts[piece + 1 :], inputs[piece + 1 :] = starts[piece:-1].copy(), inputs[piece:-1].copy()
+        here, piece, pieces = self.time, int(self.run.clock["piece"]) + 1, self._pieces
+        if piece == pieces or self.parameters.starts[piece] > here:  # none begins here yet
+            if pieces == len(self.parameters.starts):
+                self._make_room()
+            starts, inputs = self.parameters.starts, self.parameters.inputs
+            if piece < pieces:
+                starts[piece + 1 : pieces + 1] = starts[piece:pieces].copy()
+                inputs[piece + 1 : pieces + 1] = inputs[piece:pieces].copy()
             starts[piece], inputs[piece] = here, inputs[piece - 1]
             inputs[piece, :, 0] += inputs[piece, :, 1] * (here - starts[piece - 1])
+            self._pieces += 1
         for w, value in values.items():
-            inputs[piece:, DRIVE + w] = value, 0.0
-        self._driven |= values.keys()
+            self.parameters.inputs[piece : self._pieces, DRIVE + w] = value, 0.0
+            self._driven.add(w)
+
+    def _make_room(self) -> None:
+        """Room for as many pieces again; those that are not there yet never begin."""
+        starts, inputs = self.parameters.starts, self.parameters.inputs
+        more = max(64, len(starts))
+        starts = np.concatenate([starts, np.full(more, np.inf)])
+        inputs = np.concatenate([inputs, np.zeros((more, *inputs.shape[1:]))])
+        self.parameters = self.parameters._replace(starts=starts, inputs=inputs)
 
     def _scene(self) -> Scene:
         """The scene with all that was set as tables of the drives."""
@@ -215,7 +226,7 @@ class Loop:
         """Times and values of an input, so far and as they would go on."""
         starts, inputs = self.parameters.starts, self.parameters.inputs[:, channel]
         times, values = [], []
-        for piece in range(int(np.searchsorted(starts, np.inf))):
+        for piece in range(self._pieces):
             value = inputs[piece, 0]
             if piece:
                 times.append(float(starts[piece]))

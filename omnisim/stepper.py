@@ -49,6 +49,7 @@ from omnisim.tableau import EXPLICIT
 TURNS_PER_STEP = 1000  # reversals of spin, swings about an edge that never come to rest on both rollers
 CUTS_PER_STEP = 1000  # changes of friction, in a step that no branch of the law survives
 SLIPS_PER_STEP = 10**6  # sub-steps of slow slip in one step
+SLIDING = 1e-6  # of a step: the square of less, by any acceleration, is lost in rounding
 SHRINKING = 2.0**-5  # of a step, in the search for a point inside
 NEAR = 1e-3  # of a step, between two iterates that tell how good the root is
 REACH_GROWTH = 2.0  # of an implicit step over the last one that converged
@@ -256,14 +257,19 @@ def locate(parameters, method, run, t, h, kind, w, side, value):
             low, g_low = s, g
         else:
             high, g_high = s, g
-    tolerance, slack = 1e-12 * h + EPSILON * (t + h), 0.0
+    tolerance, slack, enough = 1e-12 * h + EPSILON * (t + h), 0.0, 0.0
     s, s_last, g_last = low + (high - low) * g_low / (g_low - g_high), high, g_high
+    spin, direction = places(parameters).spin_rate + w, run.mode[w].direction
     if kind == EXIT:  # the angle and its rate are known at both ends
-        spin, direction = places(parameters).spin_rate + w, run.mode[w].direction
+        enough = SLIDING * h
+        if value >= -direction * run.trial[spin] * tolerance:
+            return h
         if low == 0.0 and high == h:
             s = hermite_root(h, g_low, g_high, -direction * run.y[spin], -direction * run.trial[spin], s)
     elif kind == GRIP and run.mode[w].grip[side] == CREEP:  # what is left of the slip is taken away
         slack = stopped_speed(parameters, run, w, side)
+        if value >= -slack:
+            return h
     for iteration in range(60):
         g = trial_guard(parameters, method, run, t, s, kind, w, side)
         if not math.isfinite(g + s):  # of a state that has burst nothing can be located
@@ -279,11 +285,23 @@ def locate(parameters, method, run, t, h, kind, w, side, value):
         near = abs(correction) <= tolerance and (kind == EXIT or abs(s - s_last) <= NEAR * h)
         if abs(g) <= slack or near or high - low <= tolerance:
             break
+        if abs(correction) <= enough and low <= s + correction <= high:
+            slide(run, correction)
+            return s + correction
         s_last, g_last = s, g
         s += correction
         if iteration % 4 == 3 or not low < s < high:
             s = 0.5 * (low + high)
     return s
+
+
+@kernel
+def slide(run, time):
+    """Move the trial on by a time whose square no longer matters, along its derivative."""
+    derivative = run.slopes[-1]
+    for m in range(len(run.trial)):
+        run.increment[m] += time * derivative[m]
+        run.trial[m] = run.y[m] + run.increment[m]
 
 
 @kernel
