@@ -18,7 +18,7 @@ F = -E (b + J X). With upright = "servo" the load is known and tilt is the servo
 
 from typing import NamedTuple
 
-from omnisim.contact.kinematics import holding_mass, slip_jacobian
+from omnisim.contact.kinematics import holding_mass
 from omnisim.kernel import kernel, merged
 from omnisim.parameters import CONTACTS
 
@@ -60,16 +60,20 @@ class Mobility(NamedTuple):
 
 
 @kernel
-def set_contact(wheel, contact, state, spin_held):
-    """Kinematics of a contact from its ContactState; its levers in the rows x, y and yaw."""
-    axis, slip, j = state.axis, state.slip, slip_jacobian(wheel, state.axis, state.contact)
-    cos, sin = wheel.cos_heading, wheel.sin_heading
+def set_contact(contact, state, j, spin_held):
+    """Kinematics of a contact from its ContactState and Jacobian."""
+    axis, slip = state.axis, state.slip
     contact.axis[0], contact.axis[1], contact.axis[2] = axis.h, axis.k, axis.n
     contact.l, contact.turn, contact.share = state.contact.l, state.turn, 0.5 if spin_held else 1.0
     contact.slip[0], contact.slip[1] = slip.h, slip.k
     contact.arm[0], contact.arm[1] = j.roller_h, j.roller_k
     contact.spin[0], contact.spin[1] = j.spin_h, j.spin_k
-    lever = contact.lever
+
+
+@kernel
+def set_lever(wheel, contact, axis, j):
+    """The levers of a contact in the rows x, y and yaw."""
+    lever, cos, sin = contact.lever, wheel.cos_heading, wheel.sin_heading
     lever[0, 0], lever[0, 1], lever[1, 0], lever[1, 1] = cos, -sin, sin, cos
     lever[2, 0], lever[2, 1] = j.yaw_h, j.yaw_k
     contact.twist[2] = 1.0 - axis.n * axis.n
@@ -98,10 +102,9 @@ def rotor_part(wheel, spin_held):
 
 
 @kernel
-def set_held(machine, wheel, contact, state, bias):
+def set_held(machine, wheel, contact, axis, j, bias):
     """What a sticking contact adds to the balance; bias (Slip): its slip acceleration without it, or its slip."""
-    j = slip_jacobian(wheel, state.axis, state.contact)
-    contact.mass[0], contact.mass[1], contact.mass[2] = holding_mass(machine, wheel, state.axis, j)
+    contact.mass[0], contact.mass[1], contact.mass[2] = holding_mass(machine, wheel, axis, j)
     contact.bias[0], contact.bias[1] = bias.h, bias.k
 
 
@@ -134,11 +137,10 @@ def place_load(wheel, room, w):
 
 
 @kernel
-def set_moment(wheel, part, rollers, spin_rate, yaw_rate):
-    """Moments of a wheel on the body without its contacts: about the vertical, and about its heading."""
+def wheel_moments(wheel, rollers, spin_rate, yaw_rate):
+    """Moments of a wheel on the body without its contacts, N m: about the vertical, and about its heading."""
     gyroscopic = wheel.axle_inertia * spin_rate * yaw_rate - spin_rate * rollers.g_n + yaw_rate * rollers.g_k
-    part.yaw_moment = spin_rate * rollers.g_h - rollers.bearing_n
-    part.heading_moment = gyroscopic - rollers.bearing_h
+    return spin_rate * rollers.g_h - rollers.bearing_n, gyroscopic - rollers.bearing_h
 
 
 @kernel
@@ -171,14 +173,26 @@ def holds(part, contact):
 
 
 @kernel
-def plane_balance(machine, room):
-    """The Plane of a machine, with its loads where they are known."""
-    external, carried = room.external, machine.upright == CONTACTS
-    mass, x, y, yaw = machine.mass, external.x, external.y, external.yaw
-    xx, xy, xw, yy, yw, ww = mass, 0.0, 0.0, mass, 0.0, machine.yaw_inertia
+def free_plane(machine, x, y, yaw):
+    """The Plane of a machine under a force (x, y) and a moment alone."""
+    return Plane(machine.mass, 0.0, 0.0, machine.mass, 0.0, machine.yaw_inertia, x, y, yaw)
+
+
+@kernel
+def pushed_plane(plane, x, y, yaw):
+    """A Plane with one more force and moment."""
+    return Plane(plane.xx, plane.xy, plane.xw, plane.yy, plane.yw, plane.ww, plane.x + x, plane.y + y, plane.yaw + yaw)
+
+
+@kernel
+def plane_balance(machine, room, plane):
+    """A Plane with the contacts that wait for it, with their loads where they are known."""
+    carried = machine.upright == CONTACTS
+    xx, xy, xw, yy, yw, ww, x, y, yaw = plane
     for w in range(len(room.parts)):
         part = room.parts[w]
-        yaw += part.yaw_moment
+        if part.known:
+            continue
         if not part.loaded:
             continue
         for c in range(2 * w, 2 * w + part.contacts):
@@ -228,12 +242,13 @@ def yielding(mobility, x, y, yaw):
 
 
 @kernel
-def solve(machine, wheels, room, load):
+def solve(machine, wheels, room, load, plane):
     """The Acceleration of the body, its Mobility, and how regular the loads are; normal forces into the room.
 
-    load: M g - f_z, N. Regular: the determinant of the equations of the loads over that without friction.
+    load: M g - f_z, N; plane: what is known at once. Regular: the determinant of the equations of the loads over that
+    without friction.
     """
-    plane = plane_balance(machine, room)
+    plane = plane_balance(machine, room, plane)
     mobility = inverse(plane)
     motion = yielding(mobility, plane.x, plane.y, plane.yaw)
     if machine.upright != CONTACTS:
@@ -245,13 +260,13 @@ def solve(machine, wheels, room, load):
 def share_out(machine, wheels, room, load, mobility, motion):
     """What `solve` returns when the contacts carry roll and pitch; motion: the Acceleration without the loads."""
     tilt_balance(machine, wheels, room)
-    pushes, sums = room.pushes, room.sums
+    pushes, sums = room.loads.pushes, room.loads.sums
     by_0 = yielding(mobility, pushes[0, 0], pushes[1, 0], pushes[2, 0])  # the acceleration by b_0, b_1 and b_2
     by_1 = yielding(mobility, pushes[0, 1], pushes[1, 1], pushes[2, 1])
     by_2 = yielding(mobility, pushes[0, 2], pushes[1, 2], pushes[2, 2])
     count, x, y = sums[0], sums[1] / sums[0], sums[2] / sums[0]
-    a_1, a_2, a = reduced(room.tilt[0], by_0, by_1, by_2, motion, x, y, load / count)
-    c_1, c_2, c = reduced(room.tilt[1], by_0, by_1, by_2, motion, x, y, load / count)
+    a_1, a_2, a = reduced(room.loads.tilt[0], by_0, by_1, by_2, motion, x, y, load / count)
+    c_1, c_2, c = reduced(room.loads.tilt[1], by_0, by_1, by_2, motion, x, y, load / count)
     determinant = a_1 * c_2 - a_2 * c_1
     b_1, b_2 = (a * c_2 - a_2 * c) / determinant, (a_1 * c - a * c_1) / determinant
     b_0 = load / count - x * b_1 - y * b_2
@@ -283,11 +298,11 @@ def reduced(row, by_0, by_1, by_2, motion, x, y, mean):
 @kernel
 def tilt_balance(machine, wheels, room):
     """What the loads do to the body, and the rows of tilt, into the room."""
-    tilt, pushes, sums = room.tilt, room.pushes, room.sums
+    tilt, pushes, sums = room.loads.tilt, room.loads.pushes, room.loads.sums
     for i in range(2):
         for j in range(6):
             tilt[i, j] = 0.0
-    about_y, about_x = external_tilt(machine, room.external)
+    about_y, about_x = external_tilt(machine, room.loads.external)
     tilt[0, 6], tilt[1, 6] = -about_y, -about_x
     tilt[0, 2], tilt[1, 2] = -machine.moment[1], machine.moment[0]
     for i in range(3):
@@ -348,7 +363,7 @@ def tilt_held(tilt, contact):
 @kernel
 def servo(machine, wheels, room, yaw_acceleration):
     """Torque about chassis x and y that keeps the body upright, N m: what its moment equation lacks."""
-    about_y, about_x = external_tilt(machine, room.external)
+    about_y, about_x = external_tilt(machine, room.loads.external)
     about_y, about_x = about_y - machine.moment[1] * yaw_acceleration, about_x + machine.moment[0] * yaw_acceleration
     for w in range(len(room.parts)):
         part = room.parts[w]

@@ -30,11 +30,11 @@ ROUNDING = 1e-11  # a change below which, if it no longer falls, is rounding
 
 
 @outlined
-def settle_forces(machine, wheels, room, load):
+def settle_forces(machine, wheels, room, load, plane):
     """Find the sought forces of an instant and all loads; returns what `solve` does."""
     acceleration, regular, last = Acceleration(0.0, 0.0, 0.0), 1.0, 1e300
     for _ in range(MOST_ROUNDS):
-        acceleration, mobility, regular = solve(machine, wheels, room, load)
+        acceleration, mobility, regular = solve(machine, wheels, room, load, plane)
         change = settle_shared(machine, wheels, room, mobility, acceleration)
         for w in range(len(wheels)):
             part = room.parts[w]
@@ -115,7 +115,7 @@ def set_resting(machine, wheel, room, w, mobility, acceleration):
                     entry = lever[0, i] * by.x + lever[1, i] * by.y + lever[2, i] * by.yaw
                     if side == other:
                         entry += contact.arm[i] * contact.arm[j] / wheel.axial_inertia
-                    room.mobility[side, other, i, j] = entry
+                    room.loads.mobility[side, other, i, j] = entry
 
 
 @merged
@@ -198,7 +198,7 @@ def turning(machine, room, w, share):
             for i in range(2):
                 resting.force[i] = contact.share * (contact.constant[i] + contact.unit[i] * normal)
         total -= contact.axis[1] * contact.axis[2] * contact.torque
-    contact_forces(room.resting, room.mobility)
+    contact_forces(room.resting, room.loads.mobility)
     for side in range(2):
         contact, resting = room.contacts[2 * w + side], room.resting[side]
         for i in range(2):

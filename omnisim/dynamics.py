@@ -5,17 +5,38 @@
     (J_k + J_r) phi'' + sum Ia p' s + theta' G_h = tau - R F_h                 G = sum Ia p_i a_i, all rollers
     I_z theta'' = sum (lever . F + M_n (1 - (a . n)^2) + phi' G_h) + yaw torque
 
-First what each wheel finds at its contacts goes into the room (`observe_wheel`), then the forces are found together
-(body.py, coupled.py), then each wheel takes its share (`move_wheel`).
+Each wheel first finds what is at its contacts (`observe_wheel`). A sliding contact whose load is known has its force at
+once; the others wait in the room until their forces are found together (body.py, coupled.py) and each wheel takes its
+share (`move_wheel`).
 """
 
 import math
 
-from omnisim.body import holding_force, place_load, set_contact, set_held, set_moment, set_tilt, solve
-from omnisim.contact.coulomb import SLIP, STICK
-from omnisim.contact.kinematics import Motion, joint_rate, slip_acceleration, spin_inertia
+from omnisim.body import (
+    Acceleration,
+    free_plane,
+    holding_force,
+    place_load,
+    pushed_plane,
+    set_contact,
+    set_held,
+    set_lever,
+    set_tilt,
+    solve,
+    wheel_moments,
+)
+from omnisim.contact.coulomb import CREEP, SLIP
+from omnisim.contact.kinematics import (
+    Jacobian,
+    Motion,
+    Slip,
+    joint_rate,
+    slip_acceleration,
+    slip_jacobian,
+    spin_inertia,
+)
 from omnisim.contact.reaction import COULOMB, VISCOUS, friction
-from omnisim.contact.tracking import IMPLICIT, rho_rate, roller_axis
+from omnisim.contact.tracking import IMPLICIT, Axis, rho_rate, roller_axis
 from omnisim.coupled import settle_forces
 from omnisim.kernel import kernel, merged, outlined
 from omnisim.parameters import CONTACTS
@@ -48,23 +69,31 @@ def rhs(parameters, mode, piece, t, y, dy, watch):
         dy[at.spin_angle + w] = y[at.spin_rate + w]
     body = body_motion(parameters, y)
     wrench = external_wrench(parameters, piece, t, body)
-    external = room.external
-    external.x, external.y, external.z, external.yaw = wrench.x, wrench.y, wrench.z, wrench.yaw
-    external.yaw_rate = body.yaw_rate
-    load, sought = machine.mass * machine.gravity - wrench.z, 0
-    dy[at.friction_loss] = dy[at.drive_work] = 0.0
+    external = room.loads.external
+    external.x, external.y, external.z, external.yaw_rate = wrench.x, wrench.y, wrench.z, body.yaw_rate
+    load, waiting, sought = machine.mass * machine.gravity - wrench.z, 0, 0
+    plane = free_plane(machine, wrench.x, wrench.y, wrench.yaw)
+    heat, power = 0.0, 0.0  # of friction and of the drives, W
     if machine.bearings:
         dy[at.bearing_loss] = 0.0
     for w in range(len(wheels)):
-        room.parts[w].normal_force = load / len(wheels)  # unless the contacts carry roll and pitch
-        sought += observe_wheel(parameters, mode[w], piece, t, w, body, y, dy, watch[w])
-    if sought:
-        acceleration, regular = settle_forces(machine, wheels, room, load)
+        share = load / len(wheels)
+        plane, loss, work = observe_wheel(parameters, mode[w], piece, t, w, body, share, plane, y, dy, watch[w])
+        heat, power = heat + loss, power + work
+        waiting += 1 - room.parts[w].known
+        sought += room.parts[w].sought
+    if waiting == 0:
+        acceleration = Acceleration(plane.x / machine.mass, plane.y / machine.mass, plane.yaw / machine.yaw_inertia)
     else:
-        acceleration, _, regular = solve(machine, wheels, room, load)
-    for w in range(len(wheels)):
-        watch[w].regular = regular
-        move_wheel(parameters, mode[w], w, acceleration, y, dy, watch[w])
+        if sought:
+            acceleration, regular = settle_forces(machine, wheels, room, load, plane)
+        else:
+            acceleration, _, regular = solve(machine, wheels, room, load, plane)
+        for w in range(len(wheels)):
+            watch[w].regular = regular
+            if not room.parts[w].known:
+                heat += move_wheel(parameters, mode[w], w, acceleration, y, dy, watch[w])
+    dy[at.friction_loss], dy[at.drive_work] = heat, power
     dy[at.velocity] = acceleration.x * body.cos - acceleration.y * body.sin
     dy[at.velocity + 1] = acceleration.x * body.sin + acceleration.y * body.cos
     dy[at.yaw_rate] = acceleration.yaw
@@ -76,41 +105,80 @@ def rhs(parameters, mode, piece, t, y, dy, watch):
 
 
 @merged
-def observe_wheel(parameters, mode, piece, t, w, body, y, dy, watch):
-    """What wheel w finds at its contacts, into the room; whether its forces must be sought."""
+def observe_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch):
+    """What wheel w does to the body (the Plane with it), or what it finds at its contacts, into the room.
+
+    load: of the wheel, N, unless the contacts carry roll and pitch.
+    """
     machine, wheel, room, at = parameters.machine, parameters.wheels[w], parameters.room, places(parameters)
     part, spin_rate = room.parts[w], y[at.spin_rate + w]
     state = contact_state(parameters, mode, w, 0, body, y)
     rollers = all_rollers(parameters, mode, w, state.cos_q, state.sin_q, y)
-    watch.command = drive_command(parameters, piece, t, w, y)
-    part.drive_torque = drive_torque(wheel, mode.drive, watch.command, spin_rate)
-    part.free_spin = part.drive_torque - rollers.bearing_k - body.yaw_rate * rollers.g_h
-    set_moment(wheel, part, rollers, spin_rate, body.yaw_rate)
-    part.contacts, part.loaded = 1 + mode.shared, mode.loaded
-    part.sought = mode.loaded and (mode.shared or (mode.grip[0] != SLIP and mode.grip[0] != STICK))
-    dy[at.drive_work] += part.drive_torque * spin_rate
+    command = drive_command(parameters, piece, t, w, y)
+    drive = drive_torque(wheel, mode.drive, command, spin_rate)
+    free_spin = drive - rollers.bearing_k - body.yaw_rate * rollers.g_h
+    yaw_moment, heading_moment = wheel_moments(wheel, rollers, spin_rate, body.yaw_rate)
+    part.drive_torque, part.free_spin, part.heading_moment = drive, free_spin, heading_moment
+    part.contacts, part.loaded, part.normal_force = 1 + mode.shared, mode.loaded, load
+    watch.command, watch.normal_force, watch.regular, watch.share, watch.share_margin = command, load, 1.0, 1.0, 0.0
+    plane = pushed_plane(plane, 0.0, 0.0, yaw_moment)
+    power = drive * spin_rate
     if machine.integrals:
-        dy[at.integral + w] = integral_rate(parameters, piece, t, w, mode, watch.command, spin_rate)
+        dy[at.integral + w] = integral_rate(parameters, piece, t, w, mode, command, spin_rate)
     if machine.bearings:
         dy[at.bearing_loss] += rollers.bearing_loss
         air_rates(parameters, mode, w, state, y, dy)
     else:
         for side in range(2):
             dy[rate_place(parameters, mode.roller, w, side)] = 0.0
+    part.known = machine.upright != CONTACTS and mode.grip[0] == SLIP and not mode.shared
+    part.sought = not part.known and mode.loaded and (mode.shared or mode.grip[0] == CREEP)
+    if part.known:
+        plane, heat = slide(parameters, mode, w, state, free_spin, max(load, 0.0), plane, dy, watch)
+        return plane, heat, power
     observe_contact(parameters, mode, w, 0, body, state)
     if mode.shared:
         observe_contact(parameters, mode, w, 1, body, contact_state(parameters, mode, w, 1, body, y))
     if machine.upright == CONTACTS:
         place_load(wheel, room, w)
-    return part.sought
+    return plane, 0.0, power
+
+
+@kernel
+def slide(parameters, mode, w, state, free_spin, load, plane, dy, watch):
+    """The sliding contact of a wheel under a known load, N: its force, the rates that follow, the Plane with it."""
+    machine, wheel, contact = parameters.machine, parameters.wheels[w], parameters.room.contacts[2 * w]
+    axis, slip, j = state.axis, state.slip, slip_jacobian(wheel, state.axis, state.contact)
+    set_contact(contact, state, j, False)
+    factor, torque = friction(machine, mode.saturated[0], load, slip, state.turn)
+    force = Slip(-factor * slip.h, -factor * slip.k)
+    contact.force[0], contact.force[1], contact.torque = force.h, force.k, torque
+    rolling, spin, loss = yield_to(axis, j, slip, state.turn, force, torque)
+    dy[rate_place(parameters, mode.roller, w, 0)] += rolling / wheel.axial_inertia
+    dy[places(parameters).spin_rate + w] = (free_spin + spin) / spin_inertia(wheel)
+    watch.slip_square[0], watch.factor[0], watch.margin[0] = slip.h * slip.h + slip.k * slip.k, factor, 0.0
+    cos, sin = wheel.cos_heading, wheel.sin_heading
+    yaw = j.yaw_h * force.h + j.yaw_k * force.k + (1.0 - axis.n * axis.n) * torque
+    return pushed_plane(plane, cos * force.h - sin * force.k, sin * force.h + cos * force.k, yaw), loss
+
+
+@kernel
+def yield_to(axis, j, slip, turn, force, torque):
+    """What a contact's force (N) and torque (N m) do: torque on the roller and on the spin (N m), and heat (W)."""
+    return (
+        j.roller_h * force.h + j.roller_k * force.k + torque * axis.n,
+        j.spin_h * force.h + j.spin_k * force.k - axis.k * axis.n * torque,
+        -(force.h * slip.h + force.k * slip.k + torque * turn),
+    )
 
 
 @kernel
 def observe_contact(parameters, mode, w, side, body, state):
     """A contact of wheel w and its friction by the load, into the room; state: its ContactState."""
     machine, wheel, contact = parameters.machine, parameters.wheels[w], parameters.room.contacts[2 * w + side]
-    slip = state.slip
-    set_contact(wheel, contact, state, mode.shared)
+    slip, j = state.slip, slip_jacobian(wheel, state.axis, state.contact)
+    set_contact(contact, state, j, mode.shared)
+    set_lever(wheel, contact, state.axis, j)
     if machine.upright == CONTACTS:
         set_tilt(machine, wheel, contact, mode.shared)
     factor, torque = friction(machine, mode.saturated[side], 1.0, slip, state.turn)
@@ -124,7 +192,7 @@ def observe_contact(parameters, mode, w, side, body, state):
         roller = bearing_torque(wheel, state.joint) / wheel.axial_inertia if machine.bearings else 0.0
         centre = centre_acceleration(wheel, body, 0.0, 0.0, 0.0)
         bias = slip_acceleration(wheel, state, Motion(centre.h, centre.k, spin, 0.0, roller))
-        set_held(machine, wheel, contact, state, bias)
+        set_held(machine, wheel, contact, state.axis, j, bias)
         creep = contact.creep  # where the last search ended is the best place to begin, if it is of this creeping
         if not creep[0] * mode.creep[0] + creep[1] * mode.creep[1] > NEARLY:
             creep[0], creep[1] = mode.creep[0], mode.creep[1]
@@ -150,25 +218,28 @@ def move_wheel(parameters, mode, w, acceleration, y, dy, watch):
             contact.force[0] = contact.constant[0] + contact.unit[0] * normal
             contact.force[1] = contact.constant[1] + contact.unit[1] * normal
             contact.torque = contact.unit_torque * normal
-        force_h, force_k, slip = contact.force[0], contact.force[1], contact.slip
-        rolling = contact.arm[0] * force_h + contact.arm[1] * force_k + contact.torque * contact.axis[2]
+        force, slip, axis = (
+            Slip(contact.force[0], contact.force[1]),
+            Slip(contact.slip[0], contact.slip[1]),
+            contact.axis,
+        )
+        j = Jacobian(contact.spin[0], contact.spin[1], 0.0, 0.0, contact.arm[0], contact.arm[1])
+        rolling, turning, heat = yield_to(Axis(axis[0], axis[1], axis[2]), j, slip, contact.turn, force, contact.torque)
         dy[rate_place(parameters, mode.roller, w, side)] += rolling / wheel.axial_inertia
-        spin += contact.spin[0] * force_h + contact.spin[1] * force_k
-        spin -= contact.axis[1] * contact.axis[2] * contact.torque
-        loss -= force_h * slip[0] + force_k * slip[1] + contact.torque * contact.turn
-        watch.slip_square[side] = slip[0] * slip[0] + slip[1] * slip[1]
+        spin, loss = spin + turning, loss + heat
+        watch.slip_square[side] = slip.h * slip.h + slip.k * slip.k
         watch.factor[side] = contact.factor * (contact.share * part.loaded if machine.law == VISCOUS else load)
         watch.margin[side] = 0.0
         if contact.rest and not mode.shared:
-            size = math.sqrt(force_h * force_h + force_k * force_k)
+            size = math.sqrt(force.h * force.h + force.k * force.k)
             watch.margin[side] = machine.friction * normal - size
             if part.sought:  # slip along the direction in which it creeps
-                watch.margin[side] = contact.creep[0] * slip[0] + contact.creep[1] * slip[1]
+                watch.margin[side] = contact.creep[0] * slip.h + contact.creep[1] * slip.k
     dy[at.spin_rate + w] = 0.0 if mode.shared else spin / spin_inertia(wheel)
-    dy[at.friction_loss] += loss
-    watch.normal_force, watch.share, watch.share_margin = part.normal_force, 1.0, 0.0
+    watch.normal_force = part.normal_force
     if mode.shared:
         watch.share, watch.share_margin = room.contacts[2 * w].share, part.share_margin
+    return loss
 
 
 @outlined

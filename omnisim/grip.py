@@ -15,7 +15,16 @@ has come so near to it that the difference is below the error of a step stops al
 
 import math
 
-from omnisim.body import holding_force, inverse, plane_balance, set_contact, set_held, yielding
+from omnisim.body import (
+    free_plane,
+    holding_force,
+    inverse,
+    plane_balance,
+    set_contact,
+    set_held,
+    set_lever,
+    yielding,
+)
 from omnisim.contact.coulomb import CREEP, SLIP, STICK, TINY
 from omnisim.contact.kinematics import (
     Motion,
@@ -331,16 +340,17 @@ def align_slip(parameters, run):
     for w in range(len(run.mode)):
         part, contact, mode, wheel = room.parts[w], room.contacts[2 * w], run.mode[w], parameters.wheels[w]
         part.loaded = mode.grip[0] != SLIP and not mode.shared
-        part.contacts, part.sought, part.yaw_moment = 1, 0, 0.0
+        part.contacts, part.sought, part.known = 1, 0, not part.loaded
         if part.loaded:
             state = contact_state(parameters, mode, w, 0, body, y)
             slip, u = state.slip, mode.creep
             along = slip.h * u[0] + slip.k * u[1] if mode.grip[0] == CREEP else 0.0
-            set_contact(wheel, contact, state, 0)
-            set_held(machine, wheel, contact, state, Slip(slip.h - along * u[0], slip.k - along * u[1]))
+            j = slip_jacobian(wheel, state.axis, state.contact)
+            set_contact(contact, state, j, False)
+            set_lever(wheel, contact, state.axis, j)
+            set_held(machine, wheel, contact, state.axis, j, Slip(slip.h - along * u[0], slip.k - along * u[1]))
             contact.rest = 1
-    room.external.x = room.external.y = room.external.yaw = 0.0
-    plane = plane_balance(machine, room)
+    plane = plane_balance(machine, room, free_plane(machine, 0.0, 0.0, 0.0))
     change = yielding(inverse(plane), plane.x, plane.y, plane.yaw)
     for w in range(len(run.mode)):
         if room.parts[w].loaded:

@@ -102,12 +102,12 @@ PART = np.dtype(
     [
         ("loaded", np.int64),  # 1: the floor carries the wheel
         ("contacts", np.int64),  # 1, or 2 while it rests on two rollers
+        ("known", np.int64),  # 1: its forces follow from its own slip, its load being known
         ("sought", np.int64),  # 1: its forces are sought by iteration, see coupled.py
         ("point", np.float64, (2,)),  # where it does, from C along chassis axes, m
         ("drive_torque", np.float64),  # tau on the disk about k, N m
         ("free_spin", np.float64),  # J phi'' without the contacts, N m
-        ("yaw_moment", np.float64),  # of the wheel on the body without its contacts, about the vertical, N m
-        ("heading_moment", np.float64),  # and about the heading of the wheel, N m
+        ("heading_moment", np.float64),  # of the wheel on the body without its contacts, about its heading, N m
         ("normal_force", np.float64),  # N, N; below 0 of a wheel that the floor does not carry
         ("share_margin", np.float64),  # torque with which both contacts alone would push back to the edge, N m
     ]
@@ -119,8 +119,16 @@ EXTERNAL = np.dtype(
         ("x", np.float64),  # force, along chassis axes, N
         ("y", np.float64),
         ("z", np.float64),
-        ("yaw", np.float64),  # torque about the vertical through C, N m
         ("yaw_rate", np.float64),  # of the body, rad/s
+    ]
+)
+LOADS = np.dtype(
+    [
+        ("external", EXTERNAL),
+        ("pushes", np.float64, (3, 3)),  # plane rows by the unknowns b of the loads, see body.py
+        ("tilt", np.float64, (2, 7)),  # rows of tilt by acceleration, loads, and their right sides
+        ("sums", np.float64, (6,)),  # of 1, x, y, x^2, x y, y^2 over the loaded wheels
+        ("mobility", np.float64, (2, 2, 2, 2)),  # 1/kg: slip acceleration of one of RESTING by the force of another
     ]
 )
 RESTING = np.dtype(
@@ -136,19 +144,14 @@ RESTING = np.dtype(
 class Room(NamedTuple):
     """Room for the forces of an instant, W wheels; not constant, but without memory either.
 
-    contacts: (2 W,) records CONTACT, two for each wheel. parts: (W,) records PART. external: record EXTERNAL.
-    pushes (3, 3), tilt (2, 7), sums (6,): the loads in body.py. resting (2,): records RESTING of the contacts of one
-    wheel, coupled by mobility (2, 2, 2, 2), 1/kg: slip acceleration of one by the force of another.
+    contacts: (2 W,) records CONTACT, two for each wheel. parts: (W,) records PART. loads: record LOADS. resting (2,):
+    records RESTING of the contacts of one wheel.
     """
 
     contacts: np.recarray
     parts: np.recarray
-    external: np.record
-    pushes: np.ndarray
-    tilt: np.ndarray
-    sums: np.ndarray
+    loads: np.record
     resting: np.recarray
-    mobility: np.ndarray
 
 
 class Parameters(NamedTuple):
@@ -188,10 +191,11 @@ def records(dtype: np.dtype, rows: list[dict]) -> np.recarray:
 
 
 def room(wheels: int) -> Room:
-    tables = (np.zeros(2 * wheels, CONTACT), np.zeros(wheels, PART), np.zeros(2, RESTING))
-    contacts, parts, resting = (table.view(np.recarray) for table in tables)
-    external, loads = np.zeros(1, EXTERNAL).view(np.recarray)[0], (np.zeros((3, 3)), np.zeros((2, 7)), np.zeros(6))
-    return Room(contacts, parts, external, *loads, resting, np.zeros((2, 2, 2, 2)))
+    contacts, parts, loads, resting = (
+        np.zeros(count, dtype).view(np.recarray)
+        for count, dtype in ((2 * wheels, CONTACT), (wheels, PART), (1, LOADS), (2, RESTING))
+    )
+    return Room(contacts, parts, loads[0], resting)
 
 
 class Bodies(NamedTuple):
