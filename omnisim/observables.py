@@ -11,8 +11,9 @@ from omnisim.contact.kinematics import joint_rate
 from omnisim.contact.tracking import IMPLICIT, roller_axis
 from omnisim.kernel import kernel
 from omnisim.parameters import SERVO, Parameters
+from omnisim.records import plain
 from omnisim.runge_kutta import evaluate
-from omnisim.state import WATCH, YAW, Rows, X, Y, places, places_in
+from omnisim.state import WATCH, YAW, Places, Rows, X, Y, places, places_in
 from omnisim.vector import Vec3, combine, cross
 from omnisim.wheel import (
     azimuth,
@@ -136,14 +137,15 @@ def datasets(parameters: Parameters, rows: Rows, interval: float, config: Config
         motion=np.empty((3, count, wheels, rollers, 3)),
     )
     observe(parameters, rows, times, watch, observed)
+    parameters = parameters._replace(machine=plain(parameters.machine))
     data = {"time": times} | body(parameters, rows.y, observed.slopes, config.chassis is None)
     data |= energy(parameters, rows)
     if parameters.machine.odometry:
         data |= odometry(parameters, rows.y, data["body/position"])
     if config.chassis is not None and parameters.machine.upright == SERVO:
         data["body/servo_torque"] = observed.servo
-    for w, wheel in enumerate(config.wheels):
-        group = wheel_datasets(parameters, w, rows, observed)
+    for w, (wheel, number) in enumerate(zip(config.wheels, parameters.wheels.rollers.tolist(), strict=True)):
+        group = wheel_datasets(places_in(parameters), w, number, rows, observed)
         if config.chassis is None:
             group["servo_torque"] = observed.servo[:, 0]
         data |= {f"wheels/{wheel.name}/{path}": values for path, values in group.items()}
@@ -190,12 +192,11 @@ def odometry(parameters: Parameters, y: np.ndarray, position: np.ndarray) -> dic
 
 def energy(parameters: Parameters, rows: Rows) -> dict[str, np.ndarray]:
     """Kinetic energy, the works since t = 0, and what is missing between them."""
-    machine, y, at = parameters.machine, rows.y, places_in(parameters)
+    machine, wheels, y, at = parameters.machine, parameters.wheels, rows.y, places_in(parameters)
     doubled = machine.mass * (y[:, at.velocity] ** 2 + y[:, at.velocity + 1] ** 2)
     doubled += machine.yaw_inertia * y[:, at.yaw_rate] ** 2
-    for w, wheel in enumerate(parameters.wheels):
-        doubled += (wheel.axle_inertia + wheel.rotor_inertia) * y[:, at.spin_rate + w] ** 2
-        doubled += wheel.axial_inertia * np.sum(rows.rates[:, w, : wheel.rollers] ** 2, axis=1)
+    doubled += y[:, at.spin_rate : at.roller_rate] ** 2 @ (wheels.axle_inertia + wheels.rotor_inertia)
+    doubled += np.sum(rows.rates**2, axis=2) @ wheels.axial_inertia
     kinetic = 0.5 * doubled
     loss, drive, wrench = y[:, at.friction_loss], y[:, at.drive_work], y[:, at.wrench_work]
     bearings = y[:, at.bearing_loss] if machine.bearings else np.zeros(len(y))
@@ -209,26 +210,26 @@ def energy(parameters: Parameters, rows: Rows) -> dict[str, np.ndarray]:
     }
 
 
-def wheel_datasets(parameters: Parameters, w: int, rows: Rows, observed: Observed) -> dict[str, np.ndarray]:
-    """Datasets of one wheel, by path below its group."""
-    count, at, contacts = parameters.wheels[w].rollers, places_in(parameters), observed.contacts[:, w]
-    position, velocity, acceleration = observed.motion[:, :, w, :count]
+def wheel_datasets(at: Places, w: int, rollers: int, rows: Rows, observed: Observed) -> dict[str, np.ndarray]:
+    """Datasets of wheel w with so many rollers, by path below its group."""
+    contacts, mode = np.asarray(observed.contacts)[:, w], np.asarray(rows.mode)[:, w]
+    position, velocity, acceleration = observed.motion[:, :, w, :rollers]
     return {
         "spin_angle": rows.y[:, at.spin_angle + w],
         "spin_rate": rows.y[:, at.spin_rate + w],
         "spin_acceleration": observed.slopes[:, at.spin_rate + w],
-        "drive_torque": contacts.drive_torque,
-        "drive_power": contacts.drive_torque * rows.y[:, at.spin_rate + w],
-        "normal_force": contacts.normal_force,
-        "contact_angle": contacts.angle,
-        "contact_roller": rows.mode[:, w].roller % count,
-        "contact_point": contacts.point,
-        "slip_velocity": contacts.slip_velocity,
-        "friction_force": contacts.friction_force,
-        "contact_share": contacts.share,
-        "contact_torque": contacts.contact_torque,
-        "rollers/axial_rate": rows.rates[:, w, :count],
-        "rollers/joint_rate": observed.joint_rate[:, w, :count],
+        "drive_torque": contacts["drive_torque"],
+        "drive_power": contacts["drive_torque"] * rows.y[:, at.spin_rate + w],
+        "normal_force": contacts["normal_force"],
+        "contact_angle": contacts["angle"],
+        "contact_roller": mode["roller"] % rollers,
+        "contact_point": contacts["point"],
+        "slip_velocity": contacts["slip_velocity"],
+        "friction_force": contacts["friction_force"],
+        "contact_share": contacts["share"],
+        "contact_torque": contacts["contact_torque"],
+        "rollers/axial_rate": rows.rates[:, w, :rollers],
+        "rollers/joint_rate": observed.joint_rate[:, w, :rollers],
         "rollers/center_position": position,
         "rollers/center_velocity": velocity,
         "rollers/center_acceleration": acceleration,

@@ -1,7 +1,7 @@
 """What the kernels know of a scene and never changes: `pack` is the only place where a scene becomes numbers."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -9,8 +9,9 @@ import numpy as np
 from omnisim.config import Config, Friction, Roller, Wheel, WheelType
 from omnisim.contact.reaction import LAWS
 from omnisim.contact.tracking import TRACKINGS
-from omnisim.drives import drive_law, drive_table
+from omnisim.drives import drive_law
 from omnisim.ideal import invertible, pseudo_inverse, rms_distance, wheel_rows
+from omnisim.records import records
 
 MACHINE = np.dtype(
     [
@@ -70,6 +71,7 @@ WHEEL = np.dtype(
     ]
 )
 FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE, DRIVE = range(5)  # channels of the inputs; DRIVE + w is the drive of wheel w
+WRENCH = [FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE]
 SHORTEST = 1e-14  # relative: pieces of tables that are no longer than rounding are left out
 SERVO, CONTACTS = 0, 1
 UPRIGHT = {"servo": SERVO, "contacts": CONTACTS}
@@ -169,22 +171,17 @@ class Parameters(NamedTuple):
 
 def pack(config: Config) -> Parameters:
     """Parameters of a validated scene."""
-    types = [config.type_of(wheel) for wheel in config.wheels]
-    machine = machine_values(config, types)
+    types, rows = [config.type_of(wheel) for wheel in config.wheels], wheel_rows(config)
+    machine = machine_values(config, types, rows)
     wheels = [wheel_values(*pair, machine["centre"]) for pair in zip(types, config.wheels, strict=True)]
     if machine["odometry"]:
-        columns = pseudo_inverse(wheel_rows(config)).T
+        columns = pseudo_inverse(rows).T
         starts = np.radians([wheel.spin_angle_deg for wheel in config.wheels])
         wheels = [wheel | {"odometry": tuple(column)} for wheel, column in zip(wheels, columns, strict=True)]
         machine["odometry_yaw"] = math.radians(config.initial.yaw_deg) - starts @ columns[:, 2]
     machine["slip_mobility"] = max(slip_mobility_bound(machine, wheel) for wheel in wheels)
-    packed, starts_inputs = records(WHEEL, wheels), merge_tables(config)
+    packed, starts_inputs = records(WHEEL, wheels), merge_tables(config, rows)
     return Parameters(records(MACHINE, [machine])[0], packed, sectors(packed.rollers), *starts_inputs, room(len(types)))
-
-
-def records(dtype: np.dtype, rows: list[dict]) -> np.recarray:
-    """Rows with a value for every field."""
-    return np.array([tuple(row[name] for name in dtype.names) for row in rows], dtype).view(np.recarray)
 
 
 def room(wheels: int) -> Room:
@@ -226,7 +223,8 @@ def exact_sums(rows: np.ndarray) -> np.ndarray:
     return np.array([math.fsum(column) for column in rows.T])
 
 
-def machine_values(config: Config, types: list[WheelType]) -> dict:
+def machine_values(config: Config, types: list[WheelType], rows: np.ndarray) -> dict:
+    """Values of the MACHINE record but the last; rows: of the ideal machine."""
     friction, whole = config.friction, bodies(config)
     bearings = any(kind.roller.has_bearing_friction for kind in types)
     pushed = whole.centre if config.chassis is None else np.array(config.chassis.center_of_mass)
@@ -250,7 +248,7 @@ def machine_values(config: Config, types: list[WheelType]) -> dict:
         "bearing_relaxation": max(bearing_relaxation(kind.roller) for kind in types),
         "slots": max(kind.roller_count for kind in types) if bearings else 2,
         "integrals": any(drive_law(wheel.drive).integral > 0.0 for wheel in config.wheels),
-        "odometry": config.chassis is not None and invertible(wheel_rows(config), rms_distance(config)),
+        "odometry": config.chassis is not None and invertible(rows, rms_distance(config)),
         "odometry_yaw": 0.0,
         "body_frame": config.wrench.frame == "body",
     }
@@ -354,33 +352,46 @@ def sectors(rollers: np.ndarray) -> np.ndarray:
     return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
 
 
-def merge_tables(config: Config) -> tuple[np.ndarray, np.ndarray]:
+def merge_tables(config: Config, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """All tables of a scene on the union of their knots: starts (S,) and inputs (S, channels, 2).
 
     Between two knots every input is linear, so one number, the current piece, tells all of them; a jump is two
-    equal knots, between which no piece lies.
+    equal knots, between which no piece lies. rows: of the ideal machine.
     """
-    times, forces, yaw_torques = config.wrench.table
-    tables = {FORCE_X + axis: (times, values) for axis, values in enumerate(zip(*forces, strict=True))}
-    tables[YAW_TORQUE] = (times, yaw_torques)
-    tables |= {DRIVE + number: drive_table(config, number) for number in range(len(config.wheels))}
-    knots = sorted({time for times, _ in tables.values() for time in times if time > 0.0})
+    merged = list(tables(config, rows))
+    knots = sorted({time for _, times, _ in merged for time in times if time > 0.0})
     edges = np.array([0.0, *knots, math.inf])
-    lasting = np.diff(edges) > SHORTEST * (1.0 + edges[:-1])  # two knots that rounding cannot part are a jump
+    lasting = edges[1:] - edges[:-1] > SHORTEST * (1.0 + edges[:-1])  # knots that rounding cannot part are a jump
     starts = edges[:-1][lasting]
     inputs = np.zeros((len(starts), DRIVE + len(config.wheels), 2))
-    for channel, (times, values) in tables.items():
-        for piece, start in enumerate(starts):
-            inputs[piece, channel] = line(times, values, start)
+    for channels, times, values in merged:
+        if len(times) == 1:
+            inputs[:, channels, 0] = values
+        else:
+            inputs[:, channels] = lines(np.array(times), np.array(values), starts)
     starts[0] = 0.0
     return starts, inputs
 
 
-def line(times: Sequence[float], values: Sequence[float], start: float) -> tuple[float, float]:
-    """Value at `start` and slope of a table from there to its next knot."""
-    after = int(np.searchsorted(times, start, side="right"))  # first knot beyond the start
-    if after == 0 or after == len(times):
-        return values[min(after, len(times) - 1)], 0.0
-    t0, t1, v0, v1 = times[after - 1], times[after], values[after - 1], values[after]
-    slope = (v1 - v0) / (t1 - t0)
-    return v0 + slope * (start - t0), slope
+def tables(config: Config, rows: np.ndarray) -> Iterator[tuple[list[int], Sequence[float], Sequence[Sequence[float]]]]:
+    """Channels, times and the values of these channels (K, C) of every table."""
+    times, forces, yaw_torques = config.wrench.table
+    yield WRENCH, times, [(*force, torque) for force, torque in zip(forces, yaw_torques, strict=True)]
+    drives = [wheel.drive for wheel in config.wheels]
+    if followers := [w for w, drive in enumerate(drives) if drive.follows_command]:
+        twists = np.array(config.command.twist)
+        rates = [[rows[w] @ twist for w in followers] for twist in twists]  # of an ideal machine
+        yield [DRIVE + w for w in followers], config.command.times, rates
+    for w, drive in enumerate(drives):
+        if not drive.follows_command:
+            times, values = drive.table
+            yield [DRIVE + w], times, [[value] for value in values]
+
+
+def lines(times: np.ndarray, values: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    """Values (K, C) of a table at each of `starts` and slopes from there to its next knot, (S, C, 2); held outside."""
+    after = np.searchsorted(times, starts, side="right")  # first knot beyond each start
+    last, first = np.maximum(after - 1, 0), np.minimum(after, len(times) - 1)
+    rise, length = values[first] - values[last], (times[first] - times[last])[:, None]
+    slopes = np.divide(rise, length, out=np.zeros_like(rise), where=length > 0.0)
+    return np.stack([values[last] + slopes * (starts - times[last])[:, None], slopes], axis=-1)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scenes import packed, reference_scene
 
-from omnisim.parameters import DRIVE, FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE, line
+from omnisim.parameters import DRIVE, FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE, lines
 
 pytestmark = pytest.mark.short
 
@@ -102,5 +102,10 @@ def test_tables_with_different_knots_share_one_sequence_of_pieces():
 
 
 def test_a_line_beyond_the_last_knot_is_flat():
-    assert line([0.0, 1.0], [2.0, 4.0], 1.0) == (4.0, 0.0)
-    assert line([0.0], [2.0], 0.0) == (2.0, 0.0)
+    times, values = np.array([0.0, 1.0]), np.array([[2.0], [4.0]])
+    assert lines(times, values, np.array([-1.0, 0.0, 1.0, 2.0])).tolist() == [
+        [[2.0, 0.0]],
+        [[2.0, 2.0]],
+        [[4.0, 0.0]],
+        [[4.0, 0.0]],
+    ]
