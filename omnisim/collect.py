@@ -53,7 +53,7 @@ def collect(
         "stop_time": float(stop_time),
         "stop_wheel": stop_wheel,
     }
-    happened = events(log[: clock.events], names)
+    happened = events(np.asarray(log)[: clock.events], names)
     if stopped:
         happened = with_stop(happened, stop_time, stop_wheel)
     return Trajectory(attributes, sampled | happened)
@@ -79,7 +79,7 @@ def finite_rows(sampled: dict[str, np.ndarray]) -> int:
 
 def events(log: np.ndarray, names: list[str]) -> dict[str, np.ndarray]:
     """Datasets of the events in a log (E,), in order of time, then of wheels."""
-    log = np.asarray(log)[np.lexsort((log["wheel"], log["time"]))]
+    log = log[np.lexsort((log["wheel"], log["time"]))]
     return {
         "events/time": log["time"],
         "events/kind": np.array(EVENT_KINDS)[log["kind"]],

@@ -6,6 +6,8 @@
 The twist (vx, vy, yaw_rate) is that of the chassis origin in chassis axes (m/s, m/s, rad/s).
 """
 
+import math
+
 import numpy as np
 
 from omnisim.config import Config
@@ -46,4 +48,5 @@ def undetermined(rows: np.ndarray, distance: float) -> tuple[str, ...]:
 
 def rms_distance(config: Config) -> float:
     """Root mean square distance of the wheel centres from the chassis origin, m."""
-    return float(np.sqrt(np.mean([x * x + y * y for x, y in (wheel.position for wheel in config.wheels)])))
+    squares = [x * x + y * y for x, y in (wheel.position for wheel in config.wheels)]
+    return math.sqrt(sum(squares) / len(squares))

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from operator import mul
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from omnisim.contact.reaction import LAWS
 from omnisim.contact.tracking import TRACKINGS
 from omnisim.drives import drive_law
 from omnisim.ideal import invertible, pseudo_inverse, rms_distance, wheel_rows
-from omnisim.records import records
+from omnisim.records import blank, records
 
 MACHINE = np.dtype(
     [
@@ -185,10 +186,16 @@ def pack(config: Config) -> Parameters:
 
 
 def room(wheels: int) -> Room:
-    tables = (np.zeros(2 * wheels, CONTACT), np.zeros(wheels, PART), np.zeros(2, RESTING))
-    contacts, parts, resting = (table.view(np.recarray) for table in tables)
-    external, loads = np.zeros(1, EXTERNAL).view(np.recarray)[0], (np.zeros((3, 3)), np.zeros((2, 7)), np.zeros(6))
-    return Room(contacts, parts, external, *loads, resting, np.zeros((2, 2, 2, 2)))
+    return Room(
+        contacts=blank(CONTACT, 2 * wheels),
+        parts=blank(PART, wheels),
+        external=blank(EXTERNAL, 1)[0],
+        pushes=np.zeros((3, 3)),
+        tilt=np.zeros((2, 7)),
+        sums=np.zeros(6),
+        resting=blank(RESTING, 2),
+        mobility=np.zeros((2, 2, 2, 2)),
+    )
 
 
 class Bodies(NamedTuple):
@@ -210,17 +217,18 @@ def bodies(config: Config) -> Bodies:
         masses.append(config.chassis.mass)
         points.append(config.chassis.center_of_mass)
         inertias.append(config.chassis.inertia[2])
-    mass, places = np.array(masses), np.array(points)
-    whole = math.fsum(mass)
-    centre = exact_sums(mass[:, None] * places) / whole
-    planar = places[:, :2] - centre[:2]
-    yaw_inertia = math.fsum(inertias) + math.fsum(mass * np.sum(planar**2, axis=1))
-    return Bodies(whole, centre, yaw_inertia, exact_sums((mass * places[:, 2])[:, None] * planar))
+    whole = math.fsum(masses)
+    x_centre, y_centre, height = (moment / whole for moment in exact_moments(masses, points))
+    planar = [(x - x_centre, y - y_centre) for x, y, _ in points]
+    yaw_inertia = math.fsum(inertias) + math.fsum(m * (x * x + y * y) for m, (x, y) in zip(masses, planar, strict=True))
+    lifted = [m * z for m, (_, _, z) in zip(masses, points, strict=True)]
+    moment = np.array(exact_moments(lifted, planar))
+    return Bodies(whole, np.array([x_centre, y_centre, height]), yaw_inertia, moment)
 
 
-def exact_sums(rows: np.ndarray) -> np.ndarray:
-    """Sum of each column, rounded once: what cancels in a symmetric machine cancels to the last bit."""
-    return np.array([math.fsum(column) for column in rows.T])
+def exact_moments(masses: Sequence[float], points: Sequence[Sequence[float]]) -> list[float]:
+    """Sum of m p, rounded once: what cancels in a symmetric machine cancels to the last bit."""
+    return [math.fsum(map(mul, masses, column)) for column in zip(*points, strict=True)]
 
 
 def machine_values(config: Config, types: list[WheelType], rows: np.ndarray) -> dict:
@@ -349,7 +357,9 @@ def slip_mobility_bound(machine: dict, wheel: dict) -> float:
 def sectors(rollers: np.ndarray) -> np.ndarray:
     """Cosine and sine of 2 pi i / N_r, (W, N, 2)."""
     angle = 2.0 * np.pi * np.arange(rollers.max()) / rollers[:, None]
-    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    sector = np.empty((*angle.shape, 2))
+    sector[..., 0], sector[..., 1] = np.cos(angle), np.sin(angle)
+    return sector
 
 
 def merge_tables(config: Config, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -368,7 +378,7 @@ def merge_tables(config: Config, rows: np.ndarray) -> tuple[np.ndarray, np.ndarr
         if len(times) == 1:
             inputs[:, channels, 0] = values
         else:
-            inputs[:, channels] = lines(np.array(times), np.array(values), starts)
+            inputs[:, channels, 0], inputs[:, channels, 1] = lines(np.array(times), np.array(values), starts)
     starts[0] = 0.0
     return starts, inputs
 
@@ -388,10 +398,10 @@ def tables(config: Config, rows: np.ndarray) -> Iterator[tuple[list[int], Sequen
             yield [DRIVE + w], times, [[value] for value in values]
 
 
-def lines(times: np.ndarray, values: np.ndarray, starts: np.ndarray) -> np.ndarray:
-    """Values (K, C) of a table at each of `starts` and slopes from there to its next knot, (S, C, 2); held outside."""
-    after = np.searchsorted(times, starts, side="right")  # first knot beyond each start
+def lines(times: np.ndarray, values: np.ndarray, starts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Values of a table (K, C) at each of `starts` and slopes from there to its next knot (S, C); held outside."""
+    after = times.searchsorted(starts, side="right")  # first knot beyond each start
     last, first = np.maximum(after - 1, 0), np.minimum(after, len(times) - 1)
     rise, length = values[first] - values[last], (times[first] - times[last])[:, None]
-    slopes = np.divide(rise, length, out=np.zeros_like(rise), where=length > 0.0)
-    return np.stack([values[last] + slopes * (starts - times[last])[:, None], slopes], axis=-1)
+    slopes = np.divide(rise, length, out=np.zeros(rise.shape), where=length > 0.0)
+    return values[last] + slopes * (starts - times[last])[:, None], slopes

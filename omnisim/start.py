@@ -8,7 +8,7 @@ from omnisim.config import Config, Time
 from omnisim.contact.tracking import IMPLICIT
 from omnisim.grip import alignment, fineness, stopping_alignment
 from omnisim.parameters import Parameters
-from omnisim.records import plain, records
+from omnisim.records import blank, plain, records
 from omnisim.state import CLOCK, MODE, WATCH, YAW, Newton, Rows, Run, X, Y, places_in
 from omnisim.stiffness import resolve
 from omnisim.tableau import EXPLICIT, METHODS
@@ -28,9 +28,9 @@ def begin(config: Config, parameters: Parameters) -> Run:
         increment=np.zeros_like(y),
         slopes=np.zeros((tableau.stages + 1, len(y))),
         rates=rates,
-        mode=np.zeros(count, MODE).view(np.recarray),
-        watch=np.zeros(count, WATCH).view(np.recarray),
-        watch_end=np.zeros(count, WATCH).view(np.recarray),
+        mode=blank(MODE, count),
+        watch=blank(WATCH, count),
+        watch_end=blank(WATCH, count),
         clock=clock_at_start(config.time, choice, tableau.stability_limit, machine.mass * machine.slip_mobility),
         newton=newton_room(parameters, len(y) if choice != EXPLICIT else 0),
     )
@@ -76,14 +76,14 @@ def blank_rows(run: Run, count: int) -> Rows:
     return Rows(
         y=np.empty((count, len(run.y))),
         rates=np.empty((count, wheels, rollers)),
-        mode=np.empty((count, wheels), MODE).view(np.recarray),
+        mode=blank(MODE, count, wheels),
         piece=np.empty(count, np.int64),
     )
 
 
 def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, np.ndarray]:
     """State y (n,) without the rates of the rollers in contact, and rates (W, N) of all rollers, rad/s."""
-    machine, wheels, at = parameters.machine, parameters.wheels, places_in(parameters)
+    machine, wheels, at = parameters.machine, np.asarray(parameters.wheels), places_in(parameters)
     count, rollers = parameters.sector.shape[:2]
     implicit = machine.tracking == IMPLICIT
     y, rates = np.zeros(at.rho + 3 * count * rollers * implicit), np.zeros((count, rollers))
@@ -99,11 +99,11 @@ def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, n
     spin_rates = np.array([wheel.spin_rate for wheel in config.wheels])
     y[at.spin_angle :][:count], y[at.spin_rate :][:count] = spin_angles, spin_rates
     q = roller_azimuths(wheels, spin_angles)
-    for own, wheel, number in zip(rates, config.wheels, wheels.rollers.tolist(), strict=True):
+    for own, wheel, number in zip(rates, config.wheels, wheels["rollers"].tolist(), strict=True):
         own[:number] = wheel.roller_rates
-    rates += (spin_rates * wheels.sin_psi)[:, None]  # p = chi' + w . a
-    rates -= yaw_rate * (wheels.cos_psi[:, None] * np.sin(q))
-    there = np.arange(rollers) < wheels.rollers[:, None]
+    rates += (spin_rates * wheels["sin_psi"])[:, None]  # p = chi' + w . a
+    rates -= yaw_rate * (wheels["cos_psi"][:, None] * np.sin(q))
+    there = np.arange(rollers) < wheels["rollers"][:, None]
     rates[~there] = 0.0
     if implicit:
         headings = yaw + np.radians([wheel.heading_deg for wheel in config.wheels])
@@ -111,10 +111,10 @@ def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, n
     return y, rates
 
 
-def roller_azimuths(wheels: np.recarray | np.record, spin_angles: np.ndarray | float) -> np.ndarray:
+def roller_azimuths(wheels: np.ndarray | np.record, spin_angles: np.ndarray | float) -> np.ndarray:
     """q of every roller of records WHEEL up to whole turns, rad: (..., N) for spin angles (...)."""
-    turned = np.multiply.outer(2.0 * wheels.alpha, np.arange(np.max(wheels.rollers)))
-    return np.asarray(wheels.phase)[..., None] + turned - np.asarray(spin_angles)[..., None]
+    turned = np.multiply.outer(2.0 * wheels["alpha"], np.arange(np.max(wheels["rollers"])))
+    return np.asarray(wheels["phase"])[..., None] + turned - np.asarray(spin_angles)[..., None]
 
 
 def roller_directions(q: np.ndarray, yaw: np.ndarray | float) -> np.ndarray:

@@ -153,10 +153,12 @@ class Trajectory:
         for name, kind in ATTRIBUTES.items():
             if kind is float and not math.isfinite(self.attributes[name]):
                 raise ValueError(f"attribute {name} is {self.attributes[name]}: it must be finite")
-        quantities = self.quantities
-        sizes = {quantity.path: np.size(self.data[quantity.path]) for quantity in quantities if quantity.is_scale}
-        for quantity in quantities:
-            _check(quantity, self.data[quantity.path], tuple(map(sizes.__getitem__, quantity.axes)))
+        sizes: dict[str, int] = {}
+        for quantity in self.quantities:
+            array = self.data[quantity.path]
+            if quantity.is_scale:
+                sizes[quantity.path] = np.size(array)
+            _check(quantity, array, tuple(map(sizes.__getitem__, quantity.axes)))
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:

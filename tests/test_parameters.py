@@ -101,11 +101,7 @@ def test_tables_with_different_knots_share_one_sequence_of_pieces():
         assert value(parameters, YAW_TORQUE, t) == 0.5
 
 
-def test_a_line_beyond_the_last_knot_is_flat():
-    times, values = np.array([0.0, 1.0]), np.array([[2.0], [4.0]])
-    assert lines(times, values, np.array([-1.0, 0.0, 1.0, 2.0])).tolist() == [
-        [[2.0, 0.0]],
-        [[2.0, 2.0]],
-        [[4.0, 0.0]],
-        [[4.0, 0.0]],
-    ]
+def test_a_line_is_flat_before_the_first_knot_and_beyond_the_last():
+    values, slopes = lines(np.array([0.0, 1.0]), np.array([[2.0], [4.0]]), np.array([-1.0, 0.0, 1.0, 2.0]))
+    assert values.tolist() == [[2.0], [2.0], [4.0], [4.0]]
+    assert slopes.tolist() == [[0.0], [2.0], [0.0], [0.0]]
