@@ -10,6 +10,7 @@ from omnisim.events import STOP
 from omnisim.model import describe
 from omnisim.observables import datasets
 from omnisim.parameters import Parameters
+from omnisim.records import plain
 from omnisim.scene import Scene
 from omnisim.state import Rows, Run
 from omnisim.stiffness import method_used
@@ -22,7 +23,7 @@ def collect(
     scene: Scene, parameters: Parameters, run: Run, rows: Rows, log: np.ndarray, wall_time: float
 ) -> Trajectory:
     """The Trajectory of a march as far as it has come; the Run may go on."""
-    config, clock, names = scene.config, run.clock.copy(), [wheel.name for wheel in scene.config.wheels]
+    config, clock, names = scene.config, plain(run.clock), [wheel.name for wheel in scene.config.wheels]
     if clock.status == status.RUNNING:
         clock.status = status.ENDED
     interval = config.time.output_interval
@@ -30,6 +31,7 @@ def collect(
     stop_time, kept = clock.step * clock.dt + clock.elapsed, finite_rows(sampled)
     if kept < clock.row:  # a state that overflows only when it is squared, say
         clock.status, clock.wheel, stop_time = status.NOT_FINITE, -1, kept * interval
+        sampled = {path: values[:kept] for path, values in sampled.items()}
     stopped = clock.status != status.COMPLETE
     if not stopped:
         stop_time = config.time.end
@@ -44,17 +46,17 @@ def collect(
         "tracking": config.solver.tracking,
         "method": method,
         "step": config.time.step,
-        "steps": int(clock.step),
-        "rhs_evaluations": int(clock.rhs),
+        "steps": clock.step,
+        "rhs_evaluations": clock.rhs,
         "wall_time": wall_time,
         "status": status.sentence(clock, stop_time, stop_wheel, method),
         "stop_time": float(stop_time),
         "stop_wheel": stop_wheel,
     }
-    happened = events(log[: clock.events], names)
+    happened = events(np.asarray(log)[: clock.events], names)
     if stopped:
         happened = with_stop(happened, stop_time, stop_wheel)
-    return Trajectory(attributes, {path: values[:kept] for path, values in sampled.items()} | happened)
+    return Trajectory(attributes, sampled | happened)
 
 
 @cache

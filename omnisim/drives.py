@@ -11,8 +11,7 @@ limit, its rotor appears at the axle with g^2 times its inertia.
 import math
 from typing import NamedTuple
 
-from omnisim.config import Config, Drive
-from omnisim.ideal import wheel_rows
+from omnisim.config import Drive
 
 
 class DriveLaw(NamedTuple):
@@ -41,12 +40,3 @@ def drive_law(drive: Drive) -> DriveLaw:
             rotor_inertia=drive.gear_ratio**2 * drive.rotor_inertia,
         )
     return DriveLaw(1.0)
-
-
-def drive_table(config: Config, w: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Times and inputs of the drive of wheel w: its own, or the rate that the commanded twist asks of it."""
-    drive = config.wheels[w].drive
-    if not drive.follows_command:
-        return drive.table
-    row = wheel_rows(config)[w]
-    return config.command.times, tuple(float(row @ twist) for twist in config.command.twist)

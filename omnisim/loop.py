@@ -26,6 +26,7 @@ from omnisim.events import EVENT
 from omnisim.ideal import wheel_rows
 from omnisim.kernel import direct
 from omnisim.parameters import DRIVE, Parameters, pack
+from omnisim.records import blank
 from omnisim.scene import Scene, SceneError
 from omnisim.start import begin, blank_rows
 from omnisim.state import YAW, Places, X, Y, places_in
@@ -54,7 +55,7 @@ class Loop:
             self.rows = blank_rows(self.run, scene.config.time.outputs + 1)
         except MemoryError as error:
             raise SceneError(f"{scene.source}: time.output_interval: too many rows for the memory: {error}") from None
-        self.log = np.zeros(4 * EVENTS_PER_STEP, EVENT).view(np.recarray)
+        self.log = blank(EVENT, 4 * EVENTS_PER_STEP)
         self.wall_time = 0.0
         self._at: Places = places_in(self.parameters)
         self._dt = float(self.run.clock.dt)

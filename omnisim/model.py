@@ -8,6 +8,7 @@ from typing import NamedTuple
 from omnisim.config import Config, Drive, Friction, Roller, Wheel, unused_keys
 from omnisim.ideal import rms_distance, undetermined, wheel_rows
 from omnisim.parameters import CONTACTS, Parameters
+from omnisim.records import plain
 from omnisim.state import places_in
 from omnisim.text import hanging
 
@@ -52,6 +53,7 @@ class Model(NamedTuple):
 
 def describe(config: Config, parameters: Parameters) -> Model:
     """The model of a validated scene and its Parameters."""
+    parameters = parameters._replace(machine=plain(parameters.machine))
     parts = (*integrated(config, parameters), *algebraic(config, parameters))
     return Model(parts, unused_keys(config))
 
@@ -77,7 +79,7 @@ def integrated(config: Config, parameters: Parameters) -> Iterator[Part]:
     why = "losses, drive and wrench work, integrated for the energy balance"
     yield Part("works", True, at.odometry - at.friction_loss, why)
     if config.chassis:
-        yield Part("odometry", bool(machine.odometry), at.rho - at.odometry, odometry_reason(config))
+        yield Part("odometry", bool(machine.odometry), at.rho - at.odometry, odometry_reason(config, machine.odometry))
     why = "implicit tracking integrates the unit vector of each roller"
     why = why if implicit else "explicit tracking has the contact point in closed form"
     yield Part("rho", implicit, 3 * most * wheels * implicit, why)
@@ -158,10 +160,11 @@ def air_reason(config: Config) -> str:
     return f"{count - len(config.wheels)} of {count} keep their axial rates exactly: frictionless bearings"
 
 
-def odometry_reason(config: Config) -> str:
-    if motions := undetermined(wheel_rows(config), rms_distance(config)):
-        return f"spin rates do not tell the motion; they leave open: {', '.join(motions)}"
-    return "x, y as ideal wheels without slip report them; yaw follows from spin angles"
+def odometry_reason(config: Config, told: bool) -> str:
+    if told:
+        return "x, y as ideal wheels without slip report them; yaw follows from spin angles"
+    motions = undetermined(wheel_rows(config), rms_distance(config))
+    return f"spin rates do not tell the motion; they leave open: {', '.join(motions)}"
 
 
 def load_reason(config: Config, carried: bool) -> str:

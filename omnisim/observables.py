@@ -9,10 +9,11 @@ from omnisim.body import servo
 from omnisim.config import Config
 from omnisim.contact.kinematics import joint_rate
 from omnisim.contact.tracking import IMPLICIT, roller_axis
-from omnisim.kernel import kernel
+from omnisim.kernel import direct, kernel
 from omnisim.parameters import SERVO, Parameters
+from omnisim.records import blank, plain
 from omnisim.runge_kutta import evaluate
-from omnisim.state import WATCH, YAW, Rows, X, Y, places, places_in
+from omnisim.state import WATCH, YAW, Places, Rows, X, Y, places, places_in
 from omnisim.vector import Vec3, combine, cross
 from omnisim.wheel import (
     azimuth,
@@ -127,23 +128,24 @@ def store(target, vector):
 def datasets(parameters: Parameters, rows: Rows, interval: float, config: Config) -> dict[str, np.ndarray]:
     """All datasets of T rows, `interval` seconds apart, but the events: by path in the trajectory file."""
     times, (count, wheels, rollers) = np.arange(len(rows.y)) * interval, rows.rates.shape
-    watch = np.zeros(wheels, WATCH).view(np.recarray)
+    watch = blank(WATCH, wheels)
     observed = Observed(
         slopes=np.empty_like(rows.y),
         servo=np.empty((count, 2)),
-        contacts=np.zeros((count, wheels), CONTACT).view(np.recarray),
+        contacts=blank(CONTACT, count, wheels),
         joint_rate=np.empty((count, wheels, rollers)),
         motion=np.empty((3, count, wheels, rollers, 3)),
     )
-    observe(parameters, rows, times, watch, observed)
+    direct(observe, parameters, rows, times, watch, observed)
+    parameters = parameters._replace(machine=plain(parameters.machine))
     data = {"time": times} | body(parameters, rows.y, observed.slopes, config.chassis is None)
     data |= energy(parameters, rows)
     if parameters.machine.odometry:
         data |= odometry(parameters, rows.y, data["body/position"])
     if config.chassis is not None and parameters.machine.upright == SERVO:
         data["body/servo_torque"] = observed.servo
-    for w, wheel in enumerate(config.wheels):
-        group = wheel_datasets(parameters, w, rows, observed)
+    for w, (wheel, number) in enumerate(zip(config.wheels, parameters.wheels.rollers.tolist(), strict=True)):
+        group = wheel_datasets(places_in(parameters), w, number, rows, observed)
         if config.chassis is None:
             group["servo_torque"] = observed.servo[:, 0]
         data |= {f"wheels/{wheel.name}/{path}": values for path, values in group.items()}
@@ -153,25 +155,22 @@ def datasets(parameters: Parameters, rows: Rows, interval: float, config: Config
 def body(parameters: Parameters, y: np.ndarray, slopes: np.ndarray, bare: bool) -> dict[str, np.ndarray]:
     """Motion of the centre of a bare wheel at the constant height R, or of the chassis origin on the floor."""
     at, (ahead, left) = places_in(parameters), parameters.machine.centre
-    height, flat = np.full(len(y), parameters.wheels[0].radius if bare else 0.0), np.zeros(len(y))
+    height = parameters.wheels[0].radius if bare else 0.0
     cos, sin = np.cos(y[:, YAW]), np.sin(y[:, YAW])
     x_arm, y_arm = ahead * cos - left * sin, ahead * sin + left * cos  # C from the origin
-    rate, bend = y[:, at.yaw_rate], slopes[:, at.yaw_rate]
+    arm, across = np.array([x_arm, y_arm]).T, np.array([y_arm, -x_arm]).T
+    rate, bend = y[:, at.yaw_rate, None], slopes[:, at.yaw_rate, None]
+    motion = np.zeros((3, len(y), 3))
+    motion[0, :, :2], motion[0, :, 2] = y[:, :YAW] - arm, height
+    motion[1, :, :2] = y[:, at.velocity : at.yaw_rate] + rate * across
+    motion[2, :, :2] = slopes[:, at.velocity : at.yaw_rate] + bend * across + rate**2 * arm
     return {
-        "body/position": np.column_stack([y[:, X] - x_arm, y[:, Y] - y_arm, height]),
-        "body/velocity": np.column_stack(
-            [y[:, at.velocity] + rate * y_arm, y[:, at.velocity + 1] - rate * x_arm, flat]
-        ),
-        "body/acceleration": np.column_stack(
-            [
-                slopes[:, at.velocity] + bend * y_arm + rate**2 * x_arm,
-                slopes[:, at.velocity + 1] - bend * x_arm + rate**2 * y_arm,
-                flat,
-            ]
-        ),
+        "body/position": motion[0],
+        "body/velocity": motion[1],
+        "body/acceleration": motion[2],
         "body/yaw": y[:, YAW],
-        "body/yaw_rate": rate,
-        "body/yaw_acceleration": bend,
+        "body/yaw_rate": rate[:, 0],
+        "body/yaw_acceleration": bend[:, 0],
     }
 
 
@@ -190,12 +189,11 @@ def odometry(parameters: Parameters, y: np.ndarray, position: np.ndarray) -> dic
 
 def energy(parameters: Parameters, rows: Rows) -> dict[str, np.ndarray]:
     """Kinetic energy, the works since t = 0, and what is missing between them."""
-    machine, y, at = parameters.machine, rows.y, places_in(parameters)
+    machine, wheels, y, at = parameters.machine, np.asarray(parameters.wheels), rows.y, places_in(parameters)
     doubled = machine.mass * (y[:, at.velocity] ** 2 + y[:, at.velocity + 1] ** 2)
     doubled += machine.yaw_inertia * y[:, at.yaw_rate] ** 2
-    for w, wheel in enumerate(parameters.wheels):
-        doubled += (wheel.axle_inertia + wheel.rotor_inertia) * y[:, at.spin_rate + w] ** 2
-        doubled += wheel.axial_inertia * np.sum(rows.rates[:, w, : wheel.rollers] ** 2, axis=1)
+    doubled += y[:, at.spin_rate : at.roller_rate] ** 2 @ (wheels["axle_inertia"] + wheels["rotor_inertia"])
+    doubled += np.sum(rows.rates**2, axis=2) @ wheels["axial_inertia"]
     kinetic = 0.5 * doubled
     loss, drive, wrench = y[:, at.friction_loss], y[:, at.drive_work], y[:, at.wrench_work]
     bearings = y[:, at.bearing_loss] if machine.bearings else np.zeros(len(y))
@@ -209,26 +207,26 @@ def energy(parameters: Parameters, rows: Rows) -> dict[str, np.ndarray]:
     }
 
 
-def wheel_datasets(parameters: Parameters, w: int, rows: Rows, observed: Observed) -> dict[str, np.ndarray]:
-    """Datasets of one wheel, by path below its group."""
-    count, at, contacts = parameters.wheels[w].rollers, places_in(parameters), observed.contacts[:, w]
-    position, velocity, acceleration = observed.motion[:, :, w, :count]
+def wheel_datasets(at: Places, w: int, rollers: int, rows: Rows, observed: Observed) -> dict[str, np.ndarray]:
+    """Datasets of wheel w with so many rollers, by path below its group."""
+    contacts, mode = np.asarray(observed.contacts)[:, w], np.asarray(rows.mode)[:, w]
+    position, velocity, acceleration = observed.motion[:, :, w, :rollers]
     return {
         "spin_angle": rows.y[:, at.spin_angle + w],
         "spin_rate": rows.y[:, at.spin_rate + w],
         "spin_acceleration": observed.slopes[:, at.spin_rate + w],
-        "drive_torque": contacts.drive_torque,
-        "drive_power": contacts.drive_torque * rows.y[:, at.spin_rate + w],
-        "normal_force": contacts.normal_force,
-        "contact_angle": contacts.angle,
-        "contact_roller": rows.mode[:, w].roller % count,
-        "contact_point": contacts.point,
-        "slip_velocity": contacts.slip_velocity,
-        "friction_force": contacts.friction_force,
-        "contact_share": contacts.share,
-        "contact_torque": contacts.contact_torque,
-        "rollers/axial_rate": rows.rates[:, w, :count],
-        "rollers/joint_rate": observed.joint_rate[:, w, :count],
+        "drive_torque": contacts["drive_torque"],
+        "drive_power": contacts["drive_torque"] * rows.y[:, at.spin_rate + w],
+        "normal_force": contacts["normal_force"],
+        "contact_angle": contacts["angle"],
+        "contact_roller": mode["roller"] % rollers,
+        "contact_point": contacts["point"],
+        "slip_velocity": contacts["slip_velocity"],
+        "friction_force": contacts["friction_force"],
+        "contact_share": contacts["share"],
+        "contact_torque": contacts["contact_torque"],
+        "rollers/axial_rate": rows.rates[:, w, :rollers],
+        "rollers/joint_rate": observed.joint_rate[:, w, :rollers],
         "rollers/center_position": position,
         "rollers/center_velocity": velocity,
         "rollers/center_acceleration": acceleration,

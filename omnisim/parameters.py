@@ -1,7 +1,8 @@
 """What the kernels know of a scene and never changes: `pack` is the only place where a scene becomes numbers."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from operator import mul
 from typing import NamedTuple
 
 import numpy as np
@@ -9,8 +10,9 @@ import numpy as np
 from omnisim.config import Config, Friction, Roller, Wheel, WheelType
 from omnisim.contact.reaction import LAWS
 from omnisim.contact.tracking import TRACKINGS
-from omnisim.drives import drive_law, drive_table
+from omnisim.drives import drive_law
 from omnisim.ideal import invertible, pseudo_inverse, rms_distance, wheel_rows
+from omnisim.records import blank, records
 
 MACHINE = np.dtype(
     [
@@ -70,6 +72,7 @@ WHEEL = np.dtype(
     ]
 )
 FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE, DRIVE = range(5)  # channels of the inputs; DRIVE + w is the drive of wheel w
+WRENCH = [FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE]
 SHORTEST = 1e-14  # relative: pieces of tables that are no longer than rounding are left out
 SERVO, CONTACTS = 0, 1
 UPRIGHT = {"servo": SERVO, "contacts": CONTACTS}
@@ -172,30 +175,21 @@ class Parameters(NamedTuple):
 
 def pack(config: Config) -> Parameters:
     """Parameters of a validated scene."""
-    types = [config.type_of(wheel) for wheel in config.wheels]
-    machine = machine_values(config, types)
+    types, rows = [config.type_of(wheel) for wheel in config.wheels], wheel_rows(config)
+    machine = machine_values(config, types, rows)
     wheels = [wheel_values(*pair, machine["centre"]) for pair in zip(types, config.wheels, strict=True)]
     if machine["odometry"]:
-        columns = pseudo_inverse(wheel_rows(config)).T
+        columns = pseudo_inverse(rows).T
         starts = np.radians([wheel.spin_angle_deg for wheel in config.wheels])
         wheels = [wheel | {"odometry": tuple(column)} for wheel, column in zip(wheels, columns, strict=True)]
         machine["odometry_yaw"] = math.radians(config.initial.yaw_deg) - starts @ columns[:, 2]
     machine["slip_mobility"] = max(slip_mobility_bound(machine, wheel) for wheel in wheels)
-    packed, starts_inputs = records(WHEEL, wheels), merge_tables(config)
+    packed, starts_inputs = records(WHEEL, wheels), merge_tables(config, rows)
     return Parameters(records(MACHINE, [machine])[0], packed, sectors(packed.rollers), *starts_inputs, room(len(types)))
 
 
-def records(dtype: np.dtype, rows: list[dict]) -> np.recarray:
-    """Rows with a value for every field."""
-    return np.array([tuple(row[name] for name in dtype.names) for row in rows], dtype).view(np.recarray)
-
-
 def room(wheels: int) -> Room:
-    contacts, parts, loads, resting = (
-        np.zeros(count, dtype).view(np.recarray)
-        for count, dtype in ((2 * wheels, CONTACT), (wheels, PART), (1, LOADS), (2, RESTING))
-    )
-    return Room(contacts, parts, loads[0], resting)
+    return Room(blank(CONTACT, 2 * wheels), blank(PART, wheels), blank(LOADS, 1)[0], blank(RESTING, 2))
 
 
 class Bodies(NamedTuple):
@@ -217,20 +211,22 @@ def bodies(config: Config) -> Bodies:
         masses.append(config.chassis.mass)
         points.append(config.chassis.center_of_mass)
         inertias.append(config.chassis.inertia[2])
-    mass, places = np.array(masses), np.array(points)
-    whole = math.fsum(mass)
-    centre = exact_sums(mass[:, None] * places) / whole
-    planar = places[:, :2] - centre[:2]
-    yaw_inertia = math.fsum(inertias) + math.fsum(mass * np.sum(planar**2, axis=1))
-    return Bodies(whole, centre, yaw_inertia, exact_sums((mass * places[:, 2])[:, None] * planar))
+    whole = math.fsum(masses)
+    x_centre, y_centre, height = (moment / whole for moment in exact_moments(masses, points))
+    planar = [(x - x_centre, y - y_centre) for x, y, _ in points]
+    yaw_inertia = math.fsum(inertias) + math.fsum(m * (x * x + y * y) for m, (x, y) in zip(masses, planar, strict=True))
+    lifted = [m * z for m, (_, _, z) in zip(masses, points, strict=True)]
+    moment = np.array(exact_moments(lifted, planar))
+    return Bodies(whole, np.array([x_centre, y_centre, height]), yaw_inertia, moment)
 
 
-def exact_sums(rows: np.ndarray) -> np.ndarray:
-    """Sum of each column, rounded once: what cancels in a symmetric machine cancels to the last bit."""
-    return np.array([math.fsum(column) for column in rows.T])
+def exact_moments(masses: Sequence[float], points: Sequence[Sequence[float]]) -> list[float]:
+    """Sum of m p, rounded once: what cancels in a symmetric machine cancels to the last bit."""
+    return [math.fsum(map(mul, masses, column)) for column in zip(*points, strict=True)]
 
 
-def machine_values(config: Config, types: list[WheelType]) -> dict:
+def machine_values(config: Config, types: list[WheelType], rows: np.ndarray) -> dict:
+    """Values of the MACHINE record but the last; rows: of the ideal machine."""
     friction, whole = config.friction, bodies(config)
     bearings = any(kind.roller.has_bearing_friction for kind in types)
     pushed = whole.centre if config.chassis is None else np.array(config.chassis.center_of_mass)
@@ -254,7 +250,7 @@ def machine_values(config: Config, types: list[WheelType]) -> dict:
         "bearing_relaxation": max(bearing_relaxation(kind.roller) for kind in types),
         "slots": max(kind.roller_count for kind in types) if bearings else 2,
         "integrals": any(drive_law(wheel.drive).integral > 0.0 for wheel in config.wheels),
-        "odometry": config.chassis is not None and invertible(wheel_rows(config), rms_distance(config)),
+        "odometry": config.chassis is not None and invertible(rows, rms_distance(config)),
         "odometry_yaw": 0.0,
         "body_frame": config.wrench.frame == "body",
     }
@@ -355,36 +351,51 @@ def slip_mobility_bound(machine: dict, wheel: dict) -> float:
 def sectors(rollers: np.ndarray) -> np.ndarray:
     """Cosine and sine of 2 pi i / N_r, (W, N, 2)."""
     angle = 2.0 * np.pi * np.arange(rollers.max()) / rollers[:, None]
-    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    sector = np.empty((*angle.shape, 2))
+    sector[..., 0], sector[..., 1] = np.cos(angle), np.sin(angle)
+    return sector
 
 
-def merge_tables(config: Config) -> tuple[np.ndarray, np.ndarray]:
+def merge_tables(config: Config, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """All tables of a scene on the union of their knots: starts (S,) and inputs (S, channels, 2).
 
     Between two knots every input is linear, so one number, the current piece, tells all of them; a jump is two
-    equal knots, between which no piece lies.
+    equal knots, between which no piece lies. rows: of the ideal machine.
     """
-    times, forces, yaw_torques = config.wrench.table
-    tables = {FORCE_X + axis: (times, values) for axis, values in enumerate(zip(*forces, strict=True))}
-    tables[YAW_TORQUE] = (times, yaw_torques)
-    tables |= {DRIVE + number: drive_table(config, number) for number in range(len(config.wheels))}
-    knots = sorted({time for times, _ in tables.values() for time in times if time > 0.0})
+    merged = list(tables(config, rows))
+    knots = sorted({time for _, times, _ in merged for time in times if time > 0.0})
     edges = np.array([0.0, *knots, math.inf])
-    lasting = np.diff(edges) > SHORTEST * (1.0 + edges[:-1])  # two knots that rounding cannot part are a jump
+    lasting = edges[1:] - edges[:-1] > SHORTEST * (1.0 + edges[:-1])  # knots that rounding cannot part are a jump
     starts = edges[:-1][lasting]
     inputs = np.zeros((len(starts), DRIVE + len(config.wheels), 2))
-    for channel, (times, values) in tables.items():
-        for piece, start in enumerate(starts):
-            inputs[piece, channel] = line(times, values, start)
+    for channels, times, values in merged:
+        if len(times) == 1:
+            inputs[:, channels, 0] = values
+        else:
+            inputs[:, channels, 0], inputs[:, channels, 1] = lines(np.array(times), np.array(values), starts)
     starts[0] = 0.0
     return starts, inputs
 
 
-def line(times: Sequence[float], values: Sequence[float], start: float) -> tuple[float, float]:
-    """Value at `start` and slope of a table from there to its next knot."""
-    after = int(np.searchsorted(times, start, side="right"))  # first knot beyond the start
-    if after == 0 or after == len(times):
-        return values[min(after, len(times) - 1)], 0.0
-    t0, t1, v0, v1 = times[after - 1], times[after], values[after - 1], values[after]
-    slope = (v1 - v0) / (t1 - t0)
-    return v0 + slope * (start - t0), slope
+def tables(config: Config, rows: np.ndarray) -> Iterator[tuple[list[int], Sequence[float], Sequence[Sequence[float]]]]:
+    """Channels, times and the values of these channels (K, C) of every table."""
+    times, forces, yaw_torques = config.wrench.table
+    yield WRENCH, times, [(*force, torque) for force, torque in zip(forces, yaw_torques, strict=True)]
+    drives = [wheel.drive for wheel in config.wheels]
+    if followers := [w for w, drive in enumerate(drives) if drive.follows_command]:
+        twists = np.array(config.command.twist)
+        rates = [[rows[w] @ twist for w in followers] for twist in twists]  # of an ideal machine
+        yield [DRIVE + w for w in followers], config.command.times, rates
+    for w, drive in enumerate(drives):
+        if not drive.follows_command:
+            times, values = drive.table
+            yield [DRIVE + w], times, [[value] for value in values]
+
+
+def lines(times: np.ndarray, values: np.ndarray, starts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Values of a table (K, C) at each of `starts` and slopes from there to its next knot (S, C); held outside."""
+    after = times.searchsorted(starts, side="right")  # first knot beyond each start
+    last, first = np.maximum(after - 1, 0), np.minimum(after, len(times) - 1)
+    rise, length = values[first] - values[last], (times[first] - times[last])[:, None]
+    slopes = np.divide(rise, length, out=np.zeros(rise.shape), where=length > 0.0)
+    return values[last] + slopes * (starts - times[last])[:, None], slopes

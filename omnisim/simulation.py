@@ -21,13 +21,13 @@ def simulate(scene: Scene, progress: Callable[[float], object] | None = None) ->
     memory.
     """
     loop = Loop(scene)
-    clock, chunk = loop.run.clock, FIRST_CHUNK
+    clock, chunk, running = loop.run.clock, FIRST_CHUNK, loop.run.clock.status == status.RUNNING
     interrupted = progress is not None and progress(0.0)
-    while clock.status == status.RUNNING and not interrupted:
+    while running and not interrupted:
         begun = time.perf_counter()
-        loop.march(chunk)
+        running = loop.march(chunk) == status.RUNNING
         elapsed = time.perf_counter() - begun
-        interrupted = clock.status == status.RUNNING and progress is not None and progress(clock.step / clock.steps)
+        interrupted = running and progress is not None and progress(clock.step / clock.steps)
         chunk = int(min(max(chunk * CHUNK_SECONDS / max(elapsed, 1e-9), FIRST_CHUNK), MOST_CHUNK))
     if interrupted:
         clock.status = status.INTERRUPTED

@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 
-from omnisim.config import Config
+from omnisim.config import Config, Time
 from omnisim.contact.tracking import IMPLICIT
 from omnisim.grip import alignment, fineness, stopping_alignment
 from omnisim.parameters import Parameters
+from omnisim.records import blank, plain, records
 from omnisim.state import CLOCK, MODE, WATCH, YAW, Newton, Rows, Run, X, Y, places_in
 from omnisim.stiffness import resolve
 from omnisim.tableau import EXPLICIT, METHODS
@@ -15,30 +16,44 @@ from omnisim.tableau import EXPLICIT, METHODS
 
 def begin(config: Config, parameters: Parameters) -> Run:
     """A Run at t = 0; the march itself finds the rollers in contact."""
+    machine, choice = plain(parameters.machine), resolve(config, parameters)
+    parameters = parameters._replace(machine=machine)
     y, rates = initial_state(config, parameters)
-    count, clock = len(parameters.wheels), np.zeros(1, CLOCK).view(np.recarray)[0]
-    clock.dt = config.time.output_interval / config.time.steps_per_output
-    clock.steps, clock.steps_per_row = config.time.steps, config.time.steps_per_output
-    clock.goal, clock.wheel, clock.reach = clock.steps, -1, clock.dt
-    method = METHODS[config.solver.method]
-    clock.choice, clock.stability_limit = resolve(config, parameters), method.tableau.stability_limit
-    lightness = parameters.machine.mass * parameters.machine.slip_mobility
-    clock.fineness, clock.aligned = fineness(clock.dt), alignment(clock.dt, clock.choice)
-    clock.stopping = stopping_alignment(clock.dt, clock.choice, lightness)
+    count, tableau = len(parameters.wheels), METHODS[config.solver.method].tableau
     return Run(
         y=y,
         trial=np.empty_like(y),
         stage=np.empty_like(y),
         carry=np.zeros_like(y),
         increment=np.zeros_like(y),
-        slopes=np.zeros((method.tableau.stages + 1, len(y))),
+        slopes=np.zeros((tableau.stages + 1, len(y))),
         rates=rates,
-        mode=np.zeros(count, MODE).view(np.recarray),
-        watch=np.zeros(count, WATCH).view(np.recarray),
-        watch_end=np.zeros(count, WATCH).view(np.recarray),
-        clock=clock,
-        newton=newton_room(parameters, len(y) if clock.choice != EXPLICIT else 0),
+        mode=blank(MODE, count),
+        watch=blank(WATCH, count),
+        watch_end=blank(WATCH, count),
+        clock=clock_at_start(config.time, choice, tableau.stability_limit, machine.mass * machine.slip_mobility),
+        newton=newton_room(parameters, len(y) if choice != EXPLICIT else 0),
     )
+
+
+def clock_at_start(time: Time, choice: int, stability_limit: float, lightness: float) -> np.record:
+    """The record CLOCK at t = 0; lightness: of the contacts, as `stopping_alignment` wants it."""
+    steps_per_row = time.steps_per_output
+    steps, dt = time.outputs * steps_per_row, time.output_interval / steps_per_row
+    begun = {
+        "steps": steps,
+        "steps_per_row": steps_per_row,
+        "goal": steps,
+        "wheel": -1,
+        "choice": choice,
+        "dt": dt,
+        "fineness": fineness(dt),
+        "aligned": alignment(dt, choice),
+        "stopping": stopping_alignment(dt, choice, lightness),
+        "reach": dt,
+        "stability_limit": stability_limit,
+    }
+    return records(CLOCK, [dict.fromkeys(CLOCK.names, 0) | begun])[0]
 
 
 def newton_room(parameters: Parameters, states: int) -> Newton:
@@ -61,40 +76,45 @@ def blank_rows(run: Run, count: int) -> Rows:
     return Rows(
         y=np.empty((count, len(run.y))),
         rates=np.empty((count, wheels, rollers)),
-        mode=np.empty((count, wheels), MODE).view(np.recarray),
+        mode=blank(MODE, count, wheels),
         piece=np.empty(count, np.int64),
     )
 
 
 def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, np.ndarray]:
     """State y (n,) without the rates of the rollers in contact, and rates (W, N) of all rollers, rad/s."""
-    wheels, rollers = parameters.sector.shape[:2]
-    implicit = parameters.machine.tracking == IMPLICIT
-    at = places_in(parameters)
-    y = np.zeros(at.rho + 3 * wheels * rollers * implicit)
-    rates = np.zeros((wheels, rollers))
-    y[YAW], y[at.yaw_rate] = math.radians(config.initial.yaw_deg), config.initial.yaw_rate
-    cos, sin, (x, y_centre) = math.cos(y[YAW]), math.sin(y[YAW]), parameters.machine.centre
-    to_centre = np.array([x * cos - y_centre * sin, x * sin + y_centre * cos])  # C from the chassis origin, world axes
-    y[[X, Y]] = config.initial.position + to_centre
-    y[at.velocity : at.yaw_rate] = config.initial.velocity + y[at.yaw_rate] * np.array([-to_centre[1], to_centre[0]])
-    if parameters.machine.odometry:
-        y[[at.odometry, at.odometry + 1]] = config.initial.position
-    for w, wheel in enumerate(config.wheels):
-        record = parameters.wheels[w]
-        y[at.spin_angle + w], y[at.spin_rate + w] = math.radians(wheel.spin_angle_deg), wheel.spin_rate
-        q = roller_azimuths(record, y[at.spin_angle + w])
-        axis_n = -record.cos_psi * np.sin(q)  # p = chi' + w . a
-        rates[w, : record.rollers] = wheel.roller_rates + wheel.spin_rate * record.sin_psi + y[at.yaw_rate] * axis_n
-        if implicit:
-            rho = y[at.rho + 3 * rollers * w :][: 3 * record.rollers].reshape(-1, 3)
-            rho[:] = -roller_directions(q, y[YAW] + math.radians(wheel.heading_deg))
+    machine, wheels, at = parameters.machine, np.asarray(parameters.wheels), places_in(parameters)
+    count, rollers = parameters.sector.shape[:2]
+    implicit = machine.tracking == IMPLICIT
+    y, rates = np.zeros(at.rho + 3 * count * rollers * implicit), np.zeros((count, rollers))
+    yaw, yaw_rate, velocity = math.radians(config.initial.yaw_deg), config.initial.yaw_rate, config.initial.velocity
+    cos, sin, (x, y_centre) = math.cos(yaw), math.sin(yaw), machine.centre
+    to_centre = (x * cos - y_centre * sin, x * sin + y_centre * cos)  # C from the chassis origin, world axes
+    y[YAW], y[at.yaw_rate] = yaw, yaw_rate
+    y[X], y[Y] = np.add(config.initial.position, to_centre)
+    y[at.velocity : at.yaw_rate] = velocity[0] - yaw_rate * to_centre[1], velocity[1] + yaw_rate * to_centre[0]
+    if machine.odometry:
+        y[at.odometry : at.odometry + 2] = config.initial.position
+    spin_angles = np.radians([wheel.spin_angle_deg for wheel in config.wheels])
+    spin_rates = np.array([wheel.spin_rate for wheel in config.wheels])
+    y[at.spin_angle :][:count], y[at.spin_rate :][:count] = spin_angles, spin_rates
+    q = roller_azimuths(wheels, spin_angles)
+    for own, wheel, number in zip(rates, config.wheels, wheels["rollers"].tolist(), strict=True):
+        own[:number] = wheel.roller_rates
+    rates += (spin_rates * wheels["sin_psi"])[:, None]  # p = chi' + w . a
+    rates -= yaw_rate * (wheels["cos_psi"][:, None] * np.sin(q))
+    there = np.arange(rollers) < wheels["rollers"][:, None]
+    rates[~there] = 0.0
+    if implicit:
+        headings = yaw + np.radians([wheel.heading_deg for wheel in config.wheels])
+        y[at.rho :].reshape(count, rollers, 3)[there] = -roller_directions(q, headings)[there]
     return y, rates
 
 
-def roller_azimuths(record: np.record, spin_angle: np.ndarray | float) -> np.ndarray:
-    """q of every roller of a wheel, up to whole turns, rad: (..., N_r) for spin angles (...)."""
-    return record.phase + 2.0 * record.alpha * np.arange(record.rollers) - np.asarray(spin_angle)[..., None]
+def roller_azimuths(wheels: np.ndarray | np.record, spin_angles: np.ndarray | float) -> np.ndarray:
+    """q of every roller of records WHEEL up to whole turns, rad: (..., N) for spin angles (...)."""
+    turned = np.multiply.outer(2.0 * wheels["alpha"], np.arange(np.max(wheels["rollers"])))
+    return np.asarray(wheels["phase"])[..., None] + turned - np.asarray(spin_angles)[..., None]
 
 
 def roller_directions(q: np.ndarray, yaw: np.ndarray | float) -> np.ndarray:

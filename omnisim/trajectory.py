@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass, replace
@@ -142,7 +143,7 @@ class Trajectory:
         if not self.wheels:
             raise ValueError("attribute wheels: a trajectory has at least one wheel")
         table = layout(self.wheels)
-        completed = _scales(table, data) | dict(data)
+        completed = _scales(self.wheels, data) | dict(data)
         _same_names("dataset", completed, table, {path for path, row in table.items() if row.optional})
         self.data: dict[str, np.ndarray] = {path: completed[path] for path in table if path in completed}
         self.validate()
@@ -150,17 +151,19 @@ class Trajectory:
     def validate(self) -> None:
         """Raise ValueError unless every dataset is as TABLE says, and every number finite."""
         for name, kind in ATTRIBUTES.items():
-            if kind is float and not np.isfinite(self.attributes[name]):
+            if kind is float and not math.isfinite(self.attributes[name]):
                 raise ValueError(f"attribute {name} is {self.attributes[name]}: it must be finite")
-        quantities = self.quantities
-        sizes = {quantity.path: np.size(self.data[quantity.path]) for quantity in quantities if quantity.is_scale}
-        for quantity in quantities:
-            _check(quantity, self.data[quantity.path], tuple(sizes[axis] for axis in quantity.axes))
+        sizes: dict[str, int] = {}
+        for quantity in self.quantities:
+            array = self.data[quantity.path]
+            if quantity.is_scale:
+                sizes[quantity.path] = np.size(array)
+            _check(quantity, array, tuple(map(sizes.__getitem__, quantity.axes)))
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
         """What the datasets are, in the order of the file."""
-        return tuple(row for path, row in layout(self.wheels).items() if path in self.data)
+        return tuple([row for path, row in layout(self.wheels).items() if path in self.data])
 
     @property
     def time(self) -> np.ndarray:
@@ -263,21 +266,27 @@ def _datasets(trajectory: Trajectory) -> str:
     return columns(lines)
 
 
-def _scales(table: Mapping[str, Quantity], data: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+@lru_cache(maxsize=8)
+def _users(wheels: tuple[str, ...]) -> tuple[tuple[Quantity, tuple[tuple[str, int], ...]], ...]:
+    """The scales but time, each with the datasets along it: path, and which of the axes it is there."""
+    table = layout(wheels).values()
+    return tuple(
+        (scale, tuple((row.path, row.axes.index(scale.path)) for row in table if scale.path in row.axes))
+        for scale in table
+        if scale.is_scale and scale.path != TIME
+    )
+
+
+def _scales(wheels: tuple[str, ...], data: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """The scales that follow from the rest: names of directions, or 0 .. n - 1 with n from the first user."""
-    sizes: dict[str, int] = {}
-    for path, array in data.items():
-        if path in table:
-            for axis, size in zip(table[path].axes, np.shape(array), strict=False):
-                sizes.setdefault(axis, size)
-    scales = (row for row in table.values() if row.is_scale and row.path != TIME)
-    return {
-        row.path: np.array(LABELS[row.path])
-        if row.path in LABELS
-        else np.arange(sizes.get(row.path, 0), dtype=np.int64)
-        for row in scales
-        if row.path in sizes or not row.optional
-    }
+    found = {}
+    for scale, users in _users(wheels):
+        sizes = (np.shape(data[path])[axis] for path, axis in users if path in data and np.ndim(data[path]) > axis)
+        size = next(sizes, None if scale.optional else 0)
+        if size is not None:
+            labels = LABELS.get(scale.path)
+            found[scale.path] = np.array(labels) if labels else np.arange(size, dtype=np.int64)
+    return found
 
 
 def _attribute(name: str, value: Any) -> Any:
@@ -298,7 +307,7 @@ def _check(quantity: Quantity, array: np.ndarray, shape: tuple[int, ...]) -> Non
         raise ValueError(f"dataset {path} has type {array.dtype}: it must be {dtype}")
     if array.shape != shape:
         raise ValueError(f"dataset {path} has shape {array.shape}: it must be {shape}, along {quantity.axes}")
-    if dtype == "float64" and not np.isfinite(array).all():
+    if dtype == "float64" and not math.isfinite(np.vdot(array, array)) and not np.isfinite(array).all():
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         raise ValueError(f"dataset {path} is {array[where]} at index {where}: it must be finite")
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scenes import packed, reference_scene
 
-from omnisim.parameters import DRIVE, FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE, line
+from omnisim.parameters import DRIVE, FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE, lines
 
 pytestmark = pytest.mark.short
 
@@ -101,6 +101,7 @@ def test_tables_with_different_knots_share_one_sequence_of_pieces():
         assert value(parameters, YAW_TORQUE, t) == 0.5
 
 
-def test_a_line_beyond_the_last_knot_is_flat():
-    assert line([0.0, 1.0], [2.0, 4.0], 1.0) == (4.0, 0.0)
-    assert line([0.0], [2.0], 0.0) == (2.0, 0.0)
+def test_a_line_is_flat_before_the_first_knot_and_beyond_the_last():
+    values, slopes = lines(np.array([0.0, 1.0]), np.array([[2.0], [4.0]]), np.array([-1.0, 0.0, 1.0, 2.0]))
+    assert values.tolist() == [[2.0], [2.0], [4.0], [4.0]]
+    assert slopes.tolist() == [[0.0], [2.0], [0.0], [0.0]]
