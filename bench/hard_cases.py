@@ -202,7 +202,7 @@ def swings(case: Case, run: Trajectory) -> Claim:
 def rocks_by_table(case: Case, run: Trajectory) -> Claim:
     """A rolling wheel whose torque reverses at every exchange crosses the edge at just these times."""
     expected = np.arange(1, len(times_of(run, "exchange")) + 1) * SWING
-    crossing = worst(times_of(run, "exchange"), expected) if len(expected) == SWINGS else np.inf
+    crossing = worst(times_of(run, "exchange"), expected) if len(expected) == SWINGS - 1 else np.inf
     return Claim(crossing, 1e-10, f"closed form, {len(expected)} exchanges")
 
 
@@ -350,7 +350,7 @@ CASES = (
     Case(
         "rocking by torque", "a thousand torque jumps, each exactly at an exchange", "coulomb_wheel",
         (f"wheels.wheel.spin_rate={ROCK!r}", f"initial.velocity=[{WHEEL.radius * ROCK!r}, 0]",
-         "wheels.wheel.spin_angle_deg=22.5", f"time.end={SWINGS * SWING!r}",
+         "wheels.wheel.spin_angle_deg=22.5", f"time.end={SWINGS * SWING - 0.02!r}",  # the last one would stand and fall with rounding
          steps_of([-SHAKE, SHAKE] * (SWINGS // 2), [SWING * i for i in range(1, SWINGS)])), rocks_by_table,
     ),
     Case(

@@ -98,7 +98,7 @@ def set_tilt(machine, wheel, contact, spin_held):
 @kernel
 def rotor_part(wheel, spin_held):
     """Part of the torque on an axle that turns the rotor of its motor, 1."""
-    return 0.0 if spin_held else wheel.rotor_inertia / (wheel.axle_inertia + wheel.rotor_inertia)
+    return 0.0 if spin_held else wheel.rotor_inertia * wheel.spin_mobility
 
 
 @kernel

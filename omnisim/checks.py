@@ -2,7 +2,7 @@
 
 import math
 
-from omnisim.contact.kinematics import Slip, inverse_mass, largest, spin_inertia
+from omnisim.contact.kinematics import Slip, inverse_mass, largest
 from omnisim.contact.reaction import COULOMB, friction_factor
 from omnisim.contact.tracking import IMPLICIT, explicit_contact, roller_axis
 from omnisim.kernel import kernel, merged, outlined
@@ -57,7 +57,7 @@ def check_energy(parameters, run):
     machine, clock, y, at, doubled = parameters.machine, run.clock, run.y, places(parameters), 0.0
     for w in range(len(run.mode)):
         wheel = parameters.wheels[w]
-        doubled += spin_inertia(wheel) * y[at.spin_rate + w] ** 2
+        doubled += (wheel.axle_inertia + wheel.rotor_inertia) * y[at.spin_rate + w] ** 2
         for i in range(wheel.rollers):
             doubled += wheel.axial_inertia * run.rates[w, i] ** 2
     doubled += (

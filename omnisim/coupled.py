@@ -18,7 +18,7 @@ contact equations of the one wheel, while the body's acceleration follows at onc
 
 from omnisim.body import Acceleration, free_rate, moment_of, place_load, solve, yielding
 from omnisim.contact.coulomb import TINY, contact_forces, slip_direction, turned
-from omnisim.contact.kinematics import Slip, spin_inertia
+from omnisim.contact.kinematics import Slip
 from omnisim.kernel import kernel, merged, outlined
 
 MOST_ITERATIONS = 100  # for a share
@@ -114,7 +114,7 @@ def set_resting(machine, wheel, room, w, mobility, acceleration):
                 for i in range(2):
                     entry = lever[0, i] * by.x + lever[1, i] * by.y + lever[2, i] * by.yaw
                     if side == other:
-                        entry += contact.arm[i] * contact.arm[j] / wheel.axial_inertia
+                        entry += contact.arm[i] * contact.arm[j] * wheel.axial_mobility
                     room.loads.mobility[side, other, i, j] = entry
 
 
@@ -128,8 +128,8 @@ def turn_creep(machine, wheel, room, w, mobility, acceleration):
         u_h, u_k, correction = u.h, u.k, 1.0
     else:
         u_h, u_k = contact.creep[0], contact.creep[1]
-        spin = (contact.spin[0] * u_h + contact.spin[1] * u_k) * limit / spin_inertia(wheel)
-        roller = (contact.arm[0] * u_h + contact.arm[1] * u_k) * limit / wheel.axial_inertia
+        spin = (contact.spin[0] * u_h + contact.spin[1] * u_k) * limit * wheel.spin_mobility
+        roller = (contact.arm[0] * u_h + contact.arm[1] * u_k) * limit * wheel.axial_mobility
         rate_h -= contact.spin[0] * spin + contact.arm[0] * roller
         rate_k -= contact.spin[1] * spin + contact.arm[1] * roller
         across = limit * (hh * u_k * u_k - 2.0 * hk * u_h * u_k + kk * u_h * u_h)
@@ -142,7 +142,7 @@ def turn_creep(machine, wheel, room, w, mobility, acceleration):
 @kernel
 def contact_mobility(wheel, contact, mobility):
     """Slip acceleration (hh, hk, kk) by the force of a contact that carries its wheel alone, 1/kg."""
-    lever, spin, roller = contact.lever, 1.0 / spin_inertia(wheel), 1.0 / wheel.axial_inertia
+    lever, spin, roller = contact.lever, wheel.spin_mobility, wheel.axial_mobility
     h = yielding(mobility, lever[0, 0], lever[1, 0], lever[2, 0])
     k = yielding(mobility, lever[0, 1], lever[1, 1], lever[2, 1])
     return (

@@ -25,7 +25,7 @@ from omnisim.body import (
     solve,
     wheel_moments,
 )
-from omnisim.contact.coulomb import CREEP, SLIP
+from omnisim.contact.coulomb import CREEP, SLIP, STICK
 from omnisim.contact.kinematics import (
     Jacobian,
     Motion,
@@ -33,7 +33,6 @@ from omnisim.contact.kinematics import (
     joint_rate,
     slip_acceleration,
     slip_jacobian,
-    spin_inertia,
 )
 from omnisim.contact.reaction import COULOMB, VISCOUS, friction
 from omnisim.contact.tracking import IMPLICIT, Axis, rho_rate, roller_axis
@@ -154,8 +153,8 @@ def slide(parameters, mode, w, state, free_spin, load, plane, dy, watch):
     force = Slip(-factor * slip.h, -factor * slip.k)
     contact.force[0], contact.force[1], contact.torque = force.h, force.k, torque
     rolling, spin, loss = yield_to(axis, j, slip, state.turn, force, torque)
-    dy[rate_place(parameters, mode.roller, w, 0)] += rolling / wheel.axial_inertia
-    dy[places(parameters).spin_rate + w] = (free_spin + spin) / spin_inertia(wheel)
+    dy[rate_place(parameters, mode.roller, w, 0)] += rolling * wheel.axial_mobility
+    dy[places(parameters).spin_rate + w] = (free_spin + spin) * wheel.spin_mobility
     watch.slip_square[0], watch.factor[0], watch.margin[0] = slip.h * slip.h + slip.k * slip.k, factor, 0.0
     cos, sin = wheel.cos_heading, wheel.sin_heading
     yaw = j.yaw_h * force.h + j.yaw_k * force.k + (1.0 - axis.n * axis.n) * torque
@@ -181,18 +180,22 @@ def observe_contact(parameters, mode, w, side, body, state):
     set_lever(wheel, contact, state.axis, j)
     if machine.upright == CONTACTS:
         set_tilt(machine, wheel, contact, mode.shared)
+    contact.rest = machine.law == COULOMB and mode.grip[side] != SLIP
+    if contact.rest:
+        spin = 0.0 if mode.shared else parameters.room.parts[w].free_spin * wheel.spin_mobility
+        roller = bearing_torque(wheel, state.joint) * wheel.axial_mobility if machine.bearings else 0.0
+        centre = centre_acceleration(wheel, body, 0.0, 0.0, 0.0)
+        bias = slip_acceleration(wheel, state, Motion(centre.h, centre.k, spin, 0.0, roller))
+        set_held(machine, wheel, contact, state.axis, j, bias)
+        if mode.grip[side] == STICK and not mode.shared:  # its force is what holds it
+            contact.factor = contact.torque = 0.0
+            return
     factor, torque = friction(machine, mode.saturated[side], 1.0, slip, state.turn)
     unit, constant = (0.0, factor) if machine.law == VISCOUS else (factor, 0.0)
     contact.unit[0], contact.unit[1], contact.unit_torque = -unit * slip.h, -unit * slip.k, torque
     contact.constant[0], contact.constant[1] = -constant * slip.h, -constant * slip.k
     contact.factor = factor
-    contact.rest = machine.law == COULOMB and mode.grip[side] != SLIP
     if contact.rest:
-        spin = 0.0 if mode.shared else parameters.room.parts[w].free_spin / spin_inertia(wheel)
-        roller = bearing_torque(wheel, state.joint) / wheel.axial_inertia if machine.bearings else 0.0
-        centre = centre_acceleration(wheel, body, 0.0, 0.0, 0.0)
-        bias = slip_acceleration(wheel, state, Motion(centre.h, centre.k, spin, 0.0, roller))
-        set_held(machine, wheel, contact, state.axis, j, bias)
         creep = contact.creep  # where the last search ended is the best place to begin, if it is of this creeping
         if not creep[0] * mode.creep[0] + creep[1] * mode.creep[1] > NEARLY:
             creep[0], creep[1] = mode.creep[0], mode.creep[1]
@@ -218,14 +221,11 @@ def move_wheel(parameters, mode, w, acceleration, y, dy, watch):
             contact.force[0] = contact.constant[0] + contact.unit[0] * normal
             contact.force[1] = contact.constant[1] + contact.unit[1] * normal
             contact.torque = contact.unit_torque * normal
-        force, slip, axis = (
-            Slip(contact.force[0], contact.force[1]),
-            Slip(contact.slip[0], contact.slip[1]),
-            contact.axis,
-        )
+        force, slip = Slip(contact.force[0], contact.force[1]), Slip(contact.slip[0], contact.slip[1])
+        axis = Axis(contact.axis[0], contact.axis[1], contact.axis[2])
         j = Jacobian(contact.spin[0], contact.spin[1], 0.0, 0.0, contact.arm[0], contact.arm[1])
-        rolling, turning, heat = yield_to(Axis(axis[0], axis[1], axis[2]), j, slip, contact.turn, force, contact.torque)
-        dy[rate_place(parameters, mode.roller, w, side)] += rolling / wheel.axial_inertia
+        rolling, turning, heat = yield_to(axis, j, slip, contact.turn, force, contact.torque)
+        dy[rate_place(parameters, mode.roller, w, side)] += rolling * wheel.axial_mobility
         spin, loss = spin + turning, loss + heat
         watch.slip_square[side] = slip.h * slip.h + slip.k * slip.k
         watch.factor[side] = contact.factor * (contact.share * part.loaded if machine.law == VISCOUS else load)
@@ -235,7 +235,7 @@ def move_wheel(parameters, mode, w, acceleration, y, dy, watch):
             watch.margin[side] = machine.friction * normal - size
             if part.sought:  # slip along the direction in which it creeps
                 watch.margin[side] = contact.creep[0] * slip.h + contact.creep[1] * slip.k
-    dy[at.spin_rate + w] = 0.0 if mode.shared else spin / spin_inertia(wheel)
+    dy[at.spin_rate + w] = 0.0 if mode.shared else spin * wheel.spin_mobility
     watch.normal_force = part.normal_force
     if mode.shared:
         watch.share, watch.share_margin = room.contacts[2 * w].share, part.share_margin
@@ -252,7 +252,7 @@ def air_rates(parameters, mode, w, state, y, dy):
         cos_i = state.cos_q * sector[0] - state.sin_q * sector[1]
         sin_i = state.sin_q * sector[0] + state.cos_q * sector[1]
         joint = joint_rate(roller_axis(wheel, cos_i, sin_i), y[first + i], state.spin_rate, state.yaw_rate)
-        dy[first + i] = bearing_torque(wheel, joint) / wheel.axial_inertia
+        dy[first + i] = bearing_torque(wheel, joint) * wheel.axial_mobility
 
 
 @kernel

@@ -33,7 +33,6 @@ from omnisim.contact.kinematics import (
     largest,
     slip_acceleration,
     slip_jacobian,
-    spin_inertia,
 )
 from omnisim.contact.reaction import COULOMB
 from omnisim.kernel import kernel, outlined
@@ -360,8 +359,8 @@ def align_slip(parameters, run):
             y[at.friction_loss] -= impulse_h * mean_h + impulse_k * mean_k
             spin = contact.spin[0] * impulse_h + contact.spin[1] * impulse_k
             roller = contact.arm[0] * impulse_h + contact.arm[1] * impulse_k
-            y[at.spin_rate + w] += spin / spin_inertia(wheel)
-            y[rate_place(parameters, run.mode[w].roller, w, 0)] += roller / wheel.axial_inertia
+            y[at.spin_rate + w] += spin * wheel.spin_mobility
+            y[rate_place(parameters, run.mode[w].roller, w, 0)] += roller * wheel.axial_mobility
     y[at.velocity] += change.x * body.cos - change.y * body.sin
     y[at.velocity + 1] += change.x * body.sin + change.y * body.cos
     y[at.yaw_rate] += change.yaw
@@ -382,10 +381,10 @@ def change_slip(parameters, run, w, side, slip):
     y[at.velocity] += (impulse_h * heading.cos - impulse_k * heading.sin) / machine.mass
     y[at.velocity + 1] += (impulse_h * heading.sin + impulse_k * heading.cos) / machine.mass
     if not mode.shared:
-        y[at.spin_rate + w] += (j.spin_h * impulse_h + j.spin_k * impulse_k) / spin_inertia(wheel)
+        y[at.spin_rate + w] += (j.spin_h * impulse_h + j.spin_k * impulse_k) * wheel.spin_mobility
     y[at.yaw_rate] += (j.yaw_h * impulse_h + j.yaw_k * impulse_k) / machine.yaw_inertia
     y[rate_place(parameters, mode.roller, w, side)] += (
         j.roller_h * impulse_h + j.roller_k * impulse_k
-    ) / wheel.axial_inertia
+    ) * wheel.axial_mobility
     mean_h, mean_k = 0.5 * (slip.h + state.slip.h), 0.5 * (slip.k + state.slip.k)
     y[at.friction_loss] -= impulse_h * mean_h + impulse_k * mean_k

@@ -59,6 +59,8 @@ WHEEL = np.dtype(
         ("axle_inertia", np.float64),  # J_k, kg m^2
         ("rotor_inertia", np.float64),  # of the motor, reflected to the axle, kg m^2
         ("axial_inertia", np.float64),  # Ia of one roller, kg m^2
+        ("spin_mobility", np.float64),  # 1 / (J_k + rotor): of what the drive has to turn, 1/(kg m^2)
+        ("axial_mobility", np.float64),  # 1 / Ia, 1/(kg m^2)
         ("bearing_viscosity", np.float64),  # N m s
         ("bearing_torque", np.float64),  # N m
         ("bearing_rate", np.float64),  # over which the torque changes its sign, rad/s
@@ -272,7 +274,7 @@ def wheel_values(kind: WheelType, wheel: Wheel, centre: np.ndarray) -> dict:
     law = drive_law(wheel.drive)
     cos, sin = exact_cos_sin(wheel.heading_deg)
     psi = math.radians(-kind.roller_angle_deg if wheel.mirrored else kind.roller_angle_deg)
-    alpha = math.pi / kind.roller_count
+    alpha, axle = math.pi / kind.roller_count, axle_inertia(kind, math.sin(psi))
     from_centre = np.array(wheel.position) - centre
     return {
         "cos_heading": cos,
@@ -288,9 +290,11 @@ def wheel_values(kind: WheelType, wheel: Wheel, centre: np.ndarray) -> dict:
         "sin_psi": math.sin(psi),
         "tan_psi": math.tan(psi),
         "phase": math.radians(wheel.phase_deg),
-        "axle_inertia": axle_inertia(kind, math.sin(psi)),
+        "axle_inertia": axle,
         "rotor_inertia": law.rotor_inertia,
         "axial_inertia": kind.roller.inertia_axial,
+        "spin_mobility": 1.0 / (axle + law.rotor_inertia),
+        "axial_mobility": 1.0 / kind.roller.inertia_axial,
         "bearing_viscosity": kind.roller.bearing_viscosity,
         "bearing_torque": kind.roller.bearing_torque,
         "bearing_rate": kind.roller.bearing_rate,
@@ -339,13 +343,8 @@ def slip_mobility_bound(machine: dict, wheel: dict) -> float:
     spin = (radius + s * s * h_0) ** 2 + (s * c * h_0) ** 2
     e_h, e_k = map(abs, wheel["offset"])
     yaw = (e_k + l + c * wheel["sin_alpha"] * s * h_0) ** 2 + (e_h + c * c * wheel["sin_alpha"] * h_0) ** 2
-    roller = h_0**2 / wheel["axial_inertia"]
-    return (
-        2.0 / machine["mass"]
-        + spin / (wheel["axle_inertia"] + wheel["rotor_inertia"])
-        + yaw / machine["yaw_inertia"]
-        + roller
-    )
+    roller = h_0**2 * wheel["axial_mobility"]
+    return 2.0 / machine["mass"] + spin * wheel["spin_mobility"] + yaw / machine["yaw_inertia"] + roller
 
 
 def sectors(rollers: np.ndarray) -> np.ndarray:

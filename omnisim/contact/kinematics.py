@@ -100,12 +100,6 @@ def slip_jacobian(wheel, axis, contact):
 
 
 @kernel
-def spin_inertia(wheel):
-    """What the drive has to turn, kg m^2: the wheel about its axle, and the rotor of its motor."""
-    return wheel.axle_inertia + wheel.rotor_inertia
-
-
-@kernel
 def inverse_mass(machine, wheel, axis, contact, spin_held=False):
     """A (hh, hk, kk), 1/kg: slip acceleration caused by a contact force, v' = A F + (what F does not change).
 
@@ -113,8 +107,8 @@ def inverse_mass(machine, wheel, axis, contact, spin_held=False):
     (V_h, V_k, phi', theta', p), in which the mass matrix is diagonal; without 1/J_k if the spin is held.
     """
     j = slip_jacobian(wheel, axis, contact)
-    translation, yaw, roller = 1.0 / machine.mass, 1.0 / machine.yaw_inertia, 1.0 / wheel.axial_inertia
-    spin = 0.0 if spin_held else 1.0 / spin_inertia(wheel)
+    translation, yaw, roller = 1.0 / machine.mass, 1.0 / machine.yaw_inertia, wheel.axial_mobility
+    spin = 0.0 if spin_held else wheel.spin_mobility
     return (
         translation + spin * j.spin_h * j.spin_h + yaw * j.yaw_h * j.yaw_h + roller * j.roller_h * j.roller_h,
         spin * j.spin_h * j.spin_k + yaw * j.yaw_h * j.yaw_k + roller * j.roller_h * j.roller_k,
@@ -135,7 +129,7 @@ def holding_mass(machine, wheel, axis, j):
     if arm_h * arm_h + arm_k * arm_k < shortest:
         length = math.sqrt(shortest / (axis.h * axis.h + axis.k * axis.k))
         arm_h, arm_k = length * axis.k, -length * axis.h
-    spin, roller = 1.0 / spin_inertia(wheel), 1.0 / wheel.axial_inertia
+    spin, roller = wheel.spin_mobility, wheel.axial_mobility
     cross = j.spin_h * arm_k - j.spin_k * arm_h
     inverse = 1.0 / (spin * roller * cross * cross)
     return (
