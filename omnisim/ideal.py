@@ -28,22 +28,31 @@ def wheel_rows(config: Config) -> np.ndarray:
     return np.array([along_x, along_y, x * along_y - y * along_x]).T / [[kind.radius] for kind in kinds]
 
 
-def pseudo_inverse(rows: np.ndarray) -> np.ndarray:
-    """(3, W): the twist that fits spin rates best, twist = pseudo_inverse(rows) @ phi'."""
-    return np.linalg.pinv(rows)
+def inverse(rows: np.ndarray, distance: float) -> np.ndarray | None:
+    """(3, W): the twist that fits spin rates best, twist = inverse @ phi'; None if they leave a motion open.
 
-
-def invertible(rows: np.ndarray, distance: float) -> bool:
-    """Whether spin rates give all three components of the twist."""
-    return not undetermined(rows, distance)
+    distance (m), that of the wheels, makes a speed of the yaw rate.
+    """
+    scale = _scale(distance)
+    spins, values, motions = np.linalg.svd(rows * scale, full_matrices=False)
+    if _rank(values) < len(MOTIONS):
+        return None
+    return (scale[:, None] * motions.T / values) @ spins.T
 
 
 def undetermined(rows: np.ndarray, distance: float) -> tuple[str, ...]:
-    """The MOTIONS that spin rates leave open. `distance` (m), that of the wheels, makes a speed of the yaw rate."""
-    _, values, motions = np.linalg.svd(rows * (1.0, 1.0, 1.0 / distance if distance > 0.0 else 0.0))
-    free = motions[np.count_nonzero(values > RANK_TOLERANCE * values[0]) :]
-    shares = (free**2).sum(axis=0)  # of each component in the free motions, squared
+    """The MOTIONS that spin rates leave open. distance: see `inverse`."""
+    _, values, motions = np.linalg.svd(rows * _scale(distance))
+    shares = (motions[_rank(values) :] ** 2).sum(axis=0)  # of each component in the free motions, squared
     return tuple(name for name, share in zip(MOTIONS, shares, strict=True) if share > RANK_TOLERANCE**2)
+
+
+def _scale(distance: float) -> np.ndarray:
+    return np.array([1.0, 1.0, 1.0 / distance if distance > 0.0 else 0.0])
+
+
+def _rank(values: np.ndarray) -> int:
+    return np.count_nonzero(values > RANK_TOLERANCE * values[0])
 
 
 def rms_distance(config: Config) -> float:

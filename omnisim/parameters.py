@@ -11,7 +11,7 @@ from omnisim.config import Config, Friction, Roller, Wheel, WheelType
 from omnisim.contact.reaction import LAWS
 from omnisim.contact.tracking import TRACKINGS
 from omnisim.drives import drive_law
-from omnisim.ideal import invertible, pseudo_inverse, rms_distance, wheel_rows
+from omnisim.ideal import inverse, rms_distance, wheel_rows
 from omnisim.records import blank, records
 
 MACHINE = np.dtype(
@@ -178,13 +178,15 @@ class Parameters(NamedTuple):
 def pack(config: Config) -> Parameters:
     """Parameters of a validated scene."""
     types, rows = [config.type_of(wheel) for wheel in config.wheels], wheel_rows(config)
-    machine = machine_values(config, types, rows)
+    machine, twists = machine_values(config, types), None
     wheels = [wheel_values(*pair, machine["centre"]) for pair in zip(types, config.wheels, strict=True)]
-    if machine["odometry"]:
-        columns = pseudo_inverse(rows).T
+    if config.chassis is not None:
+        twists = inverse(rows, rms_distance(config))
+    machine["odometry"] = twists is not None
+    if twists is not None:
         starts = np.radians([wheel.spin_angle_deg for wheel in config.wheels])
-        wheels = [wheel | {"odometry": tuple(column)} for wheel, column in zip(wheels, columns, strict=True)]
-        machine["odometry_yaw"] = math.radians(config.initial.yaw_deg) - starts @ columns[:, 2]
+        wheels = [wheel | {"odometry": tuple(column)} for wheel, column in zip(wheels, twists.T, strict=True)]
+        machine["odometry_yaw"] = math.radians(config.initial.yaw_deg) - twists[2] @ starts
     machine["slip_mobility"] = max(slip_mobility_bound(machine, wheel) for wheel in wheels)
     packed, starts_inputs = records(WHEEL, wheels), merge_tables(config, rows)
     return Parameters(records(MACHINE, [machine])[0], packed, sectors(packed.rollers), *starts_inputs, room(len(types)))
@@ -227,8 +229,8 @@ def exact_moments(masses: Sequence[float], points: Sequence[Sequence[float]]) ->
     return [math.fsum(map(mul, masses, column)) for column in zip(*points, strict=True)]
 
 
-def machine_values(config: Config, types: list[WheelType], rows: np.ndarray) -> dict:
-    """Values of the MACHINE record but the last; rows: of the ideal machine."""
+def machine_values(config: Config, types: list[WheelType]) -> dict:
+    """Values of the MACHINE record, but those that take all wheels to know."""
     friction, whole = config.friction, bodies(config)
     bearings = any(kind.roller.has_bearing_friction for kind in types)
     pushed = whole.centre if config.chassis is None else np.array(config.chassis.center_of_mass)
@@ -252,7 +254,6 @@ def machine_values(config: Config, types: list[WheelType], rows: np.ndarray) -> 
         "bearing_relaxation": max(bearing_relaxation(kind.roller) for kind in types),
         "slots": max(kind.roller_count for kind in types) if bearings else 2,
         "integrals": any(drive_law(wheel.drive).integral > 0.0 for wheel in config.wheels),
-        "odometry": config.chassis is not None and invertible(rows, rms_distance(config)),
         "odometry_yaw": 0.0,
         "body_frame": config.wrench.frame == "body",
     }
