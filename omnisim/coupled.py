@@ -133,7 +133,9 @@ def turn_creep(machine, wheel, room, w, mobility, acceleration):
         rate_h -= contact.spin[0] * spin + contact.arm[0] * roller
         rate_k -= contact.spin[1] * spin + contact.arm[1] * roller
         across = limit * (hh * u_k * u_k - 2.0 * hk * u_h * u_k + kk * u_h * u_h)
-        u_h, u_k, correction = turned(u_h, u_k, rate_h, rate_k, across, rate_h * u_h + rate_k * u_k)
+        along = rate_h * u_h + rate_k * u_k
+        u_h, u_k, correction = turned(u_h, u_k, rate_h, rate_k, across, along, contact.turned)
+        contact.turned = correction
     contact.creep[0], contact.creep[1] = u_h, u_k
     contact.unit[0], contact.unit[1] = -machine.friction * u_h, -machine.friction * u_k
     return abs(correction)

@@ -199,6 +199,7 @@ def observe_contact(parameters, mode, w, side, body, state):
         creep = contact.creep  # where the last search ended is the best place to begin, if it is of this creeping
         if not creep[0] * mode.creep[0] + creep[1] * mode.creep[1] > NEARLY:
             creep[0], creep[1] = mode.creep[0], mode.creep[1]
+        contact.turned = 0.0
         contact.unit[0], contact.unit[1] = -machine.friction * creep[0], -machine.friction * creep[1]
 
 

@@ -19,6 +19,7 @@ from omnisim.kernel import kernel
 TINY = 1e-300
 MOST_SWEEPS = 500
 SETTLED = 1e-15  # relative change of the forces in a sweep over all contacts
+SMALL_PART = 1e-2  # of a correction, that the next one may be for both to be a geometric series
 SLIP, STICK, CREEP = 0, 1, 2  # creep: slip so slow that its direction is that of the contact equation
 
 
@@ -72,15 +73,18 @@ def slip_direction(a, b, limit):
 
 
 @kernel
-def turned(u_h, u_k, rate_h, rate_k, across, kappa):
+def turned(u_h, u_k, rate_h, rate_k, across, kappa, last):
     """Unit vector u after a Newton correction towards a direction in which slip is accelerated, and the correction.
 
     rate: slip acceleration v' under friction against u; kappa: its part along u; across: mu N A across u. Of all
-    directions with v' = kappa u those with across + kappa > 0 attract.
+    directions with v' = kappa u those with across + kappa > 0 attract. last: the correction before, 0 if there was
+    none; as the load answers, each is a constant small part of the one before, and all that would follow are added.
     """
     if across + kappa <= 0.0:
         return u_h, u_k, 0.0
     correction = (u_h * rate_k - u_k * rate_h) / (across + kappa)
+    if abs(correction) < SMALL_PART * abs(last):
+        correction *= last / (last - correction)
     correction = min(0.5, max(-0.5, correction))
     h, k = u_h - correction * u_k, u_k + correction * u_h
     norm = math.sqrt(h * h + k * k)
