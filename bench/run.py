@@ -105,17 +105,18 @@ def verdict(results: dict) -> str:
 
 def machine_sentences(result: dict) -> list[str]:
     """Of the platform, of the wheels of a machine, of its rollers."""
-    keys = ("rate", "simulate"), ("rate", "march"), ("torque", "simulate")
-    fast, march, free = (f"{whole_machines.slowest(result, *key):.0f}" for key in keys)
-    text = f"The platform on 4 x 9 mecanum rollers runs at {fast} times real time in the slowest of its motions"
+    keys = ("rate", "march"), ("rate", "simulate"), ("torque", "march")
+    march, whole, free = (f"{whole_machines.slowest(result, *key):.0f}" for key in keys)
+    text = f"The platform on 4 x 9 mecanum rollers marches at {march} times real time in the slowest of its motions"
     text += (
-        f" (the march alone at {march}, without controllers at {free}), position within {whole_machines.ACCURATE:g} m"
+        f" (the whole call at {whole}, without controllers the march at {free}), position within "
+        f"{whole_machines.ACCURATE:g} m"
     )
     most = max(rows[-1]["ratio"] for rows in result["wheels"].values())
     steps = f"A step of {whole_machines.MOST} wheels takes {most:.2f} times that of {whole_machines.FEWEST}"
     rollers = max(row["ratio"] for row in result["rollers"].values())
     return [
-        judge(text, whole_machines.TARGET, float(fast), "least"),
+        judge(text, whole_machines.TARGET, float(march), "least"),
         f"The aim is {whole_machines.AIM:g}; {whole_machines.ELSEWHERE}.",
         judge(steps, whole_machines.MOST / whole_machines.FEWEST, most, "most"),
         f"64 rollers on each of four wheels take {rollers:.2f} times as long as 8, with their exchanges.",

@@ -20,7 +20,7 @@ import omnisim
 from omnisim.loop import Loop
 from omnisim.trajectory import Trajectory
 
-TARGET, AIM = 500.0, 2000.0  # times real time of omnisim.simulate, platform under rate drives, slowest motion
+TARGET, AIM = 500.0, 2000.0  # times real time of the march, platform under rate drives, slowest motion
 ACCURATE = 1e-5  # m: error of position in any row
 CONFIRMED = 1e-11  # m: largest distance of the two converged runs
 CONVERGED = {"rk4": 2e-5, "dopri5": 4e-5}  # s; the first is the reference
@@ -128,11 +128,9 @@ def motion_row(motion: str, drive: str, run: Trajectory) -> dict:
 
 
 def fastest(ladder: list[dict], drive: str) -> list[dict]:
-    """For every motion the fastest row of these drives that is ACCURATE, as simulate has it."""
+    """For every motion the row of these drives that marches fastest of those that are ACCURATE."""
     rows = [row for row in ladder if row["drive"] == drive and row["error"] < ACCURATE]
-    return [
-        min((row for row in rows if row["motion"] == motion), key=lambda row: row["simulate"]) for motion in MOTIONS
-    ]
+    return [min((row for row in rows if row["motion"] == motion), key=lambda row: row["march"]) for motion in MOTIONS]
 
 
 def slowest(result: dict, drive: str, what: str) -> float:
