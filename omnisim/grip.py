@@ -55,7 +55,7 @@ CREEP_SPEED = 1e-7  # m/s: slip that has no direction of its own in any case
 CREEP_STEP = 1.05  # of the time in which creeping slip doubles or stops, for one step: a little beyond its end
 # What a coarse step does not see of slip across its final direction:
 ALIGNED, FINE_ALIGNED = 3e-4, 1e-6  # m/s; the second for methods "auto" and "radau5"
-STOPPING = 3.5e-6  # m/s of the machine, which slip that is about to stop pushes aside; for explicit methods
+STOPPING = 2.4e-6  # m/s, twice the error in the speed of the machine; of slip that is about to stop, explicit methods
 STOPPED = 0.1  # of the slip that no longer matters, at which creeping slip has come to its end, or
 STOPPED_OF_STOPPING = 1e-3  # of that which may be taken away across its direction
 LEAST_ALIGNED = 1e-13  # m/s of slip, of the finest step: taking the last slip away at REST costs more
@@ -141,15 +141,20 @@ def alignment(dt: float, choice: int) -> float:
 
 
 def stopping_alignment(dt: float, choice: int, lightness: float) -> float:
-    """The same of slip that is about to stop. Friction would have turned it soon in any case: what remains is its
-    square by twice the slip, a speed along the slip, and of that what the contact gives the machine. So it goes with
-    dt^2, for errors that fall with dt^4; implicit steps follow it at no cost.
+    """Twice the error in the speed of slip that is about to stop, which a step dt (s) does not see, m/s.
 
+    Friction would have turned it soon in any case: what remains of slip v_n across slip v is a speed v_n^2 / 2 v along
+    it, and of that what the contact gives the machine; with dt^6 it stays behind the method's own error where slow slip
+    lasts. Implicit steps follow it at no cost.
     lightness: mass of the machine by that with which a contact resists its slip, 1.
     """
-    if choice != EXPLICIT:
-        return alignment(dt, choice)
-    return max(lightness * STOPPING * min(1.0, dt / COARSE_STEP) ** 2, LEAST_ALIGNED)
+    return lightness * STOPPING * min(1.0, dt / COARSE_STEP) ** 6 if choice == EXPLICIT else 0.0
+
+
+@kernel
+def unseen(clock, stopping, speed):
+    """Slip across the direction of the contact equation that a step does not see, m/s, of slip of this speed."""
+    return max(clock.aligned, math.sqrt(clock.stopping * speed)) if stopping else clock.aligned
 
 
 @kernel
@@ -199,7 +204,8 @@ def stops(parameters, run, w):
     along, turn, square = slip.h * rate.h + slip.k * rate.k, slip.h * rate.k - slip.k * rate.h, watch.slip_square[0]
     attraction = watch.factor[0] * (hh * slip.k * slip.k - 2.0 * hk * slip.h * slip.k + kk * slip.h * slip.h) + along
     soon = square < -along * run.clock.dt and stiffness(parameters, run.clock, watch) > LEAST_STIFF
-    return soon and abs(turn) * math.sqrt(square) < attraction * run.clock.stopping
+    speed = math.sqrt(square)
+    return soon and abs(turn) * speed < attraction * unseen(run.clock, True, speed)
 
 
 @kernel
@@ -218,9 +224,11 @@ def across(watch):
 def youth(parameters, clock, mode, watch):
     """Positive while creeping slip is too young for a direction of its own: so slow, or else so little of it across
     the direction of the contact equation that the error of a step hides it, while sub-steps would have to be short."""
-    square, hidden = watch.slip_square[0], clock.stopping if mode.stopping else clock.aligned
-    hidden = min(hidden - across(watch), stiffness(parameters, clock, watch) - 0.5 * LEAST_STIFF)
-    return max(CREEP_SPEED - math.sqrt(square), hidden)
+    speed = math.sqrt(watch.slip_square[0])
+    hidden = min(
+        unseen(clock, mode.stopping, speed) - across(watch), stiffness(parameters, clock, watch) - 0.5 * LEAST_STIFF
+    )
+    return max(CREEP_SPEED - speed, hidden)
 
 
 @kernel

@@ -127,7 +127,7 @@ CLOCK = np.dtype(
         ("dt", np.float64),  # s
         ("fineness", np.float64),  # of sub-steps of slip: grip.fineness
         ("aligned", np.float64),  # slip across its final direction that does not matter, m/s: grip.alignment
-        ("stopping", np.float64),  # the same of slip about to stop: grip.stopping_alignment
+        ("stopping", np.float64),  # twice the same along slip about to stop, m/s: grip.stopping_alignment
         ("elapsed", np.float64),  # in the grid step under way, s
         ("reach", np.float64),  # length of the last implicit step that converged, s
         ("rate", np.float64),  # relaxation rate of slip when found too stiff, 1/s
