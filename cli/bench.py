@@ -59,6 +59,8 @@ def bench(
     omnisim bench scene.toml --method rk4 --method auto --step 1e-3 --step 1e-4
     omnisim bench coulomb_wheel --tracking explicit --tracking implicit -o report
     """
+    for library in ("OPENBLAS", "MKL"):  # more threads gain nothing in small solves, and wait for each other
+        os.environ.setdefault(f"{library}_NUM_THREADS", "1")  # before the first import of NumPy
     from omnisim.precision import Setting, ladder
     from omnisim.scene import load
 

@@ -5,6 +5,7 @@ import os
 import platform
 from collections.abc import Iterable, Sequence
 from importlib.metadata import version
+from itertools import groupby
 
 from omnisim.precision import Precision, Row, Setting, fastest, finest_orders
 from omnisim.tableau import TABLEAUX
@@ -73,15 +74,16 @@ def aligned_right(rows: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
 
 
 def stops(found: Precision) -> Iterable[str]:
-    """Why runs stopped early, in short."""
-    for row in found.rows:
-        if row.error is None:
-            yield f"{named(row)}: {row.status.partition(';')[0]}"
+    """Why runs stopped early, in short: for each method and tracking what its shortest step among them says."""
+    stopped = [row for row in found.rows if row.error is None]
+    for (method, tracking), group in groupby(stopped, key=lambda row: row[:2]):
+        rows = list(group)
+        steps = ", ".join(f"{row.step:g}" for row in rows)
+        yield f"{method}{how(tracking)} at {steps} s: {rows[-1].status.partition(';')[0]}"
 
 
 def named(row: Row) -> str:
-    tracking = "" if row.tracking == "explicit" else f", {row.tracking} tracking"
-    return f"{row.method} at {row.step:g} s{tracking}"
+    return f"{row.method}{how(row.tracking)} at {row.step:g} s"
 
 
 def verdict(found: Precision) -> str:

@@ -160,6 +160,19 @@ BAD = [
     (["compare", "implicit"], ["'B'"]),
     (["compare", "implict", "explicit"], ["'implict'", "'implicit'"]),
     (["compare", "implicit", "explicit", "six"], ["six", "Packaged scenes"]),
+    (["bench", "six_roler"], ["six_roler", "did you mean 'six_rollers'"]),
+    (["bench", SCENE, "--method", "rk5"], ["'rk5'", "'rk4'"]),
+    (["bench", SCENE, "--law", "dry"], ["'dry'", "'coulomb'"]),
+    (["bench", SCENE, "--law", "viscous"], ["friction.viscosity", "missing"]),
+    (["bench", SCENE, "--step", "0"], ["--step", "x>0"]),
+    (["bench", SCENE, "--step", "nan"], ["step of nan s", "must divide the output interval, 0.05 s"]),
+    (
+        ["bench", SCENE, "--step", "3e-3", "-o", "report"],
+        ["step of 0.003 s", "must divide the output interval, 0.05 s"],
+    ),
+    (["bench", SCENE, "--repeats", "0"], ["--repeats", "x>=1"]),
+    (["bench", SCENE, "-o", "broken.toml"], ["broken.toml", "the name of a folder"]),
+    (["bench", SCENE, "-o", "nowhere/report"], ["there is no folder nowhere"]),
     (["info", "nowhere.h5"], ["nowhere.h5"]),
     (["info", "damaged.h5"], ["damaged.h5", "truncated or damaged"]),
     (["rum", SCENE], ["'rum'", "'run'"]),
@@ -346,7 +359,7 @@ def test_warmup_compiles_and_says_where(folder):
     assert os.listdir(folder) == []
 
 
-@pytest.mark.parametrize("name", ["run", "compare", "info", "warmup"])
+@pytest.mark.parametrize("name", ["run", "compare", "bench", "info", "warmup"])
 def test_help_has_an_example(name):
     result = command(name, "--help")
     assert result.exit_code == 0
