@@ -237,6 +237,18 @@ def test_ctrl_c_finishes_the_step_and_writes_the_file(number, folder):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals")
+def test_ctrl_c_ends_a_bench_with_the_rounds_that_are_complete():
+    arguments = (*settings("time.end=0.2"), "--method", "rk4", "--step", "1e-3", "--repeats", "1000000")
+    child = process(SAYING_READY, "bench", "six_rollers", *arguments)
+    assert child.stdout.readline() == "ready\n"
+    time.sleep(1.0)
+    child.send_signal(signal.SIGINT)
+    stdout, stderr = child.communicate(timeout=60)
+    assert child.returncode == 1
+    assert re.search(r"interrupted after \d+ of 1000000 repeats", stderr) and "Fastest with errors" in stdout
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals")
 def test_ctrl_c_during_compilation_ends_at_once(folder):
     child = process(SAYING_READY, "run", SCENE, env=os.environ | {"NUMBA_CACHE_DIR": str(folder / "cold")})
     assert "compiling kernels, once" in child.stderr.readline()
