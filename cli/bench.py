@@ -136,7 +136,7 @@ def write(measured: Sequence[Precision], folder: Path) -> None:
     try:
         from omnisim_cli.bench_plot import plot
     except ModuleNotFoundError:
-        note("no plot: it needs matplotlib; pip install 'omnisim-engine[bench]'")
+        note("no plot: it needs matplotlib (pip install matplotlib)")
         plot = None
     (folder / "report.json").write_text(as_json(measured), encoding="utf-8")
     (folder / "report.md").write_text(as_markdown(measured, pictured=plot is not None), encoding="utf-8")
