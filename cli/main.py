@@ -5,6 +5,7 @@ import sys
 
 import click
 
+from omnisim_cli.bench import bench
 from omnisim_cli.compare import compare
 from omnisim_cli.info import info
 from omnisim_cli.run import run
@@ -52,12 +53,13 @@ def cli() -> None:
     omnisim run scene.toml                  writes scene.h5
     omnisim info scene.h5                   what a trajectory holds
     omnisim compare implicit explicit       the two contact trackings side by side
+    omnisim bench scene.toml                speed against error, by method and step
 
     Exit codes: 0 done; 1 the run stopped early or was interrupted; 2 bad input, checked before anything runs.
     """
 
 
-for command in (run, compare, info, warmup):
+for command in (run, compare, bench, info, warmup):
     cli.add_command(command)
 
 

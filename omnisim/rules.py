@@ -18,7 +18,7 @@ def _time_rules(config: Config) -> Iterator[Problem]:
     if steps > MAX_STEPS * (1 + GRID_TOLERANCE):
         yield Problem(("time", "step"), f"end / step = {steps:.6g} steps; must be at most {MAX_STEPS:.0e}")
     elif time.interval is None:
-        if not _is_whole(steps):
+        if not is_whole(steps):
             ratio = f"end / step = {time.end!r} / {time.step!r} = {steps:.12g}"
             yield Problem(("time", "step"), f"{ratio}; must be an integer (to 1e-9)")
     else:
@@ -27,12 +27,13 @@ def _time_rules(config: Config) -> Iterator[Problem]:
             f"end / output_interval = {time.end!r} / {time.interval!r}": time.end / time.interval,
         }
         for name, ratio in ratios.items():
-            if not _is_whole(ratio):
+            if not is_whole(ratio):
                 yield Problem(("time", "output_interval"), f"{name} = {ratio:.12g}; must be an integer (to 1e-9)")
                 break  # one of the three times is wrong: one problem
 
 
-def _is_whole(ratio: float) -> bool:
+def is_whole(ratio: float) -> bool:
+    """Whether a ratio of times is an integer > 0, as far as decimals can say it."""
     return math.isfinite(ratio) and ratio > 0.5 and abs(ratio - round(ratio)) <= GRID_TOLERANCE * ratio
 
 

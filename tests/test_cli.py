@@ -160,6 +160,19 @@ BAD = [
     (["compare", "implicit"], ["'B'"]),
     (["compare", "implict", "explicit"], ["'implict'", "'implicit'"]),
     (["compare", "implicit", "explicit", "six"], ["six", "Packaged scenes"]),
+    (["bench", "six_roler"], ["six_roler", "did you mean 'six_rollers'"]),
+    (["bench", SCENE, "--method", "rk5"], ["'rk5'", "'rk4'"]),
+    (["bench", SCENE, "--law", "dry"], ["'dry'", "'coulomb'"]),
+    (["bench", SCENE, "--law", "viscous"], ["friction.viscosity", "missing"]),
+    (["bench", SCENE, "--step", "0"], ["--step", "x>0"]),
+    (["bench", SCENE, "--step", "nan"], ["step of nan s", "must divide the output interval, 0.05 s"]),
+    (
+        ["bench", SCENE, "--step", "3e-3", "-o", "report"],
+        ["step of 0.003 s", "must divide the output interval, 0.05 s"],
+    ),
+    (["bench", SCENE, "--repeats", "0"], ["--repeats", "x>=1"]),
+    (["bench", SCENE, "-o", "broken.toml"], ["broken.toml", "the name of a folder"]),
+    (["bench", SCENE, "-o", "nowhere/report"], ["there is no folder nowhere"]),
     (["info", "nowhere.h5"], ["nowhere.h5"]),
     (["info", "damaged.h5"], ["damaged.h5", "truncated or damaged"]),
     (["rum", SCENE], ["'rum'", "'run'"]),
@@ -221,6 +234,18 @@ def test_ctrl_c_finishes_the_step_and_writes_the_file(number, folder):
     assert part.attributes["status"].startswith("interrupted") and part["events/kind"][-1] == "stop"
     assert 1.0 < part.time[-1] <= part.attributes["stop_time"] < 1e6
     assert os.listdir(folder) == ["part.h5"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals")
+def test_ctrl_c_ends_a_bench_with_the_rounds_that_are_complete():
+    arguments = (*settings("time.end=0.2"), "--method", "rk4", "--step", "1e-3", "--repeats", "1000000")
+    child = process(SAYING_READY, "bench", "six_rollers", *arguments)
+    assert child.stdout.readline() == "ready\n"
+    time.sleep(1.0)
+    child.send_signal(signal.SIGINT)
+    stdout, stderr = child.communicate(timeout=60)
+    assert child.returncode == 1
+    assert re.search(r"interrupted after \d+ of 1000000 repeats", stderr) and "Fastest with errors" in stdout
 
 
 @pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals")
@@ -346,7 +371,7 @@ def test_warmup_compiles_and_says_where(folder):
     assert os.listdir(folder) == []
 
 
-@pytest.mark.parametrize("name", ["run", "compare", "info", "warmup"])
+@pytest.mark.parametrize("name", ["run", "compare", "bench", "info", "warmup"])
 def test_help_has_an_example(name):
     result = command(name, "--help")
     assert result.exit_code == 0

@@ -40,7 +40,7 @@ LAYERS = (
     ("collect",),
     ("loop",),
     ("simulation",),
-    ("analysis", "timing"),
+    ("analysis", "timing", "precision"),
 )
 ONLY = {
     "h5py": {"storage"},
