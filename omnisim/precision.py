@@ -1,7 +1,6 @@
 """Speed against error: a scene by several methods, trackings and steps, against a reference computed on the spot."""
 
 import math
-import time
 from collections.abc import Callable, Iterable, Sequence
 from statistics import median
 from typing import NamedTuple
@@ -11,6 +10,7 @@ import numpy as np
 from omnisim.rules import is_whole
 from omnisim.scene import Scene, SceneError, parse
 from omnisim.simulation import simulate
+from omnisim.timing import interleaved
 from omnisim.trajectory import Trajectory
 
 FACTORS = (10.0, 5.0, 2.0, 1.0, 0.5)  # of the scene's step: the ladder
@@ -113,7 +113,13 @@ def measure(
         rows.append(untimed(setting, run, reference.run))
         if run.complete:
             running[setting] = contestant
-    rounds = interleaved(list(running.values()), repeats, lambda part: progress(share + (1.0 - share) * part))
+    rounds = []
+    try:
+        for taken in interleaved(list(running.values()), repeats, lambda part: progress(share + (1.0 - share) * part)):
+            rounds.append(taken)
+    except Interrupted:
+        if not rounds:
+            raise
     for setting, taken in zip(running, zip(*rounds, strict=True), strict=True):
         march, whole = (median(seconds) for seconds in zip(*taken, strict=True))
         place = settings.index(setting)
@@ -149,26 +155,6 @@ def untimed(setting: Setting, run: Trajectory, reference: Trajectory) -> Row:
     events = len(run["events/time"]) - (not run.complete)  # the last event of a run that stops is the stop
     work = said["steps"], said["rhs_evaluations"], events
     return Row(*setting, error, None, None, None, *work, False, said["status"])
-
-
-def interleaved(
-    scenes: list[Scene], repeats: int, progress: Callable[[float], object]
-) -> list[list[tuple[float, float]]]:
-    """Wall times of march and whole call (s) by round and scene: A B C A B C ..., as a machine slows down for all."""
-    rounds = []
-    try:
-        for turn in range(repeats):
-            taken = []
-            for place, scene in enumerate(scenes):
-                progress((turn + place / len(scenes)) / repeats)
-                begun = time.perf_counter()
-                march = simulate(scene).attributes["wall_time"]
-                taken.append((march, time.perf_counter() - begun))
-            rounds.append(taken)
-    except Interrupted:
-        if not rounds:
-            raise
-    return rounds
 
 
 def judged(rows: list[Row], trusted: float) -> list[Row]:

@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from statistics import median
 
 import numpy as np
@@ -10,7 +10,8 @@ import numpy as np
 from omnisim.contact.tracking import IMPLICIT, explicit_contact, implicit_contact, roller_axis
 from omnisim.dynamics import rho_rates
 from omnisim.kernel import kernel
-from omnisim.parameters import Parameters, pack
+from omnisim.packing import pack
+from omnisim.parameters import Parameters
 from omnisim.scene import Scene
 from omnisim.simulation import simulate
 from omnisim.start import initial_state, roller_azimuths, roller_directions
@@ -23,17 +24,30 @@ PATIENCE = 8.0  # s for all repeats of all scenes of a race
 STATES, ROUNDS = 1000, 200
 
 
-def race(scenes: Sequence[Scene]) -> tuple[list[Trajectory], list[list[float]]]:
-    """Run scenes in turn (A B A B ...), so that a machine that slows down slows all of them.
-
-    Returns the trajectory of each, and its wall times (s, marching only): up to REPEATS, fewer of long runs.
+def interleaved(
+    scenes: Sequence[Scene], repeats: int, progress: Callable[[float], object] = lambda _: None
+) -> Iterator[list[tuple[float, float]]]:
+    """Round by round the wall times of march and whole call (s) of each scene: A B C A B C ..., so that a machine that
+    slows down slows all of them. progress: called with the fraction done before each run.
     """
+    for turn in range(repeats):
+        taken = []
+        for place, scene in enumerate(scenes):
+            progress((turn + place / len(scenes)) / repeats)
+            begun = time.perf_counter()
+            march = simulate(scene).attributes["wall_time"]
+            taken.append((march, time.perf_counter() - begun))
+        yield taken
+
+
+def race(scenes: Sequence[Scene]) -> tuple[list[Trajectory], list[list[float]]]:
+    """The trajectory of each scene, and its wall times (s, marching only): up to REPEATS, fewer of long runs."""
     trajectories = [simulate(scene) for scene in scenes]
     times = [[trajectory.attributes["wall_time"]] for trajectory in trajectories]
     once = sum(spent[0] for spent in times)
-    while len(times[0]) < REPEATS and (len(times[0]) + 1) * once < PATIENCE:
-        for scene, spent in zip(scenes, times, strict=True):
-            spent.append(simulate(scene).attributes["wall_time"])
+    for taken in interleaved(scenes, min(REPEATS, int(PATIENCE / once)) - 1):
+        for spent, (march, _) in zip(times, taken, strict=True):
+            spent.append(march)
     return trajectories, times
 
 
