@@ -10,7 +10,8 @@ import numpy as np
 
 import omnisim
 from omnisim.events import EVENT
-from omnisim.parameters import Parameters, pack
+from omnisim.packing import pack
+from omnisim.parameters import Parameters
 from omnisim.scene import Scene, parse
 from omnisim.start import begin, blank_rows
 from omnisim.state import Rows, Run

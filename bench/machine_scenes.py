@@ -15,7 +15,7 @@ import math
 import numpy as np
 
 from omnisim.ideal import wheel_rows
-from omnisim.parameters import axle_inertia, bodies
+from omnisim.packing import axle_inertia, bodies
 from omnisim.scene import Scene, parse
 
 END, RAMP = 2.0, 0.5  # s

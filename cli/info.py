@@ -59,7 +59,7 @@ def about_trajectory(path: str) -> str:
 def about_scene(scene: Scene) -> str:
     """The size of the run, the model with its reasons, the machine, and each type of wheel."""
     from omnisim.model import describe
-    from omnisim.parameters import pack
+    from omnisim.packing import pack
 
     config = scene.config
     with compilation_noted():

@@ -19,7 +19,7 @@ def warmup() -> None:
     begun = time.perf_counter()
     from omnisim import timing
     from omnisim.kernel import CACHE_DIRECTORY
-    from omnisim.parameters import pack
+    from omnisim.packing import pack
     from omnisim.scene import load
     from omnisim.stiffness import explanation
     from omnisim_cli.info import wheel_facts

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.collections import PolyCollection
 
 import omnisim
-from omnisim.parameters import pack
+from omnisim.packing import pack
 from omnisim.roller import axial_coordinate, profile_radius
 from omnisim.tableau import TABLEAUX
 

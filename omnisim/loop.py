@@ -25,7 +25,8 @@ from omnisim.config import DRIVE_KEYS
 from omnisim.events import EVENT
 from omnisim.ideal import wheel_rows
 from omnisim.kernel import direct
-from omnisim.parameters import DRIVE, Parameters, pack
+from omnisim.packing import pack
+from omnisim.parameters import DRIVE, Parameters
 from omnisim.records import blank
 from omnisim.scene import Scene, SceneError
 from omnisim.start import begin, blank_rows

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 import omnisim
-from omnisim.parameters import pack
+from omnisim.packing import pack
 from omnisim.start import begin
 
 REFERENCE = Path(__file__).parent / "reference"

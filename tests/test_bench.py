@@ -16,7 +16,7 @@ from common import bare_wheel, ready, table
 
 import omnisim
 from omnisim.loop import Loop
-from omnisim.parameters import bodies
+from omnisim.packing import bodies
 
 CASES = {
     "straight rollers": {},

@@ -23,6 +23,7 @@ LAYERS = (
     ("contact.reaction", "contact.coulomb", "contact.contensou"),
     ("drives",),
     ("parameters",),
+    ("packing",),
     ("wheel",),
     ("body",),
     ("coupled",),
@@ -40,7 +41,8 @@ LAYERS = (
     ("collect",),
     ("loop",),
     ("simulation",),
-    ("analysis", "timing", "precision"),
+    ("analysis", "timing"),
+    ("precision",),
 )
 ONLY = {
     "h5py": {"storage"},

@@ -5,7 +5,7 @@ from scenes import packed, reference_scene
 from vehicles import FOLLOWING, VEHICLE
 
 from omnisim.model import describe
-from omnisim.parameters import pack
+from omnisim.packing import pack
 from omnisim.scene import load, packaged_scenes
 from omnisim.text import WIDTH
 

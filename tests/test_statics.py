@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import omnisim
-from omnisim.parameters import bodies, pack
+from omnisim.packing import bodies, pack
 from omnisim.scene import load
 from omnisim.statics import static_loads
 
