@@ -8,6 +8,8 @@ twist that rises for RAMP seconds and then stays, in one of two ways:
 
 A wheel that slips is held by its drive alone: its rate relaxes at proportional / J_k, about 300 1/s here (J_k about
 1e-3 kg m^2), and an explicit step must resolve that while it lasts. The second way shows what is left without it.
+
+For the C loop the platform slips on a wet floor under constant torques.
 """
 
 import math
@@ -81,7 +83,27 @@ def platform(motion: str, drive: str, method: str, step: float, end: float = END
         for torque in ideal_torques(following, np.divide(MOTIONS[motion], RAMP))
     ]
     text = PLATFORM.format(**values, wheels=platform_wheels(drives))
-    return parse("\n".join(line for line in text.splitlines() if not line.startswith("command")), "platform")
+    return parse(uncommanded(text), "platform")
+
+
+def slipping_platform(step: float = 1e-4, end: float = 1.0) -> Scene:
+    """The platform with its load off the centre on a slippery floor, by regularized friction and constant torques.
+
+    Its wheels start out of step with its motion, and the torques come near what the floor can take: contacts slip as
+    fast as the slip speed of the law and faster, which therefore is not stiff at this step.
+    """
+    drives = [f'kind = "torque", torque = {torque!r}' for torque in (0.36, 0.25, 0.3, 0.33)]
+    values = {"end": end, "ramp": RAMP, "method": "rk4", "step": step, "twist": [0.0, 0.0, 0.0]}
+    text = uncommanded(PLATFORM.format(**values, wheels=platform_wheels(drives)))
+    rates = zip(PLACES, (20.0, 6.0, 4.0, 16.0), strict=True)
+    slipping = ["friction.law=regularized", "friction.slip_speed=0.05", "friction.coefficient=0.2"]
+    moving = ["initial.velocity=[0.6, -0.3]", "initial.yaw_rate=1.0"]
+    moving += [f"wheels.{name}.spin_rate={rate}" for name, rate in rates]
+    return parse(text, "slipping platform", [*slipping, *moving, "chassis.center_of_mass=[0.02, 0.01, 0.1]"])
+
+
+def uncommanded(text: str) -> str:
+    return "\n".join(line for line in text.splitlines() if not line.startswith("command"))
 
 
 def platform_wheels(drives: list[str]) -> str:

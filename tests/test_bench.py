@@ -8,32 +8,33 @@ import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "bench"))
-import c_loop
 import laws
 import machine_scenes
 import whole_machines
 from common import bare_wheel, ready, table
+from peers import c_loop
 
 import omnisim
 from omnisim.loop import Loop
 from omnisim.packing import bodies
 
 CASES = {
-    "straight rollers": {},
-    "angled rollers under drive": {"psi": 30.0, "torque": 0.05},
-    "64 rollers": {"rollers": 64, "step": 2e-4},
+    "straight rollers": (c_loop.WHEEL, bare_wheel(1e-3, 0.5)),
+    "angled rollers under drive": (c_loop.WHEEL, bare_wheel(1e-3, 0.5, psi=30.0, torque=0.05)),
+    "64 rollers": (c_loop.WHEEL, bare_wheel(2e-4, 0.5, rollers=64)),
+    "mecanum machine": (c_loop.MACHINE, machine_scenes.slipping_platform(end=0.5)),
 }
 
 
-@pytest.mark.parametrize("case", CASES.values(), ids=CASES)
-def test_c_loop_moves_as_the_march_does_across_exchanges(case):
-    library = c_loop.build()
+@pytest.mark.parametrize(("loop", "scene"), CASES.values(), ids=CASES)
+def test_c_loop_moves_as_the_march_does_across_exchanges(loop, scene):
+    library = c_loop.build(loop)
     if library is None:
         pytest.skip("no gcc on this machine")
-    scene = bare_wheel(**{"step": 1e-3, "end": 0.5} | case)
     march = ready(scene).go()
     assert march.run.clock.events >= 3
-    assert c_loop.disagreement(march, *c_loop.prepare(library, ready(scene))()) < 1e-11  # measured: 1.3e-13
+    found = c_loop.prepare(loop, library, ready(scene))()
+    assert c_loop.disagreement(loop, march, *found) < 1e-11  # measured: 4.0e-13
 
 
 @pytest.mark.parametrize(

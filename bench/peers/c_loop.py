@@ -1,0 +1,221 @@
+"""The march against plain C loops of the same equations, compiled when the benchmark runs: a bare wheel and a machine.
+
+The targets are for plain `gcc -O3`. Two more builds are measured, for the compiler is not always right: packing the
+state into vector registers makes each stage wait for scalars that were written just before.
+"""
+
+import ctypes
+import shutil
+import statistics
+import subprocess
+import tempfile
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from common import March, bare_wheel, interleaved, median_ratio, ready, table
+from machine_scenes import slipping_platform
+
+from omnisim.scene import Scene
+from omnisim.state import YAW, X, Y, places_of
+
+AGREEMENT = 1e-11  # of all states and rows, relative to the largest value of each state (at least 1); C sums plainly
+PLAIN = "gcc -O3"
+FLAGS = (PLAIN, "gcc -O3 -march=native", "gcc -O3 -fno-tree-vectorize")
+WHEELS = 4  # of mecanum_rk4.c
+
+FROM_MACHINE = ("mass", "yaw_inertia", "slip_speed")
+FROM_WHEEL = (
+    "axle_inertia",
+    "axial_inertia",
+    "radius",
+    "roller_distance",
+    "cos_psi",
+    "sin_psi",
+    "tan_psi",
+    "alpha",
+    "phase",
+)
+FROM_SCENE = ("friction_limit", "torque", "force_x", "force_y", "yaw_torque")
+OF_PLACE = ("ahead", "aside", "torque", "per_spin_x", "per_spin_y", "per_spin_yaw")
+OF_MACHINE = ("mass", "yaw_inertia", "height", "moment_x", "moment_y", "weight", "friction", "slip_speed")
+
+
+def doubles(names: tuple[str, ...]) -> list[tuple[str, type]]:
+    return [(name, ctypes.c_double) for name in names]
+
+
+class Wheel(ctypes.Structure):
+    """`Wheel` of wheel_rk4.c."""
+
+    _fields_ = [*doubles(FROM_MACHINE + FROM_WHEEL + FROM_SCENE), ("rollers", ctypes.c_long)]
+
+
+class MecanumWheel(ctypes.Structure):
+    """`Wheel` of mecanum_rk4.c."""
+
+    _fields_ = doubles(FROM_WHEEL + OF_PLACE)
+
+
+class Machine(ctypes.Structure):
+    """`Machine` of mecanum_rk4.c."""
+
+    _fields_ = [
+        *doubles((*OF_MACHINE, "odometry_yaw")),
+        ("wheels", MecanumWheel * WHEELS),
+        ("rollers", ctypes.c_long),
+    ]
+
+
+def constants_of_wheel(march: March) -> Wheel:
+    """Of a bare wheel under a constant drive and wrench."""
+    machine, wheel, inputs = march.parameters.machine, march.parameters.wheels[0], constant_inputs(march)
+    force_x, force_y, force_z, yaw_torque, torque = inputs
+    limit = machine.friction * (machine.mass * machine.gravity - force_z)
+    scene = zip(FROM_SCENE, (limit, torque, force_x, force_y, yaw_torque), strict=True)
+    constants = (
+        {name: machine[name] for name in FROM_MACHINE} | {name: wheel[name] for name in FROM_WHEEL} | dict(scene)
+    )
+    return Wheel(**constants, rollers=int(wheel.rollers))
+
+
+def constants_of_machine(march: March) -> Machine:
+    """Of a machine on four parallel mecanum wheels under constant drives and no wrench."""
+    machine, wheels, inputs = march.parameters.machine, march.parameters.wheels, constant_inputs(march)
+    assert not inputs[:-WHEELS].any(), "the C loop of machines knows no wrench"
+    assert (wheels.cos_heading == 1.0).all(), "the C loop of machines knows wheels that head forward"
+    places = np.column_stack([wheels.offset, inputs[-WHEELS:], wheels.odometry])
+    of_wheels = [
+        MecanumWheel(*(wheel[name] for name in FROM_WHEEL), *place) for wheel, place in zip(wheels, places, strict=True)
+    ]
+    weight = machine.mass * machine.gravity
+    values = machine.mass, machine.yaw_inertia, machine.height, *machine.moment, weight
+    return Machine(
+        *values,
+        machine.friction,
+        machine.slip_speed,
+        machine.odometry_yaw,
+        (MecanumWheel * WHEELS)(*of_wheels),
+        int(wheels.rollers[0]),
+    )
+
+
+def constant_inputs(march: March) -> np.ndarray:
+    """Wrench and drives of a march, which must be constant."""
+    inputs = march.parameters.inputs
+    assert len(inputs) == 1 and not inputs[..., 1].any(), "the C loops know constant drives and wrenches only"
+    return inputs[0, :, 0]
+
+
+def order_of_wheel() -> list[int]:
+    at = places_of(1, 2, 0, 0, 0)
+    order = [X, Y, YAW, at.velocity, at.velocity + 1, at.yaw_rate, at.friction_loss, at.drive_work, at.wrench_work]
+    return [*order, at.spin_angle, at.spin_rate, at.roller_rate]
+
+
+def order_of_machine() -> list[int]:
+    at, slots = places_of(WHEELS, 2, 0, 0, 1), 2
+    positions = [X, Y, YAW, *range(at.spin_angle, at.spin_angle + WHEELS)]
+    rates = [at.velocity, at.velocity + 1, at.yaw_rate, *range(at.spin_rate, at.spin_rate + WHEELS)]
+    rollers = range(at.roller_rate, at.roller_rate + slots * WHEELS, slots)
+    return [*positions, *rates, *rollers, at.friction_loss, at.drive_work, at.odometry, at.odometry + 1]
+
+
+class Loop(NamedTuple):
+    """A C loop: its source, the constants of a march as it takes them, and where its states stand in ours.
+
+    scene: what it is measured on. target: how many times as long the march may take, against PLAIN.
+    """
+
+    source: Path
+    constants: Callable[[March], ctypes.Structure]
+    order: list[int]
+    scene: Callable[[], Scene]
+    target: float
+
+
+FOLDER = Path(__file__).parent
+WHEEL = Loop(FOLDER / "wheel_rk4.c", constants_of_wheel, order_of_wheel(), partial(bare_wheel, 1e-4), 1.2)
+MACHINE = Loop(FOLDER / "mecanum_rk4.c", constants_of_machine, order_of_machine(), slipping_platform, 1.5)
+LOOPS = {"bare wheel": WHEEL, "mecanum machine": MACHINE}
+
+
+def build(loop: Loop, command: str = PLAIN) -> ctypes.CDLL | None:
+    """A C loop as a library, compiled with the compiler and flags of `command`; None without the compiler."""
+    library = compiled(loop.source, *command.split())
+    if library is not None:
+        library.march.restype = ctypes.c_long
+    return library
+
+
+def compiled(source: Path, compiler: str, *flags: str) -> ctypes.CDLL | None:
+    """A source as a library; None without the compiler."""
+    if not shutil.which(compiler):
+        return None
+    with tempfile.TemporaryDirectory() as folder:
+        library = Path(folder) / "library.so"
+        subprocess.run([compiler, *flags, "-shared", "-fPIC", source, "-o", library, "-lm"], check=True)
+        return ctypes.CDLL(str(library))
+
+
+def prepare(loop: Loop, library: ctypes.CDLL, march: March) -> Callable[[], tuple[np.ndarray, np.ndarray]]:
+    """A function that runs the C loop for `march`; it returns rows (T, n), the start left out, and rates (W, N)."""
+    constants, y, rates = loop.constants(march), march.run.y[loop.order], march.run.rates.copy()
+    rows = np.empty((len(march.rows.y) - 1, len(y)))
+    numbers = ctypes.c_double(march.run.clock.dt), ctypes.c_long(march.steps), ctypes.c_long(march.steps_per_row)
+    pointers = [array.ctypes.data_as(ctypes.c_void_p) for array in (y, rates, rows)]  # each keeps its array alive
+
+    def go() -> tuple[np.ndarray, np.ndarray]:
+        library.march(ctypes.byref(constants), *pointers[:2], *numbers, pointers[2])
+        return rows, rates
+
+    return go
+
+
+def disagreement(loop: Loop, march: March, rows: np.ndarray, rates: np.ndarray) -> float:
+    """Largest difference between a finished march and a C loop, relative to the scale of each state."""
+    scale = np.maximum(np.abs(rows).max(axis=0), 1.0)
+    of_rates = np.abs(march.run.rates - rates) / np.maximum(np.abs(rates), 1.0)
+    return float(max((np.abs(march.rows.y[1:, loop.order] - rows) / scale).max(), of_rates.max()))
+
+
+def measure(rounds: int) -> dict:
+    """Median ratio march / C loop of each loop by each set of flags, with ns per step; empty without a compiler."""
+    if not shutil.which(PLAIN.split()[0]):
+        return {}
+    return {name: measured(loop, rounds) for name, loop in LOOPS.items()}
+
+
+def measured(loop: Loop, rounds: int) -> dict:
+    """One loop by all flags, beside omnisim."""
+    scene = loop.scene()
+    contestants = {"omnisim": lambda: ready(scene).go}
+    differences = {}
+    for name in FLAGS:
+        library = build(loop, name)
+        differences[name] = disagreement(loop, ready(scene).go(), *prepare(loop, library, ready(scene))())
+        assert differences[name] < AGREEMENT, f"{name}: not the same motion, {differences[name]:.1e} apart"
+        contestants[name] = lambda library=library: prepare(loop, library, ready(scene))
+    seconds = interleaved(contestants, rounds)
+    steps = scene.config.time.steps
+    return {
+        name: {
+            "ns_per_step": statistics.median(values) / steps * 1e9,
+            "ratio": median_ratio(seconds["omnisim"], values),
+            "difference": differences.get(name, 0.0),
+        }
+        for name, values in seconds.items()
+    }
+
+
+def report(result: dict) -> str:
+    if not result:
+        return "No gcc on this machine: not measured."
+    rows = [
+        [scene, name, f"{row['ns_per_step']:.0f}", f"{row['ratio']:.2f}", f"{row['difference']:.0e}"]
+        for scene, loops in result.items()
+        for name, row in loops.items()
+    ]
+    return table(["scene", "loop", "ns per step", "omnisim takes, times", "largest difference"], rows)
