@@ -26,21 +26,22 @@ PLAIN = "gcc -O3"
 FLAGS = (PLAIN, "gcc -O3 -march=native", "gcc -O3 -fno-tree-vectorize")
 WHEELS = 4  # of mecanum_rk4.c
 
-FROM_MACHINE = ("mass", "yaw_inertia", "slip_speed")
-FROM_WHEEL = (
-    "axle_inertia",
-    "axial_inertia",
+ROLLING = (
     "radius",
     "roller_distance",
+    "spin_mobility",
+    "axial_mobility",
     "cos_psi",
     "sin_psi",
     "tan_psi",
     "alpha",
     "phase",
-)
-FROM_SCENE = ("friction_limit", "torque", "force_x", "force_y", "yaw_torque")
-OF_PLACE = ("ahead", "aside", "torque", "per_spin_x", "per_spin_y", "per_spin_yaw")
-OF_MACHINE = ("mass", "yaw_inertia", "height", "moment_x", "moment_y", "weight", "friction", "slip_speed")
+    "axial_inertia",
+)  # of any wheel, as our parameters have it
+BODY = ("mobility", "yaw_mobility", "slip_speed")
+BARE = ("friction_limit", "torque", "force_x", "force_y", "yaw_torque")
+PLACED = ("axle_inertia", "ahead", "aside", "torque", "per_spin_x", "per_spin_y", "per_spin_yaw")
+CARRIED = ("height", "moment_x", "moment_y", "weight", "friction", "odometry_yaw")
 
 
 def doubles(names: tuple[str, ...]) -> list[tuple[str, type]]:
@@ -50,20 +51,20 @@ def doubles(names: tuple[str, ...]) -> list[tuple[str, type]]:
 class Wheel(ctypes.Structure):
     """`Wheel` of wheel_rk4.c."""
 
-    _fields_ = [*doubles(FROM_MACHINE + FROM_WHEEL + FROM_SCENE), ("rollers", ctypes.c_long)]
+    _fields_ = [*doubles(BODY + ROLLING + BARE), ("rollers", ctypes.c_long)]
 
 
 class MecanumWheel(ctypes.Structure):
     """`Wheel` of mecanum_rk4.c."""
 
-    _fields_ = doubles(FROM_WHEEL + OF_PLACE)
+    _fields_ = doubles(ROLLING + PLACED)
 
 
 class Machine(ctypes.Structure):
     """`Machine` of mecanum_rk4.c."""
 
     _fields_ = [
-        *doubles((*OF_MACHINE, "odometry_yaw")),
+        *doubles(BODY + CARRIED),
         ("wheels", MecanumWheel * WHEELS),
         ("rollers", ctypes.c_long),
     ]
@@ -71,14 +72,10 @@ class Machine(ctypes.Structure):
 
 def constants_of_wheel(march: March) -> Wheel:
     """Of a bare wheel under a constant drive and wrench."""
-    machine, wheel, inputs = march.parameters.machine, march.parameters.wheels[0], constant_inputs(march)
-    force_x, force_y, force_z, yaw_torque, torque = inputs
+    machine, wheel = march.parameters.machine, march.parameters.wheels[0]
+    force_x, force_y, force_z, yaw_torque, torque = constant_inputs(march)
     limit = machine.friction * (machine.mass * machine.gravity - force_z)
-    scene = zip(FROM_SCENE, (limit, torque, force_x, force_y, yaw_torque), strict=True)
-    constants = (
-        {name: machine[name] for name in FROM_MACHINE} | {name: wheel[name] for name in FROM_WHEEL} | dict(scene)
-    )
-    return Wheel(**constants, rollers=int(wheel.rollers))
+    return Wheel(*body(machine), *rolling(wheel), limit, torque, force_x, force_y, yaw_torque, int(wheel.rollers))
 
 
 def constants_of_machine(march: March) -> Machine:
@@ -86,20 +83,22 @@ def constants_of_machine(march: March) -> Machine:
     machine, wheels, inputs = march.parameters.machine, march.parameters.wheels, constant_inputs(march)
     assert not inputs[:-WHEELS].any(), "the C loop of machines knows no wrench"
     assert (wheels.cos_heading == 1.0).all(), "the C loop of machines knows wheels that head forward"
-    places = np.column_stack([wheels.offset, inputs[-WHEELS:], wheels.odometry])
-    of_wheels = [
-        MecanumWheel(*(wheel[name] for name in FROM_WHEEL), *place) for wheel, place in zip(wheels, places, strict=True)
+    carried = machine.height, *machine.moment, machine.mass * machine.gravity, machine.friction, machine.odometry_yaw
+    placed = [
+        MecanumWheel(*rolling(wheel), wheel.axle_inertia, *wheel.offset, torque, *wheel.odometry)
+        for wheel, torque in zip(wheels, inputs[-WHEELS:], strict=True)
     ]
-    weight = machine.mass * machine.gravity
-    values = machine.mass, machine.yaw_inertia, machine.height, *machine.moment, weight
-    return Machine(
-        *values,
-        machine.friction,
-        machine.slip_speed,
-        machine.odometry_yaw,
-        (MecanumWheel * WHEELS)(*of_wheels),
-        int(wheels.rollers[0]),
-    )
+    return Machine(*body(machine), *carried, (MecanumWheel * WHEELS)(*placed), int(wheels.rollers[0]))
+
+
+def body(machine: np.record) -> tuple[float, ...]:
+    """BODY of a machine."""
+    return 1.0 / machine.mass, 1.0 / machine.yaw_inertia, machine.slip_speed
+
+
+def rolling(wheel: np.record) -> list[float]:
+    """ROLLING of a wheel."""
+    return [wheel[name] for name in ROLLING]
 
 
 def constant_inputs(march: March) -> np.ndarray:

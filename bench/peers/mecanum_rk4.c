@@ -18,21 +18,23 @@ enum {
 };
 
 typedef struct {
-    double axle_inertia, axial_inertia, radius, roller_distance; /* J_k, Ia, R, R1 */
+    double radius, roller_distance;                 /* R, R1 */
+    double spin_mobility, axial_mobility;           /* 1 / J_k, 1 / Ia */
     double cos_psi, sin_psi, tan_psi;
-    double alpha, phase;                                         /* half a roller's sector, azimuth of roller 0 */
-    double ahead, aside;                                         /* of the wheel centre from C, forward and left */
+    double alpha, phase;                            /* half a roller's sector, azimuth of roller 0 */
+    double axial_inertia, axle_inertia;             /* Ia, J_k */
+    double ahead, aside;                            /* of the wheel centre from C, forward and left */
     double torque;
-    double per_spin_x, per_spin_y, per_spin_yaw;                 /* twist of the ideal machine by the spin rate */
+    double per_spin_x, per_spin_y, per_spin_yaw;    /* twist of the ideal machine by the spin rate */
 } Wheel;
 
 typedef struct {
-    double mass, yaw_inertia, height;                            /* M, I_z, z_C */
-    double moment_x, moment_y;                                   /* S = sum m z e */
-    double weight, friction, slip_speed;                         /* M g, mu, eps */
-    double odometry_yaw;                                         /* of the ideal machine at spin angles 0 */
+    double mobility, yaw_mobility, slip_speed;      /* 1 / M, 1 / I_z, eps */
+    double height, moment_x, moment_y;              /* z_C and S = sum m z e */
+    double weight, friction;                        /* M g, mu */
+    double odometry_yaw;                            /* of the ideal machine at spin angles 0 */
     Wheel wheels[WHEELS];
-    long rollers;                                                /* of each wheel */
+    long rollers;                                   /* of each wheel */
 } Machine;
 
 typedef struct {
@@ -115,10 +117,10 @@ static inline void rhs(const Machine *m, const Mode *mode, const double *y, doub
 
     /* loads N = b_0 + b_1 x + b_2 y: their sum and the two moments of tilt, with theta'' = (z . b + gyro_yaw) / I_z in
      * them; b_0 goes out with the first row */
-    double along_y = m->moment_y / m->yaw_inertia, along_x = m->moment_x / m->yaw_inertia;
+    double along_y = m->moment_y * m->yaw_mobility, along_x = m->moment_x * m->yaw_mobility;
     double right_k = yaw_rate * yaw_rate * m->moment_x - torques + along_y * gyro_yaw;
     double right_h = yaw_rate * yaw_rate * m->moment_y + gyro_heading - along_x * gyro_yaw;
-    double mean_x = sum_x / WHEELS, mean_y = sum_y / WHEELS, mean = m->weight / WHEELS;
+    double mean_x = sum_x * (1.0 / WHEELS), mean_y = sum_y * (1.0 / WHEELS), mean = m->weight * (1.0 / WHEELS);
     a -= along_y * z, a_x -= along_y * z_x, a_y -= along_y * z_y;
     c += along_x * z, c_x += along_x * z_x, c_y += along_x * z_y;
     double a_1 = a_x - a * mean_x, a_2 = a_y - a * mean_y, a_0 = right_k - a * mean;
@@ -134,16 +136,16 @@ static inline void rhs(const Machine *m, const Mode *mode, const double *y, doub
         double load = b_0 + b_1 * at->x + b_2 * at->y;
         double roller_torque = at->roller_torque * load;
         heat += at->heat * load;
-        dy[SPIN_RATE + i] = (at->free_spin - w->radius * at->force_h * load - w->sin_psi * roller_torque) / w->axle_inertia;
-        dy[ROLLER_RATE + i] = roller_torque / w->axial_inertia;
+        dy[SPIN_RATE + i] = (at->free_spin - w->radius * at->force_h * load - w->sin_psi * roller_torque) * w->spin_mobility;
+        dy[ROLLER_RATE + i] = roller_torque * w->axial_mobility;
     }
-    double force_h = (f * b_0 + f_x * b_1 + f_y * b_2) / m->mass, force_k = (g * b_0 + g_x * b_1 + g_y * b_2) / m->mass;
+    double force_h = (f * b_0 + f_x * b_1 + f_y * b_2) * m->mobility, force_k = (g * b_0 + g_x * b_1 + g_y * b_2) * m->mobility;
     dy[X] = y[V_X];
     dy[Y] = y[V_Y];
     dy[YAW] = yaw_rate;
     dy[V_X] = force_h * cos_yaw - force_k * sin_yaw;
     dy[V_Y] = force_h * sin_yaw + force_k * cos_yaw;
-    dy[YAW_RATE] = (z * b_0 + z_x * b_1 + z_y * b_2 + gyro_yaw) / m->yaw_inertia;
+    dy[YAW_RATE] = (z * b_0 + z_x * b_1 + z_y * b_2 + gyro_yaw) * m->yaw_mobility;
     dy[FRICTION_LOSS] = heat;
     dy[DRIVE_WORK] = power;
     dy[ODOMETRY_X] = odometry_x * cos_odometry - odometry_y * sin_odometry;

@@ -10,12 +10,14 @@
 enum { X, Y, YAW, V_X, V_Y, YAW_RATE, FRICTION_LOSS, DRIVE_WORK, WRENCH_WORK, SPIN_ANGLE, SPIN_RATE, ROLLER_RATE, STATES };
 
 typedef struct {
-    double mass, yaw_inertia, slip_speed;                        /* M, I_z, eps */
-    double axle_inertia, axial_inertia, radius, roller_distance; /* J_k, Ia, R, R1 */
+    double mobility, yaw_mobility, slip_speed;      /* 1 / M, 1 / I_z, eps */
+    double radius, roller_distance;                 /* R, R1 */
+    double spin_mobility, axial_mobility;           /* 1 / J_k, 1 / Ia */
     double cos_psi, sin_psi, tan_psi;
-    double alpha, phase;                                         /* half a roller's sector, azimuth of roller 0 */
-    double friction_limit, torque;                               /* mu N, and what is constant of drive and wrench */
-    double force_x, force_y, yaw_torque;                         /* in world axes */
+    double alpha, phase;                            /* half a roller's sector, azimuth of roller 0 */
+    double axial_inertia;                           /* Ia */
+    double friction_limit, torque;                  /* mu N, and what is constant of drive and wrench */
+    double force_x, force_y, yaw_torque;            /* in world axes */
     long rollers;
 } Wheel;
 
@@ -31,8 +33,9 @@ static inline void rhs(const Wheel *w, const Mode *mode, const double *y, double
     double cos_q = cos(q), sin_q = sin(q);
     double axis_h = -w->cos_psi * cos_q, axis_n = -w->cos_psi * sin_q;
 
-    double h_q = w->radius - w->roller_distance / cos_q;
-    double l = w->roller_distance * sin_q / cos_q * w->tan_psi;
+    double at_centre = w->roller_distance / cos_q;
+    double h_q = w->radius - at_centre;
+    double l = at_centre * sin_q * w->tan_psi;
     double arm_h = -h_q * w->sin_psi, arm_k = h_q * axis_h;
 
     double joint = y[ROLLER_RATE] - y[SPIN_RATE] * w->sin_psi - y[YAW_RATE] * axis_n;
@@ -47,15 +50,15 @@ static inline void rhs(const Wheel *w, const Mode *mode, const double *y, double
     dy[X] = y[V_X];
     dy[Y] = y[V_Y];
     dy[YAW] = y[YAW_RATE];
-    dy[V_X] = (w->force_x + force_h * cos_yaw - force_k * sin_yaw) / w->mass;
-    dy[V_Y] = (w->force_y + force_h * sin_yaw + force_k * cos_yaw) / w->mass;
-    dy[YAW_RATE] = (w->yaw_torque + y[SPIN_RATE] * g_h - roller_torque * axis_n - l * force_h) / w->yaw_inertia;
+    dy[V_X] = (w->force_x + force_h * cos_yaw - force_k * sin_yaw) * w->mobility;
+    dy[V_Y] = (w->force_y + force_h * sin_yaw + force_k * cos_yaw) * w->mobility;
+    dy[YAW_RATE] = (w->yaw_torque + y[SPIN_RATE] * g_h - roller_torque * axis_n - l * force_h) * w->yaw_mobility;
     dy[FRICTION_LOSS] = -(force_h * slip_h + force_k * slip_k);
     dy[DRIVE_WORK] = w->torque * y[SPIN_RATE];
     dy[WRENCH_WORK] = w->force_x * y[V_X] + w->force_y * y[V_Y] + w->yaw_torque * y[YAW_RATE];
     dy[SPIN_ANGLE] = y[SPIN_RATE];
-    dy[SPIN_RATE] = (w->torque - w->radius * force_h - roller_torque * w->sin_psi - y[YAW_RATE] * g_h) / w->axle_inertia;
-    dy[ROLLER_RATE] = roller_torque / w->axial_inertia;
+    dy[SPIN_RATE] = (w->torque - w->radius * force_h - roller_torque * w->sin_psi - y[YAW_RATE] * g_h) * w->spin_mobility;
+    dy[ROLLER_RATE] = roller_torque * w->axial_mobility;
 }
 
 /* out = the state after a step of length h from y, whose derivative is k1 */
