@@ -1,7 +1,7 @@
 """Run the benchmarks: Markdown on stdout, progress on stderr.
 
-python bench/run.py [--quick] [--json FILE] [BENCHMARK...]      c_loop scipy_peer laws scaling kernels whole_machines
-                                                                startup hard_cases vehicle twists
+python bench/run.py [--quick] [--json FILE] [BENCHMARK...]      c_loop limit scipy_peer laws scaling kernels
+                                                                whole_machines startup memory hard_cases vehicle twists
 """
 
 import argparse
@@ -13,6 +13,8 @@ from pathlib import Path
 import hard_cases
 import kernels
 import laws
+import limit
+import memory
 import numba
 import numpy
 import scaling
@@ -28,12 +30,14 @@ import omnisim
 
 BENCHMARKS = {
     "c_loop": (c_loop, "RK4 against C loops", 31, 5),  # module, title, rounds, rounds with --quick
+    "limit": (limit, "The limit of the arithmetic", 31, 5),
     "scipy_peer": (scipy_peer, "Against SciPy's LSODA at equal error", 9, 1),
     "laws": (laws, "Set-valued against regularized friction at equal error", 20, 2),
     "scaling": (scaling, "64 rollers against 8", 31, 5),
     "kernels": (kernels, "Kernels", 31, 5),
     "whole_machines": (whole_machines, "Whole machines", 20, 1),
     "startup": (startup, "Whole command", 5, 1),
+    "memory": (memory, "Memory of the whole command", 3, 1),
     "hard_cases": (hard_cases, "Hard cases", 1, 1),
     "vehicle": (vehicle, "The authors' vehicle against its ideal", 20, 2),  # simulated seconds, as of the next
     "twists": (twists, "Machines that follow a twist", 4, 4),
@@ -83,6 +87,9 @@ def verdict(results: dict) -> str:
             fastest = max(builds, key=lambda name: builds[name]["ratio"])
             if fastest != c_loop.PLAIN:
                 sentences.append(f"The fastest build, {fastest}, makes it {builds[fastest]['ratio']:.2f} times.")
+    if bound := results.get("limit"):
+        parts = (f"{bound[scene]['ratio']['omnisim']:.2f} times ({scene})" for scene in c_loop.LOOPS)
+        sentences.append(f"A march takes as long as its arithmetic alone {' and '.join(parts)}.")
     if peer := results.get("scipy_peer"):
         usual, tuned = (min(pick(row) for row in peer["ratios"].values()) for pick in (usual_peer, best_peer))
         text = f"At equal error it is at least {usual:.0f} times faster than LSODA with the right-hand side in NumPy"

@@ -1,5 +1,6 @@
 """The peers of the benchmarks simulate the same motion; nothing here is timed."""
 
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -9,7 +10,9 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "bench"))
 import laws
+import limit
 import machine_scenes
+import memory
 import whole_machines
 from common import bare_wheel, ready, table
 from peers import c_loop
@@ -35,6 +38,25 @@ def test_c_loop_moves_as_the_march_does_across_exchanges(loop, scene):
     assert march.run.clock.events >= 3
     found = c_loop.prepare(loop, library, ready(scene))()
     assert c_loop.disagreement(loop, march, *found) < 1e-11  # measured: 4.0e-13
+
+
+@pytest.mark.parametrize(("loop", "wheels"), [(c_loop.WHEEL, 1), (c_loop.MACHINE, 4)])
+def test_a_right_hand_side_takes_a_root_and_two_divisions_for_each_wheel(loop, wheels):
+    if not all(map(shutil.which, ("gcc", "g++"))):
+        pytest.skip("no gcc or no g++ on this machine")
+    of_rhs, of_step = limit.count(loop, [1.0] * len(limit.OPERATIONS))
+    *_, divisions, roots, sines = of_rhs.operations
+    machine = wheels > 1  # its loads take a division, its odometry a sine and a cosine
+    assert (divisions, roots, sines) == (2 * wheels + machine, wheels, wheels + 1 + machine)
+    assert of_rhs.written >= 8 * len(loop.order)
+    assert (np.array(of_step.operations) > 4 * np.array(of_rhs.operations)).all()  # stages, and located exchanges
+    assert of_rhs.path < of_step.path < 4 * of_rhs.path  # angles of a stage need no forces of the one before
+
+
+def test_the_peak_of_a_command_is_its_own():
+    peaks = [memory.peak_of([sys.executable, "-c", f"b'x' * {size}"]) for size in (0, 64 * memory.MEGABYTE)]
+    assert peaks[1] - peaks[0] == pytest.approx(64 * memory.MEGABYTE, rel=0.05)  # measured: 63.8 MiB
+    assert peaks[0] < 32 * memory.MEGABYTE  # not that of the process which asks; measured: 11 MiB
 
 
 @pytest.mark.parametrize(
@@ -137,7 +159,7 @@ def test_a_table_is_markdown():
 
 def test_every_benchmark_runs_and_reports():
     """The whole of `python bench/run.py --quick` but the start-up of commands, with its verdict."""
-    parts = ("c_loop", "laws", "scaling", "kernels", "whole_machines", "vehicle", "twists")
+    parts = ("c_loop", "limit", "laws", "scaling", "kernels", "whole_machines", "vehicle", "twists")
     command = [sys.executable, "bench/run.py", "--quick", *parts]
     done = subprocess.run(command, cwd=Path(__file__).parents[1], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
