@@ -1,20 +1,27 @@
 """The limit that the physics sets: arithmetic counted in the C loops, by what this machine takes for each operation.
 
 The C loops are compiled once more, with numbers that count their operations (peers/counted.cc), and march through the
-very run that is timed. Two bounds follow from the counts:
+very run that is timed; omnisim's own kernels run as plain Python on such numbers (counting.py). Two bounds follow from
+the counts of the C loops:
 
     floor           sum of count * cost, each operation at the rate at which independent ones follow one another
     critical path   until the last state is ready if every operation starts once its operands are there
 
 Both are for scalar arithmetic with the sines and cosines of the C library, at costs measured in the same rounds
 (peers/operations.c), and know of no memory. Vectors, fused operations and divisions beside other work go below the
-floor, what is stored and loaded goes on top of it.
+floor, what is stored and loaded goes on top of it. The same sum of omnisim's own operations tells how much of its
+distance is arithmetic.
 """
 
 import ctypes
+import json
+import os
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -48,6 +55,7 @@ def measure(rounds: int) -> dict:
     seconds = interleaved(contestants, rounds)
     latency, throughput = costs(seconds, "chain", 1), costs(seconds, "lanes", LANES)
     result = {"cost": dict(zip(OPERATIONS, zip(median(latency), median(throughput), strict=True), strict=True))}
+    own = own_counts()
     for name, loop in LOOPS.items():
         of_rhs, of_step = count(loop, median(latency))
         floor, steps = throughput @ of_step.operations, loop.scene().config.time.steps
@@ -56,6 +64,7 @@ def measure(rounds: int) -> dict:
             "rhs": of_rhs._asdict(),
             "step": of_step._asdict(),
             "floor": median(floor),
+            "own": own[name] | {"ns": median(throughput @ own[name]["step"])},
             "ns_per_step": {how: median(values) for how, values in times.items()},
             "ratio": {how: median(values / floor) for how, values in times.items()},
         }
@@ -114,6 +123,13 @@ def count(loop: Loop, latency: list[float]) -> tuple[Count, Count]:
     return of_rhs, taken(library, y, march.steps)
 
 
+def own_counts() -> dict[str, dict[str, list[float]]]:
+    """How often omnisim itself does each of OPERATIONS: of every scene "rhs" and "step"."""
+    command = [sys.executable, str(Path(__file__).with_name("counting.py"))]
+    environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
+    return json.loads(subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout)
+
+
 def counted(values: np.ndarray) -> np.ndarray:
     """Numbers in memory for counted.cc, ready at once."""
     result = np.zeros(np.shape(values), COUNTED)
@@ -153,29 +169,25 @@ def report(result: dict) -> str:
         return "No gcc or no g++ on this machine: not measured."
     cost, scenes = result["cost"], {name: result[name] for name in LOOPS}
     prices = [[name, *(f"{value:.2f}" for value in values)] for name, values in cost.items()]
-    amounts = [
-        [scene, name, *(f"{number:.0f}" for number in (*row[key]["operations"], row[key]["read"], row[key]["written"]))]
-        for scene, row in scenes.items()
-        for name, key in (("right-hand side", "rhs"), ("step", "step"))
-    ]
+    amounts = []
+    for scene, row in scenes.items():
+        for name, key in (("right-hand side", "rhs"), ("step", "step")):
+            by_c = *row[key]["operations"], row[key]["read"], row[key]["written"]
+            amounts.append([scene, name, "C", *(f"{number:.0f}" for number in by_c)])
+            amounts.append([scene, name, "omnisim", *(f"{number:.0f}" for number in row["own"][key]), "", ""])
     kinds = ["additions", "multiplications", "divisions", "roots", "sines with cosines", "bytes read", "bytes written"]
-    distances = [
-        [
-            scene,
-            how,
-            *(f"{value:.0f}" for value in (row["floor"], row["step"]["path"], taken)),
-            f"{row['ratio'][how]:.2f}",
-        ]
-        for scene, row in scenes.items()
-        for how, taken in row["ns_per_step"].items()
-    ]
+    distances = []
+    for scene, row in scenes.items():
+        for how, taken in row["ns_per_step"].items():
+            own = row["own"]["ns"] if how == "omnisim" else row["floor"]
+            bounds = (f"{value:.0f}" for value in (row["step"]["path"], row["floor"], own, taken))
+            distances.append([scene, how, *bounds, f"{row['ratio'][how]:.2f}"])
+    columns = ["critical path, ns", "floor, ns per step", "own arithmetic, ns", "taken, ns", "taken / floor"]
     return "\n\n".join(
         [
-            "Counted in the C loops; bytes are of arrays: states, derivatives, and what the wheels keep meanwhile.",
-            table(["scene", "one", *kinds], amounts),
+            "Bytes are of arrays: states, derivatives, and what the wheels keep meanwhile.",
+            table(["scene", "one", "by", *kinds], amounts),
             table(["operation", "in a chain, ns", "independent, ns"], prices),
-            table(
-                ["scene", "loop", "floor, ns per step", "critical path, ns", "taken, ns", "taken / floor"], distances
-            ),
+            table(["scene", "loop", *columns], distances),
         ]
     )

@@ -88,8 +88,8 @@ def verdict(results: dict) -> str:
             if fastest != c_loop.PLAIN:
                 sentences.append(f"The fastest build, {fastest}, makes it {builds[fastest]['ratio']:.2f} times.")
     if bound := results.get("limit"):
-        parts = (f"{bound[scene]['ratio']['omnisim']:.2f} times ({scene})" for scene in c_loop.LOOPS)
-        sentences.append(f"A march takes as long as its arithmetic alone {' and '.join(parts)}.")
+        parts = (f"{bound[scene]['ratio']['omnisim']:.2f} times for the {scene}" for scene in c_loop.LOOPS)
+        sentences.append(f"A march takes longer than the arithmetic of its equations: {', '.join(parts)}.")
     if peer := results.get("scipy_peer"):
         usual, tuned = (min(pick(row) for row in peer["ratios"].values()) for pick in (usual_peer, best_peer))
         text = f"At equal error it is at least {usual:.0f} times faster than LSODA with the right-hand side in NumPy"

@@ -53,6 +53,16 @@ def test_a_right_hand_side_takes_a_root_and_two_divisions_for_each_wheel(loop, w
     assert of_rhs.path < of_step.path < 4 * of_rhs.path  # angles of a stage need no forces of the one before
 
 
+def test_omnisim_takes_as_many_roots_and_sines_as_the_c_loops():
+    if not all(map(shutil.which, ("gcc", "g++"))):
+        pytest.skip("no gcc or no g++ on this machine")
+    own = limit.own_counts()
+    for name, loop in c_loop.LOOPS.items():
+        of_rhs, _ = limit.count(loop, [1.0] * len(limit.OPERATIONS))
+        assert own[name]["rhs"][3:] == of_rhs.operations[3:]
+        assert own[name]["step"][3:] == [4 * number for number in of_rhs.operations[3:]]
+
+
 def test_the_peak_of_a_command_is_its_own():
     peaks = [memory.peak_of([sys.executable, "-c", f"b'x' * {size}"]) for size in (0, 64 * memory.MEGABYTE)]
     assert peaks[1] - peaks[0] == pytest.approx(64 * memory.MEGABYTE, rel=0.05)  # measured: 63.8 MiB

@@ -1,0 +1,136 @@
+"""Operations of omnisim's own kernels, run as plain Python on numbers that count what is done to them.
+
+NUMBA_DISABLE_JIT=1 python bench/counting.py                    JSON: by scene, of one right-hand side and one step
+
+What constants alone give is not counted, as in the C loops: they stay ordinary numbers.
+"""
+
+import json
+import math
+import sys
+from collections.abc import Callable
+from types import SimpleNamespace
+
+import numpy as np
+from common import ready
+from limit import OPERATIONS
+from peers.c_loop import LOOPS
+
+from omnisim.dynamics import rhs
+from omnisim.runge_kutta import accept, explicit_step
+from omnisim.scene import Scene
+
+COUNTS = dict.fromkeys(OPERATIONS, 0.0)
+
+
+class Counted:
+    """A number that counts operations on itself in COUNTS; sine and cosine make one between them."""
+
+    def __init__(self, value: float):
+        self.value = value
+
+    def __neg__(self):
+        return Counted(-self.value)
+
+    def __abs__(self):
+        return Counted(abs(self.value))
+
+    def __float__(self):
+        return self.value
+
+    def __lt__(self, other):
+        return float(self) < float(other)
+
+    def __gt__(self, other):
+        return float(self) > float(other)
+
+
+def operator(kind: str, function: Callable[..., float], amount: float = 1.0) -> Callable[..., object]:
+    def count(*numbers):
+        result = function(*map(float, numbers))
+        if not any(isinstance(number, Counted) for number in numbers):
+            return result
+        COUNTS[kind] += amount
+        return Counted(result)
+
+    return count
+
+
+for name, kind, function in (
+    ("add", "addition", lambda a, b: a + b),
+    ("sub", "addition", lambda a, b: a - b),
+    ("mul", "multiplication", lambda a, b: a * b),
+    ("truediv", "division", lambda a, b: a / b),
+):
+    setattr(Counted, f"__{name}__", operator(kind, function))
+    setattr(Counted, f"__r{name}__", operator(kind, lambda a, b, function=function: function(b, a)))
+
+
+def count_in_kernels() -> None:
+    """Let the modules of omnisim use counting roots, sines and cosines."""
+    counting = {
+        "sqrt": operator("root", math.sqrt),
+        "cos": operator("sine and cosine", math.cos, 0.5),
+        "sin": operator("sine and cosine", math.sin, 0.5),
+    }
+    for name, module in sys.modules.items():
+        if name.startswith("omnisim.") and getattr(module, "math", None) is math:
+            module.math = SimpleNamespace(**vars(math) | counting)
+
+
+def opened(record: np.void, wrap: Callable[[float], object]) -> SimpleNamespace:
+    """A record with fields of any type: its floats wrapped, arrays as arrays of objects."""
+    fields = {}
+    for name in record.dtype.names:
+        value = record[name]
+        if isinstance(value, np.void):
+            fields[name] = opened(value, wrap)
+        elif np.issubdtype(value.dtype, np.floating):
+            fields[name] = np.vectorize(wrap, otypes=[object])(value) if value.ndim else wrap(float(value))
+        else:
+            fields[name] = value if value.ndim else int(value)
+    return SimpleNamespace(**fields)
+
+
+def counted_array(values: np.ndarray) -> np.ndarray:
+    return np.vectorize(Counted, otypes=[object])(values)
+
+
+def counts_of(scene: Scene) -> dict[str, list[float]]:
+    """Operations of one right-hand side, and of one step without an exchange, by OPERATIONS."""
+    march = ready(scene)
+    march.run.clock.steps = march.run.clock.goal = 10
+    march.go()
+    parameters, run = march.parameters, march.run
+    room = parameters.room._replace(
+        contacts=[opened(one, Counted) for one in parameters.room.contacts],
+        parts=[opened(one, Counted) for one in parameters.room.parts],
+        loads=opened(parameters.room.loads, Counted),
+    )
+    wheels = [opened(wheel, float) for wheel in parameters.wheels]
+    parameters = parameters._replace(machine=opened(parameters.machine, float), wheels=wheels, room=room)
+    arrays = ("y", "trial", "stage", "carry", "increment", "slopes")
+    records = ("mode", "watch", "watch_end")
+    run = run._replace(
+        **{name: counted_array(getattr(run, name)) for name in arrays},
+        **{name: [opened(one, Counted) for one in getattr(run, name)] for name in records},
+    )
+    t, dt = float(run.clock.step * run.clock.dt), float(run.clock.dt)
+    taken()
+    rhs(parameters, run.mode, 0, t, run.y, run.slopes[0], run.watch)
+    of_rhs = taken()
+    explicit_step(parameters, march.stages, run, t, dt)
+    accept(run)
+    return {"rhs": of_rhs, "step": taken()}
+
+
+def taken() -> list[float]:
+    """COUNTS since the last time."""
+    numbers = list(COUNTS.values())
+    COUNTS.update(dict.fromkeys(OPERATIONS, 0.0))
+    return numbers
+
+
+if __name__ == "__main__":
+    count_in_kernels()
+    print(json.dumps({name: counts_of(loop.scene()) for name, loop in LOOPS.items()}))
