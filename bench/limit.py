@@ -28,8 +28,8 @@ import numpy as np
 from common import interleaved, ready, table
 from peers.c_loop import FLAGS, FOLDER, LOOPS, Loop, build, compiled, prepare
 
+# Each operation is measured from such a number, which keeps its results usual: azimuths of rollers are small angles.
 OPERATIONS = {"addition": 1.0, "multiplication": 1.000001, "division": 1.3, "root": 1.3, "sine and cosine": 0.25}
-# each measured at such a number, which keeps its results usual: azimuths of rollers are small angles
 TIMES = 100_000  # operations in a round
 LANES = 12  # independent ones at once, of operations.c
 COUNTED = np.dtype([("value", np.float64), ("ready", np.float64), ("stored", np.int64)])  # of counted.cc

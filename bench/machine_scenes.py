@@ -97,7 +97,7 @@ def slipping_platform(step: float = 1e-4, end: float = 1.0) -> Scene:
     text = uncommanded(PLATFORM.format(**values, wheels=platform_wheels(drives)))
     rates = zip(PLACES, (20.0, 6.0, 4.0, 16.0), strict=True)
     slipping = ["friction.law=regularized", "friction.slip_speed=0.05", "friction.coefficient=0.2"]
-    moving = ["initial.velocity=[0.6, -0.3]", "initial.yaw_rate=1.0"]
+    moving = ["initial.velocity=[0.6, -0.3]", "initial.yaw_rate=1.0", "time.output_interval=0.05"]
     moving += [f"wheels.{name}.spin_rate={rate}" for name, rate in rates]
     return parse(text, "slipping platform", [*slipping, *moving, "chassis.center_of_mass=[0.02, 0.01, 0.1]"])
 

@@ -1,1 +1,1 @@
-"""Other ways to compute the same motion."""
+"""Other programs on the same equations, against the march."""
