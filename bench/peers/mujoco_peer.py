@@ -1,0 +1,231 @@
+"""The packaged coulomb_wheel in MuJoCo, as its users would build it: rollers of the shapes that it knows.
+
+The wheel is one body that slides along x, y and z, yaws and spins, so that joints hold it upright as the servo does;
+its rollers are bodies on hinges. Masses and inertias are those of the scene. Rollers touch the floor only.
+All that helps is tried: two ellipsoids, meshes of the exact surface, stiff contacts, every integrator, small steps,
+and the options that are meant to stop creep.
+"""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+from common import table
+
+from omnisim.config import WheelType
+from peers import wheel_scene
+from peers.wheel_scene import CAPSULE, CELLS, LEVEL, NOTES, SMOOTH, Shape
+
+try:
+    import mujoco
+except ImportError:
+    mujoco = None
+
+MISSING = "MuJoCo is not installed: `pip install mujoco`, or the extra `peers`."
+SHAPES: dict[str, Callable[[WheelType], Shape]] = {
+    LEVEL: wheel_scene.level_ellipsoid,
+    SMOOTH: wheel_scene.smooth_ellipsoid,
+    "mesh, 32 x 64": lambda _: wheel_scene.mesh(32, 64),
+    "mesh, 128 x 256": lambda _: wheel_scene.mesh(128, 256),
+    CAPSULE: wheel_scene.capsule,
+}
+SOFT, HARD = "0.9 0.95 0.001", "0.999 0.9999 0.0001"  # solimp: MuJoCo's own, and all but rigid
+CONTACTS = {  # solref, of a step in s, and solimp
+    "default, 20 ms": (lambda step: "0.02 1", SOFT),
+    "4 ms": (lambda step: "0.004 1", SOFT),
+    "2 steps": (lambda step: f"{2.0 * step!r} 1", SOFT),
+    "2 steps, hard": (lambda step: f"{2.0 * step!r} 1", HARD),
+    "direct, 1e6 1/s^2": (lambda step: "-1e6 -2e3", HARD),
+}
+X, Y, Z, YAW, SPIN = range(5)  # joints of the wheel
+MODEL = """
+<mujoco>
+  <compiler angle="radian"/>
+  <option timestep="{step!r}" integrator="{integrator}" cone="{cone}" impratio="{impratio!r}"
+          noslip_iterations="{noslip}" gravity="0 0 {gravity!r}"><flag autoreset="disable"/></option>
+  <default>
+    <geom solref="{solref}" solimp="{solimp}" friction="{friction!r} 0 0" condim="3" contype="0" conaffinity="1"/>
+  </default>
+  <asset>{asset}</asset>
+  <worldbody>
+    <geom type="plane" size="10 10 1" contype="1" conaffinity="0"/>
+    <body pos="0 0 {radius!r}">
+      <joint type="slide" axis="1 0 0"/> <joint type="slide" axis="0 1 0"/> <joint type="slide" axis="0 0 1"/>
+      <joint type="hinge" axis="0 0 1"/> <joint type="hinge" axis="0 1 0"/>
+      <inertial pos="0 0 0" mass="{mass!r}" diaginertia="{disk}"/>
+      {rollers}
+    </body>
+  </worldbody>
+</mujoco>
+"""
+ROLLER = """
+<body pos="{pos}" zaxis="{axis}">
+  <joint type="hinge" axis="0 0 1"/>
+  <inertial pos="0 0 0" mass="{mass!r}" diaginertia="{inertia}"/>
+  <geom {geom}/>
+</body>
+"""
+
+
+class Setup(NamedTuple):
+    """Rollers as one of SHAPES, one of CONTACTS, an integrator, a step (s), and options of the solver."""
+
+    rollers: str
+    contact: str
+    integrator: str
+    step: float
+    cone: str = "elliptic"
+    impratio: float = 1.0
+    noslip: int = 0
+
+
+class Plan(NamedTuple):
+    """Which rollers x contacts are surveyed, by which integrators x steps the best of them go on."""
+
+    rollers: tuple[str, ...]
+    contacts: tuple[str, ...]
+    integrators: tuple[str, ...]
+    steps: tuple[float, ...]
+
+
+SURVEY = "implicitfast", 2e-4  # integrator and step, s, of the survey
+INTEGRATORS = ("Euler", "implicitfast", "discrete", "RK4")
+FULL = Plan(tuple(SHAPES), tuple(CONTACTS), INTEGRATORS, (2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5))
+SHORT = Plan((LEVEL, SMOOTH), ("default, 20 ms", "2 steps"), ("implicitfast",), (2e-3, 1e-3))
+FULL_ROUNDS = 5  # fewer rounds are for the short plan
+OPTIONS = {  # against creep, tried on the best
+    "pyramidal cone": {"cone": "pyramidal"},
+    "impratio 100": {"impratio": 100.0},
+    "10 noslip iterations": {"noslip": 10},
+}
+
+
+def model(setup: Setup, friction: float | None = None):
+    """The MjModel of a setup; friction: coefficient, that of the scene unless given (MuJoCo raises 0 to 1e-5)."""
+    config, kind = wheel_scene.scene().config, wheel_scene.wheel_type()
+    solref, solimp = CONTACTS[setup.contact]
+    asset, geom = geometry(SHAPES[setup.rollers](kind))
+    roller, disk = kind.roller, kind.disk
+    inertia = numbers(roller.inertia_transverse, roller.inertia_transverse, roller.inertia_axial)
+    rollers = [
+        ROLLER.format(pos=numbers(*centre), axis=numbers(*axis), mass=roller.mass, inertia=inertia, geom=geom)
+        for centre, axis in wheel_scene.roller_frames(kind)
+    ]
+    text = MODEL.format(
+        **setup._asdict() | {"rollers": "".join(rollers)},
+        solref=solref(setup.step),
+        solimp=solimp,
+        friction=config.friction.coefficient if friction is None else friction,
+        gravity=-config.world.gravity,
+        asset=asset,
+        radius=kind.radius,
+        mass=disk.mass,
+        disk=numbers(disk.inertia_diameter, disk.inertia_axle, disk.inertia_diameter),
+    )
+    return mujoco.MjModel.from_xml_string(text)
+
+
+def geometry(shape: Shape) -> tuple[str, str]:
+    """What goes into <asset>, and the attributes of a roller's <geom>."""
+    if shape.kind == "mesh":
+        vertices = numbers(*shape.size.ravel())
+        return f'<mesh name="roller" inertia="convex" vertex="{vertices}"/>', 'type="mesh" mesh="roller"'
+    return "", f'type="{shape.kind}" size="{numbers(*shape.size)}"'
+
+
+def numbers(*values: float) -> str:
+    return " ".join(repr(float(value)) for value in values)
+
+
+class Running:
+    """A run from the start of the scene, or from another velocity (vx, vy in m/s)."""
+
+    def __init__(self, compiled, velocity: tuple[float, float] | None = None):
+        config = wheel_scene.scene().config
+        self.model, self.data = compiled, mujoco.MjData(compiled)
+        self.data.qvel[[X, Y]] = config.initial.velocity if velocity is None else velocity
+        self.data.qvel[SPIN] = config.wheels[0].spin_rate
+
+    def advance(self, until: float) -> None:
+        """One call, and a loop over the steps in C."""
+        mujoco.mj_step(self.model, self.data, nstep=round((until - self.data.time) / self.model.opt.timestep))
+
+    def pose(self) -> tuple[float, float, float, float]:
+        x, y, z, yaw = self.data.qpos[[X, Y, Z, YAW]]
+        return x, y, z + wheel_scene.wheel_type().radius, yaw
+
+    def speed(self) -> float:
+        return float(self.data.qvel[X])
+
+
+def attempt(setup: Setup) -> dict:
+    return setup._asdict() | wheel_scene.observe(Running(model(setup)))._asdict()
+
+
+def measure(rounds: int) -> dict:
+    """A survey, ladders of steps of the best of each kind of roller, and the best of all beside omnisim."""
+    if mujoco is None:
+        return {}
+    plan = FULL if rounds >= FULL_ROUNDS else SHORT
+    survey = []
+    for rollers in plan.rollers:
+        for contact in plan.contacts:
+            setup = Setup(rollers, contact, *SURVEY)
+            left = wheel_scene.speed_left(Running(model(setup), (wheel_scene.scene().config.initial.velocity[0], 0.0)))
+            survey.append(attempt(setup) | {"speed_left": left})
+    ladders = []
+    for rollers in plan.rollers:
+        contact = wheel_scene.best_of([row for row in survey if row["rollers"] == rollers])["contact"]
+        for integrator in plan.integrators:
+            ladders += [attempt(Setup(rollers, contact, integrator, step)) for step in plan.steps]
+    best = wheel_scene.best_of(survey + ladders)
+    chosen = Setup(**{key: best[key] for key in Setup._fields})
+    options = {name: attempt(chosen._replace(**option)) for name, option in OPTIONS.items()}
+    return {
+        "version": mujoco.__version__,
+        "survey": survey,
+        "ladders": ladders,
+        "best": best,
+        "options": options,
+        "omnisim": wheel_scene.against(lambda: stepping(chosen), rounds),
+    }
+
+
+def stepping(setup: Setup) -> Callable[[], None]:
+    """A contestant: all steps in one call."""
+    run = Running(model(setup))
+    return lambda: run.advance(wheel_scene.end())
+
+
+def report(result: dict) -> str:
+    if not result:
+        return MISSING
+    best = result["best"]
+    survey = [
+        [row["rollers"], row["contact"], *wheel_scene.cells(row), speed(row["speed_left"])] for row in result["survey"]
+    ]
+    ladders = [
+        [row["rollers"], row["contact"], row["integrator"], f"{row['step']:.0e}", *wheel_scene.cells(row)]
+        for row in result["ladders"]
+    ]
+    options = [[name, *wheel_scene.cells(row)] for name, row in {"as it is": best, **result["options"]}.items()]
+    integrator, step = SURVEY
+    return "\n\n".join(
+        [
+            f"MuJoCo {result['version']}, plain loop of mj_step in C, friction cone elliptic, condim 3. "
+            f"Survey of rollers and contacts, {integrator}, {step:g} s:",
+            table(["rollers", "contact", *CELLS, "speed left, m/s"], survey),
+            "Each kind of roller by the contact that suits it best:",
+            table(["rollers", "contact", "integrator", "step, s", *CELLS], ladders),
+            f"The best of all ({best['rollers']}; {best['contact']}; {best['integrator']}, {best['step']:g} s) "
+            "with other options:",
+            table(["option", *CELLS], options),
+            "The best beside omnisim, timed in turn:",
+            wheel_scene.comparison("MuJoCo", best, result["omnisim"]),
+            NOTES,
+        ]
+    )
+
+
+def speed(value: float) -> str:
+    return "fails" if math.isnan(value) else f"{value:.4f}"
