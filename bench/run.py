@@ -1,7 +1,8 @@
 """Run the benchmarks: Markdown on stdout, progress on stderr.
 
 python bench/run.py [--quick] [--json FILE] [BENCHMARK...]      c_loop scipy_peer laws scaling kernels whole_machines
-                                                                startup hard_cases vehicle twists
+                                                                startup hard_cases vehicle twists mujoco_peer
+                                                                drake_peer
 """
 
 import argparse
@@ -23,6 +24,7 @@ import startup
 import twists
 import vehicle
 import whole_machines
+from peers import drake_peer, mujoco_peer
 
 import omnisim
 
@@ -37,6 +39,8 @@ BENCHMARKS = {
     "hard_cases": (hard_cases, "Hard cases", 1, 1),
     "vehicle": (vehicle, "The authors' vehicle against its ideal", 20, 2),  # simulated seconds, as of the next
     "twists": (twists, "Machines that follow a twist", 4, 4),
+    "mujoco_peer": (mujoco_peer, "One wheel in MuJoCo", 5, 1),
+    "drake_peer": (drake_peer, "One wheel in Drake", 5, 1),
 }
 
 

@@ -14,7 +14,7 @@ from common import table
 
 from omnisim.config import WheelType
 from peers import wheel_scene
-from peers.wheel_scene import CAPSULE, CELLS, LEVEL, NOTES, SMOOTH, Shape
+from peers.wheel_scene import BEST, CAPSULE, CELLS, FASTEST, LEVEL, NOTES, SMOOTH, Shape
 
 try:
     import mujoco
@@ -178,17 +178,23 @@ def measure(rounds: int) -> dict:
         contact = wheel_scene.best_of([row for row in survey if row["rollers"] == rollers])["contact"]
         for integrator in plan.integrators:
             ladders += [attempt(Setup(rollers, contact, integrator, step)) for step in plan.steps]
-    best = wheel_scene.best_of(survey + ladders)
-    chosen = Setup(**{key: best[key] for key in Setup._fields})
-    options = {name: attempt(chosen._replace(**option)) for name, option in OPTIONS.items()}
+    runs = survey + ladders
+    best, fastest = wheel_scene.best_of(runs), wheel_scene.fastest_of(runs)
+    chosen = setup_of(best)
+    peers = {BEST: lambda: stepping(chosen), FASTEST: lambda: stepping(setup_of(fastest))}
     return {
         "version": mujoco.__version__,
         "survey": survey,
         "ladders": ladders,
         "best": best,
-        "options": options,
-        "omnisim": wheel_scene.against(lambda: stepping(chosen), rounds),
+        "fastest": fastest,
+        "options": {name: attempt(chosen._replace(**option)) for name, option in OPTIONS.items()},
+        "omnisim": wheel_scene.against(peers, rounds),
     }
+
+
+def setup_of(row: dict) -> Setup:
+    return Setup(**{key: row[key] for key in Setup._fields})
 
 
 def stepping(setup: Setup) -> Callable[[], None]:
@@ -200,32 +206,39 @@ def stepping(setup: Setup) -> Callable[[], None]:
 def report(result: dict) -> str:
     if not result:
         return MISSING
-    best = result["best"]
     survey = [
-        [row["rollers"], row["contact"], *wheel_scene.cells(row), speed(row["speed_left"])] for row in result["survey"]
+        [row["rollers"], row["contact"], *wheel_scene.cells(row), wheel_scene.speed_cell(row["speed_left"])]
+        for row in result["survey"]
     ]
-    ladders = [
-        [row["rollers"], row["contact"], row["integrator"], f"{row['step']:.0e}", *wheel_scene.cells(row)]
-        for row in result["ladders"]
-    ]
-    options = [[name, *wheel_scene.cells(row)] for name, row in {"as it is": best, **result["options"]}.items()]
+    options = {"as it is": result["best"], **result["options"]}
     integrator, step = SURVEY
     return "\n\n".join(
         [
-            f"MuJoCo {result['version']}, plain loop of mj_step in C, friction cone elliptic, condim 3. "
-            f"Survey of rollers and contacts, {integrator}, {step:g} s:",
+            f"MuJoCo {result['version']}, mj_step in a loop in C, elliptic cone, condim 3. Rollers and contacts, "
+            f"by {integrator} at {step:g} s:",
             table(["rollers", "contact", *CELLS, "speed left, m/s"], survey),
-            "Each kind of roller by the contact that suits it best:",
-            table(["rollers", "contact", "integrator", "step, s", *CELLS], ladders),
-            f"The best of all ({best['rollers']}; {best['contact']}; {best['integrator']}, {best['step']:g} s) "
-            "with other options:",
-            table(["option", *CELLS], options),
-            "The best beside omnisim, timed in turn:",
-            wheel_scene.comparison("MuJoCo", best, result["omnisim"]),
+            "Each kind of roller by the contact that suited it best, position off by (mm) at times real time:",
+            ladder_table(result["ladders"]),
+            f"The best of all ({words(result['best'])}) with other options:",
+            table(["option", *CELLS], [[name, *wheel_scene.cells(row)] for name, row in options.items()]),
+            f"The best, and the fastest of all ({words(result['fastest'])}), beside omnisim, timed in turn:",
+            wheel_scene.comparison("MuJoCo", result["best"], result["omnisim"]),
             NOTES,
         ]
     )
 
 
-def speed(value: float) -> str:
-    return "fails" if math.isnan(value) else f"{value:.4f}"
+def ladder_table(rows: list[dict]) -> str:
+    """A line for each ladder, a column for each step."""
+    lines: dict[tuple[str, str, str], list[str]] = {}
+    for row in rows:
+        off, _, _, _, times = wheel_scene.cells(row)
+        cell = f"{off} at {times}" if row["seconds"] < math.inf else off
+        lines.setdefault((row["rollers"], row["contact"], row["integrator"]), []).append(cell)
+    steps = sorted({row["step"] for row in rows}, reverse=True)
+    header = ["rollers", "contact", "integrator", *(f"{step:.0e} s" for step in steps)]
+    return table(header, [[*key, *line] for key, line in lines.items()])
+
+
+def words(row: dict) -> str:
+    return f"{row['rollers']}; {row['contact']}; {row['integrator']}, {row['step']:g} s"
