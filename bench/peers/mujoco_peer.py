@@ -105,14 +105,9 @@ def model(setup: Setup, friction: float | None = None):
     config, kind = wheel_scene.scene().config, wheel_scene.wheel_type()
     solref, solimp = CONTACTS[setup.contact]
     asset, geom = geometry(SHAPES[setup.rollers](kind))
-    roller, disk = kind.roller, kind.disk
-    inertia = numbers(roller.inertia_transverse, roller.inertia_transverse, roller.inertia_axial)
-    rollers = [
-        ROLLER.format(pos=numbers(*centre), axis=numbers(*axis), mass=roller.mass, inertia=inertia, geom=geom)
-        for centre, axis in wheel_scene.roller_frames(kind)
-    ]
+    rollers, disk = roller_bodies(kind, geom), kind.disk
     text = MODEL.format(
-        **setup._asdict() | {"rollers": "".join(rollers)},
+        **setup._asdict() | {"rollers": rollers},
         solref=solref(setup.step),
         solimp=solimp,
         friction=config.friction.coefficient if friction is None else friction,
@@ -123,6 +118,16 @@ def model(setup: Setup, friction: float | None = None):
         disk=numbers(disk.inertia_diameter, disk.inertia_axle, disk.inertia_diameter),
     )
     return mujoco.MjModel.from_xml_string(text)
+
+
+def roller_bodies(kind: WheelType, geom: str, mirrored: bool = False) -> str:
+    """The rollers of a wheel, bodies within that of its disk."""
+    roller = kind.roller
+    inertia = numbers(roller.inertia_transverse, roller.inertia_transverse, roller.inertia_axial)
+    return "".join(
+        ROLLER.format(pos=numbers(*centre), axis=numbers(*axis), mass=roller.mass, inertia=inertia, geom=geom)
+        for centre, axis in wheel_scene.roller_frames(kind, mirrored)
+    )
 
 
 def geometry(shape: Shape) -> tuple[str, str]:

@@ -2,16 +2,18 @@ r"""The packaged coulomb_wheel as general engines take it: shapes of its rollers
 
 Engines know few shapes exactly. How high one of these rollers carries the centre of the wheel at azimuth q,
 
-    H(q) = R1 cos q + sqrt(b^2 cos^2 q + a^2 sin^2 q)      for an ellipsoid of axial semi-axis a, the others b = R - R1
+    H(q) = R1 cos q + sqrt(b^2 + x sin^2 q),  x = c^2 (a^2 - b^2)      for an ellipsoid of axial semi-axis a, the others
+                                                                       b = R - R1
 
          true: H = R everywhere        level: H = R at q = 0          smooth: H' = 0 at
                                        and at q = +-alpha             q = +-alpha
-    H    R |--------------------|        .--.        .--.             \                /
-           |                    |       /    '-.__.-'    \             '-.          .-'
-           |                    |      /                  \               '-.____.-'
+    H    R |--------------------|        .--.        .--.             ---.            .---
+           |                    |       /    '-.__.-'    \                '-.      .-'
+           |                    |      /                  \                  '-..-'
          -alpha      0       alpha     a knee: impacts                no knee, but heaves more
 
-is R for the true roller. No ellipsoid is level and smooth at once. For straight rollers, psi = 0.
+is R for the true roller. No ellipsoid is level and smooth at once. The scene's rollers are straight, psi = 0;
+ellipsoids and frames are for any psi.
 """
 
 import json
@@ -42,7 +44,8 @@ RESOLVED = 1e-9  # m: what the reference is good to
 PEERS = BEST, FASTEST = "the best", "the fastest"
 CLAIM = 1000.0  # times more accurate
 LADDER = [(method, step) for method in ("rk4", "dopri5") for step in (1e-2, 5e-3, 2e-3, 1e-3)]
-NOTES = f"""Errors are distances at 2 s from the converged rigid state (good to 1e-9), of the position and of the yaw.
+NOTES = f"""Errors are distances at 2 s from the converged rigid state, of the position and of the yaw; it is good to
+{RESOLVED:g}, and no smaller error of omnisim is told.
 Ripple: highest less lowest centre of the wheel from {SETTLED:g} s on, 0 if it is round. Speed left: after 2 s of
 rolling straight at 0.5 m/s, which nothing slows down. Fails: the height is off by {LOST:.0%} of the radius, or is no
 number. The best is chosen with the exact answer at hand, which a user has not. Times of single runs, but those beside
@@ -101,22 +104,23 @@ def end() -> float:
 
 
 def level_ellipsoid(kind: WheelType) -> Shape:
-    """It touches the floor where the true roller does, in its middle and at its ends: H(0) = H(alpha) = R."""
-    alpha, across = math.pi / kind.roller_count, kind.radius - kind.roller_distance
+    """It stands on the floor as high as the true roller, in its middle and at its ends: H(0) = H(alpha) = R."""
+    alpha = math.pi / kind.roller_count
     reach = kind.radius - kind.roller_distance * math.cos(alpha)
-    along = math.sqrt(reach**2 - (across * math.cos(alpha)) ** 2) / math.sin(alpha)
-    return Shape("ellipsoid", np.array([across, across, along]))
+    return ellipsoid(kind, (reach**2 - (kind.radius - kind.roller_distance) ** 2) / math.sin(alpha) ** 2)
 
 
 def smooth_ellipsoid(kind: WheelType) -> Shape:
-    """It hands over to the next roller without a knee: H'(alpha) = 0.
-
-    With x = a^2 - b^2: x cos(alpha) = R1 sqrt(b^2 + x sin^2(alpha)), a quadratic equation.
-    """
+    """It hands over to the next roller without a knee, H'(alpha) = 0: x cos(alpha) = R1 sqrt(b^2 + x sin^2(alpha))."""
     alpha, across, distance = math.pi / kind.roller_count, kind.radius - kind.roller_distance, kind.roller_distance
     cosine, half = math.cos(alpha) ** 2, 0.5 * (distance * math.sin(alpha)) ** 2
-    x = (half + math.sqrt(half**2 + cosine * (distance * across) ** 2)) / cosine
-    return Shape("ellipsoid", np.array([across, across, math.sqrt(across**2 + x)]))
+    return ellipsoid(kind, (half + math.sqrt(half**2 + cosine * (distance * across) ** 2)) / cosine)
+
+
+def ellipsoid(kind: WheelType, x: float) -> Shape:
+    """Of x = c^2 (a^2 - b^2), m^2."""
+    across, cosine = kind.radius - kind.roller_distance, math.cos(math.radians(kind.roller_angle_deg))
+    return Shape("ellipsoid", np.array([across, across, math.sqrt(across**2 + x / cosine**2)]))
 
 
 def capsule(kind: WheelType) -> Shape:
@@ -140,12 +144,14 @@ def packed() -> np.record:
     return pack(scene().config).wheels[0]
 
 
-def roller_frames(kind: WheelType) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Centre and axis of every roller at spin angle 0: x forward, y along the axle, z up."""
+def roller_frames(kind: WheelType, mirrored: bool = False) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Centre R1 d and axis a = c t + s k of every roller at spin angle 0: x along h, y along k, z up."""
     azimuths = 2.0 * np.pi * np.arange(kind.roller_count) / kind.roller_count
+    psi = math.radians(-kind.roller_angle_deg if mirrored else kind.roller_angle_deg)
     sine, cosine, zero = np.sin(azimuths), np.cos(azimuths), np.zeros(kind.roller_count)
     centres = kind.roller_distance * np.column_stack([sine, zero, -cosine])
-    return list(zip(centres, np.column_stack([-cosine, zero, -sine]), strict=True))
+    axes = np.column_stack([-math.cos(psi) * cosine, zero + math.sin(psi), -math.cos(psi) * sine])
+    return list(zip(centres, axes, strict=True))
 
 
 # --- outcomes -------------------------------------------------------------------------------------
