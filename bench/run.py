@@ -2,7 +2,7 @@
 
 python bench/run.py [--quick] [--json FILE] [BENCHMARK...]      c_loop scipy_peer laws scaling kernels whole_machines
                                                                 startup hard_cases vehicle twists mujoco_peer
-                                                                drake_peer
+                                                                mujoco_platform drake_peer
 """
 
 import argparse
@@ -24,7 +24,7 @@ import startup
 import twists
 import vehicle
 import whole_machines
-from peers import drake_peer, mujoco_peer
+from peers import drake_peer, mujoco_peer, mujoco_platform
 
 import omnisim
 
@@ -40,6 +40,7 @@ BENCHMARKS = {
     "vehicle": (vehicle, "The authors' vehicle against its ideal", 20, 2),  # simulated seconds, as of the next
     "twists": (twists, "Machines that follow a twist", 4, 4),
     "mujoco_peer": (mujoco_peer, "One wheel in MuJoCo", 5, 1),
+    "mujoco_platform": (mujoco_platform, "The mecanum platform in MuJoCo", 5, 1),
     "drake_peer": (drake_peer, "One wheel in Drake", 5, 1),
 }
 

@@ -1,5 +1,6 @@
 """General engines get the scene as it is: masses, inertias, shapes of the rollers. Nothing here is timed."""
 
+import json
 import math
 import sys
 from pathlib import Path
@@ -8,9 +9,9 @@ import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "bench"))
-from peers import drake_peer, mujoco_peer, wheel_scene
+from peers import drake_peer, mujoco_peer, mujoco_platform, wheel_scene
 
-from omnisim.packing import pack
+from omnisim.packing import bodies, pack
 from omnisim.roller import axial_coordinate, profile_radius
 
 KIND = wheel_scene.wheel_type()
@@ -50,12 +51,17 @@ def test_the_points_of_a_mesh_lie_on_the_rim_circle_about_the_centre_of_the_whee
     np.testing.assert_allclose(rim, KIND.radius, rtol=1e-14)
 
 
-def test_roller_axes_are_tangents_of_the_wheel():
-    for centre, axis in wheel_scene.roller_frames(KIND):
-        assert np.linalg.norm(centre) == pytest.approx(KIND.roller_distance)
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_roller_axes_are_turned_by_psi_out_of_the_wheel_plane_at_the_bottom_forward_to_the_right(mirrored):
+    """As in a standard mecanum machine the axis of the lowest roller lies along h - k where psi = +45 deg."""
+    kind = mujoco_platform.scene("forward").config.wheel_types["wheel"]
+    frames = wheel_scene.roller_frames(kind, mirrored)
+    for centre, axis in frames:
+        assert np.linalg.norm(centre) == pytest.approx(kind.roller_distance)
         assert np.linalg.norm(axis) == pytest.approx(1.0)
         assert abs(centre @ axis) < 1e-17
-        assert axis[1] == 0.0
+    lowest = frames[0][1] / -math.sqrt(0.5)
+    np.testing.assert_allclose(lowest, [1.0, 1.0 if mirrored else -1.0, 0.0], rtol=0, atol=1e-15)
 
 
 def free_inertias():
@@ -105,6 +111,18 @@ def test_a_level_ellipsoid_in_mujoco_stands_as_high_as_the_wheel_but_for_its_sof
     assert run.pose()[2] == pytest.approx(KIND.radius, abs=1e-8)  # measured: 6e-10 m below
 
 
+def test_the_platform_in_mujoco_has_its_mass_and_yaw_inertia(mujoco):
+    """All joints but the yaw of the chassis free, the floor as well."""
+    setup = mujoco_platform.Setup("forward", wheel_scene.LEVEL, "2 steps", "Euler", 1e-3)
+    model, whole = mujoco_platform.model(setup), bodies(mujoco_platform.scene("forward").config)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    mobility = np.zeros((model.nv, model.nv))
+    mujoco.mj_solveM(model, data, mobility, np.eye(model.nv))
+    assert model.body_mass.sum() == pytest.approx(whole.mass, rel=1e-14)
+    assert 1.0 / mobility[5, 5] == pytest.approx(whole.yaw_inertia, rel=1e-12)
+
+
 def test_drake_has_the_masses_and_inertias_of_the_scene(drake):
     wheel = drake_peer.Wheel(drake_peer.Setup(wheel_scene.LEVEL, "TAMSI", "default", 1e-3))
     plant = wheel.plant
@@ -136,3 +154,18 @@ def test_a_run_that_loses_its_height_fails():
 
 def test_without_an_engine_a_report_says_what_to_install():
     assert "pip install mujoco" in mujoco_peer.report({})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("peer", [mujoco_peer, mujoco_platform])
+def test_a_benchmark_in_mujoco_runs_and_reports(mujoco, peer):
+    result = peer.measure(1)
+    assert "omnisim.simulate" in peer.report(result)
+    json.dumps(result)
+
+
+@pytest.mark.slow
+def test_the_benchmark_in_drake_runs_and_reports(drake):
+    result = drake_peer.measure(1)
+    assert "omnisim.simulate" in drake_peer.report(result)
+    json.dumps(result)

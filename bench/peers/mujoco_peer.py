@@ -222,6 +222,7 @@ def report(result: dict) -> str:
             f"MuJoCo {result['version']}, mj_step in a loop in C, elliptic cone, condim 3. Rollers and contacts, "
             f"by {integrator} at {step:g} s:",
             table(["rollers", "contact", *CELLS, "speed left, m/s"], survey),
+            truest_heading(result["survey"] + result["ladders"]),
             "Each kind of roller by the contact that suited it best, position off by (mm) at times real time:",
             ladder_table(result["ladders"]),
             f"The best of all ({words(result['best'])}) with other options:",
@@ -230,6 +231,14 @@ def report(result: dict) -> str:
             wheel_scene.comparison("MuJoCo", result["best"], result["omnisim"]),
             NOTES,
         ]
+    )
+
+
+def truest_heading(rows: list[dict]) -> str:
+    row = min(rows, key=lambda row: row["yaw_error"])
+    return (
+        f"The smallest error of the yaw in any run here and below is {row['yaw_error']:.1e} rad ({words(row)}), "
+        f"with a position off by {row['position_error'] * 1e3:.1f} mm."
     )
 
 
