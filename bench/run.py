@@ -24,7 +24,7 @@ import startup
 import twists
 import vehicle
 import whole_machines
-from peers import drake_peer, mujoco_peer, mujoco_platform
+from peers import drake_peer, mujoco_peer, mujoco_platform, wheel_scene
 
 import omnisim
 
@@ -105,6 +105,9 @@ def verdict(results: dict) -> str:
     if cases := results.get("hard_cases"):
         kept = sum(row["error"] < row["bound"] and row["energy"] < hard_cases.BALANCED for row in cases)
         sentences.append(f"{kept} of {len(cases)} hard cases keep their bounds.")
+    for name, engine in (("mujoco_peer", "MuJoCo"), ("drake_peer", "Drake")):
+        if peer := results.get(name):
+            sentences.append(wheel_scene.claim(engine, peer["best"], peer["omnisim"]))
     return " ".join(sentences)
 
 
