@@ -2,6 +2,7 @@
 
 python bench/run.py [--quick] [--json FILE] [BENCHMARK...]      c_loop limit scipy_peer laws scaling kernels
                                                                 whole_machines startup memory hard_cases vehicle twists
+                                                                mujoco_peer mujoco_platform drake_peer
 """
 
 import argparse
@@ -24,7 +25,7 @@ import startup
 import twists
 import vehicle
 import whole_machines
-from peers import c_loop
+from peers import c_loop, drake_peer, mujoco_peer, mujoco_platform, wheel_scene
 
 import omnisim
 
@@ -41,6 +42,9 @@ BENCHMARKS = {
     "hard_cases": (hard_cases, "Hard cases", 1, 1),
     "vehicle": (vehicle, "The authors' vehicle against its ideal", 20, 2),  # simulated seconds, as of the next
     "twists": (twists, "Machines that follow a twist", 4, 4),
+    "mujoco_peer": (mujoco_peer, "One wheel in MuJoCo", 5, 1),
+    "mujoco_platform": (mujoco_platform, "The mecanum platform in MuJoCo", 5, 1),
+    "drake_peer": (drake_peer, "One wheel in Drake", 5, 1),
 }
 
 
@@ -108,6 +112,9 @@ def verdict(results: dict) -> str:
     if cases := results.get("hard_cases"):
         kept = sum(row["error"] < row["bound"] and row["energy"] < hard_cases.BALANCED for row in cases)
         sentences.append(f"{kept} of {len(cases)} hard cases keep their bounds.")
+    for name, engine in (("mujoco_peer", "MuJoCo"), ("drake_peer", "Drake")):
+        if peer := results.get(name):
+            sentences.append(wheel_scene.claim(engine, peer["best"], peer["omnisim"]))
     return " ".join(sentences)
 
 

@@ -1,1 +1,1 @@
-"""Other programs on the same equations, against the march."""
+"""Other programs on the same wheels and machines."""
