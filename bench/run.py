@@ -18,17 +18,17 @@ import numba
 import numpy
 import scaling
 import scipy
-import scipy_peer
 import startup
 import twists
 import vehicle
 import whole_machines
+from peers import scipy_peer
 
 import omnisim
 
 BENCHMARKS = {
     "c_loop": (c_loop, "RK4 against a C loop", 31, 5),  # module, title, rounds, rounds with --quick
-    "scipy_peer": (scipy_peer, "Against SciPy's LSODA at equal error", 9, 1),
+    "scipy_peer": (scipy_peer, "Against SciPy's solvers at equal error", 3, 1),
     "laws": (laws, "Set-valued against regularized friction at equal error", 20, 2),
     "scaling": (scaling, "64 rollers against 8", 31, 5),
     "kernels": (kernels, "Kernels", 31, 5),
@@ -82,11 +82,10 @@ def verdict(results: dict) -> str:
         fastest = max(loops, key=lambda name: loops[name]["ratio"])
         if fastest != c_loop.PLAIN:
             sentences.append(f"The fastest build, {fastest}, makes it {loops[fastest]['ratio']:.2f} times.")
-    if peer := results.get("scipy_peer"):
-        usual, tuned = (min(pick(row) for row in peer["ratios"].values()) for pick in (usual_peer, best_peer))
-        text = f"At equal error it is at least {usual:.0f} times faster than LSODA with the right-hand side in NumPy"
-        sentences.append(judge(text, scipy_peer.TARGET, usual, "least"))
-        sentences.append(f"Against LSODA tuned by hand (Python scalars, odeint) it is {tuned:.0f} times.")
+    for scene, part in results.get("scipy_peer", {}).items():
+        ratio = scipy_peer.least(part)
+        text = f"{scene}: at equal error rk4 is at least {ratio:.0f} times faster than SciPy's best"
+        sentences.append(judge(text, part["target"], ratio, "least"))
     if friction := results.get("laws"):
         (least, most), march = laws.span(friction, "simulate", "rk4"), laws.span(friction, "march", "rk4")
         text = f"At equal error the regularized law takes {least:.0f} to {most:.0f} times as long as the set-valued one"
@@ -121,15 +120,6 @@ def machine_sentences(result: dict) -> list[str]:
         judge(steps, whole_machines.MOST / whole_machines.FEWEST, most, "most"),
         f"64 rollers on each of four wheels take {rollers:.2f} times as long as 8, with their exchanges.",
     ]
-
-
-def usual_peer(row: dict[str, float]) -> float:
-    """The faster of the two with the right-hand side in NumPy."""
-    return min(ratio for name, ratio in row.items() if "NumPy" in name)
-
-
-def best_peer(row: dict[str, float]) -> float:
-    return min(row.values())
 
 
 def judge(text: str, target: float, value: float, bound: str) -> str:

@@ -1,233 +1,278 @@
-"""The march against SciPy's LSODA on the same equations, at equal error: times read off work-precision curves.
+"""The march against SciPy's solvers on the same equations, at equal error.
 
-Compared are the position, the yaw and the spin angle at the end. Four peers: the right-hand side in NumPy, as one
-would write it, or tuned by hand into Python scalars (for nine states three times faster); through `solve_ivp` with a
-terminal event, the usual way, or through the leaner `odeint`, driven from exchange to exchange by Newton's method.
-All get what is fair: a closure with the constants of one roller, and the nine states of the motion without the three
-energy integrals. For spin > 0, constant drive and no wrench.
+Three scenes: a bare wheel with a soft law of friction; one under set-valued friction; a mecanum platform under
+set-valued friction and rate drives. SciPy knows no set-valued law: it integrates the regularized one, stiff, with the
+slip speed that takes most of the error. For every error each solver climbs a ladder of tolerances until it reaches it,
+and so does the march with its steps. Compared are position, yaw and spin angles at the end with a converged march.
 """
 
 import math
 import statistics
+import time
 from collections.abc import Callable
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
-from common import March, bare_wheel, interleaved, ready, table
-from scipy.integrate import odeint, solve_ivp
+from common import bare_wheel, interleaved, ready, table
+from machine_scenes import platform
 
-from omnisim.parameters import DRIVE
-from omnisim.state import YAW, X, Y, places_of
+import omnisim
+from omnisim.scene import Scene, parse
+from peers.driver import Stalled, integrate
+from peers.equations import motion
 
-TARGET = 100.0  # times faster than LSODA
-AT = places_of(1, 2, 0, 0, 0)
-MOTION = [X, Y, YAW, AT.velocity, AT.velocity + 1, AT.yaw_rate, AT.spin_angle, AT.spin_rate, AT.roller_rate]
-PLACES = [0, 1, 2, 6]  # of x, y, yaw and spin angle in MOTION
-SPIN, RATE, ROLLER = 6, 7, 8
-TOLERANCES = [10.0**-k for k in range(4, 13)]
-STEPS = [2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5]
-ERRORS = [1e-5, 1e-6, 1e-7, 1e-8]
-METHODS = ("rk4", "dopri5")
-
-
-def numpy_right_hand_side(march: March, roller: int, air: complex) -> Callable:
-    """y' = f(t, y) while `roller` is in contact, in NumPy; air = sum p_i exp(i D_i) over the others."""
-    machine, wheel = march.parameters.machine, march.parameters.wheels[0]
-    radius, r1, c, s = (float(wheel[name]) for name in ("radius", "roller_distance", "cos_psi", "sin_psi"))
-    j_k, i_a, i_z, mass = wheel.axle_inertia, wheel.axial_inertia, machine.yaw_inertia, machine.mass
-    limit, eps = machine.friction * mass * machine.gravity, machine.slip_speed
-    torque, q_0 = march.parameters.inputs[0, DRIVE, 0], wheel.phase + 2.0 * wheel.alpha * roller
-
-    def f(_, y):
-        yaw, yaw_rate, spin_rate, roller_rate = y[2], y[5], y[RATE], y[ROLLER]
-        q = q_0 - y[SPIN]
-        h, k = np.array([np.cos(yaw), np.sin(yaw)]), np.array([-np.sin(yaw), np.cos(yaw)])
-        axis_n, h_q, l = -c * np.sin(q), radius - r1 / np.cos(q), r1 * np.tan(q) * wheel.tan_psi
-        arm = -h_q * np.array([s, c * np.cos(q)])
-        joint = roller_rate - spin_rate * s - yaw_rate * axis_n
-        slip = np.array([h @ y[3:5] - spin_rate * radius - yaw_rate * l, k @ y[3:5]]) + joint * arm
-        force = -limit * slip / np.sqrt(slip @ slip + eps**2)
-        roller_torque = arm @ force
-        g_h = -c * i_a * (np.cos(q) * (air.real + roller_rate) - np.sin(q) * air.imag)
-        yaw_moment = spin_rate * g_h - roller_torque * axis_n - l * force[0]
-        spin_moment = torque - radius * force[0] - roller_torque * s - yaw_rate * g_h
-        acceleration = (force[0] * h + force[1] * k) / mass
-        rates = [yaw_moment / i_z, spin_rate, spin_moment / j_k, roller_torque / i_a]
-        return np.concatenate([y[3:6], acceleration, rates])
-
-    return f
+HAND, COMPILED = ("NumPy", "scalars"), ("compiled",)
+METHODS = ("rk4", "dopri5")  # the first is the default
+STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5)
+SHARE = 0.8  # of the error is the slip speed's, the rest the tolerance's
+LOOSEST, TIGHTEST = 10.0, 1e-4  # tolerance by error
+PATIENCE = 10.0  # s: for one run of a solver
+MOTION = "diagonal with yaw"  # the slowest of the platform for the march
+MACHINE_END = 1.0  # s: what SciPy does in seconds
+FULL_ROUNDS = 3  # fewer rounds are for the short ladder
+TIMED = 3  # rounds at most: the slowest take seconds
 
 
-def scalar_right_hand_side(march: March, roller: int, air: complex) -> Callable:
-    """The same in Python scalars."""
-    machine, wheel = march.parameters.machine, march.parameters.wheels[0]
-    radius, r1, c, s = (float(wheel[name]) for name in ("radius", "roller_distance", "cos_psi", "sin_psi"))
-    j_k, i_a = float(wheel.axle_inertia), float(wheel.axial_inertia)
-    mass, i_z, tan_psi = float(machine.mass), float(machine.yaw_inertia), float(wheel.tan_psi)
-    limit, eps_square = float(machine.friction * mass * machine.gravity), float(machine.slip_speed) ** 2
-    torque, q_0 = float(march.parameters.inputs[0, DRIVE, 0]), float(wheel.phase + 2.0 * wheel.alpha * roller)
-    air_cos, air_sin, cos, sin, sqrt = air.real, air.imag, math.cos, math.sin, math.sqrt
+class Peer(NamedTuple):
+    """One of driver.SOLVERS on one of driver.FORMS."""
 
-    def f(_, y):
-        _, _, yaw, v_x, v_y, yaw_rate, spin_angle, spin_rate, roller_rate = y.tolist()
-        cos_yaw, sin_yaw, cos_q, sin_q = cos(yaw), sin(yaw), cos(q_0 - spin_angle), sin(q_0 - spin_angle)
-        axis_n, h_q, l = -c * sin_q, radius - r1 / cos_q, r1 * sin_q / cos_q * tan_psi
-        arm_h, arm_k = -h_q * s, -h_q * c * cos_q
-        joint = roller_rate - spin_rate * s - yaw_rate * axis_n
-        slip_h = v_x * cos_yaw + v_y * sin_yaw - spin_rate * radius - yaw_rate * l + joint * arm_h
-        slip_k = v_y * cos_yaw - v_x * sin_yaw + joint * arm_k
-        factor = -limit / sqrt(slip_h * slip_h + slip_k * slip_k + eps_square)
-        force_h, force_k = factor * slip_h, factor * slip_k
-        roller_torque = arm_h * force_h + arm_k * force_k
-        g_h = -c * i_a * (cos_q * (air_cos + roller_rate) - sin_q * air_sin)
-        return [
-            v_x,
-            v_y,
-            yaw_rate,
-            (force_h * cos_yaw - force_k * sin_yaw) / mass,
-            (force_h * sin_yaw + force_k * cos_yaw) / mass,
-            (spin_rate * g_h - roller_torque * axis_n - l * force_h) / i_z,
-            spin_rate,
-            (torque - radius * force_h - roller_torque * s - yaw_rate * g_h) / j_k,
-            roller_torque / i_a,
-        ]
-
-    return f
+    solver: str
+    form: str
 
 
-def until_exit_odeint(f, t, y, end, exit_angle, tolerance):
-    """Integrate to the exit angle, where Newton's method leads, or to the end: t, y, whether the roller is left."""
-    step = min((exit_angle - y[SPIN]) / y[RATE], end - t)
-    while abs(step) > 1e-14 * end:
-        y = odeint(f, y, (t, t + step), rtol=tolerance, atol=tolerance, tfirst=True, mxstep=10**6)[1]
-        t, step = t + step, (exit_angle - y[SPIN]) / y[RATE]
-        if t >= end and step > 0.0:
-            return t, y, False
-    return t, y, True
+class Case(NamedTuple):
+    """A scene by method and step (s), and what SciPy gets of it.
+
+    slip_error: error by slip speed of the regularized law, s (times 1 or 1/m); 0: the scene itself is regularized.
+    """
+
+    scene: Callable[[str, float], Scene]
+    wheels: int
+    fine: tuple[str, float]  # method and step of the converged march
+    slip_error: float
+    errors: tuple[float, ...]
+    steps: tuple[float, ...]
+    peers: tuple[Peer, ...]
+    target: float  # times faster than SciPy's best, by the default method
 
 
-def until_exit_solve_ivp(f, t, y, end, exit_angle, tolerance):
-    """The same with a terminal event."""
+class Trial(NamedTuple):
+    """A run of SciPy that reaches `goal`, its error, and milliseconds of that one run."""
 
-    def leaves(_, y):
-        return y[SPIN] - exit_angle
+    peer: Peer
+    goal: float
+    tolerance: float
+    slip_speed: float
+    error: float
+    ms: float
 
-    leaves.terminal, leaves.direction = True, 1
-    found = solve_ivp(f, (t, end), y, method="LSODA", rtol=tolerance, atol=tolerance, events=leaves)
-    return found.t[-1], found.y[:, -1], found.status == 1
+
+def packaged_wheel(method: str, step: float) -> Scene:
+    return omnisim.load("coulomb_wheel", (f"solver.method={method}", f"time.step={step!r}"))
 
 
-NUMPY = "LSODA, NumPy, solve_ivp"  # the usual way
-PEERS = {
-    NUMPY: (numpy_right_hand_side, until_exit_solve_ivp),
-    "LSODA, NumPy, odeint": (numpy_right_hand_side, until_exit_odeint),
-    "LSODA, scalars, solve_ivp": (scalar_right_hand_side, until_exit_solve_ivp),
-    "LSODA, scalars, odeint": (scalar_right_hand_side, until_exit_odeint),
+def peers_of(solvers: tuple[str, ...], forms: tuple[str, ...]) -> tuple[Peer, ...]:
+    return tuple(Peer(solver, form) for solver in solvers for form in forms)
+
+
+LSODA = ("LSODA, solve_ivp", "LSODA, odeint")
+STIFF = ("Radau, solve_ivp", "BDF, solve_ivp")
+BY_HAND = peers_of(LSODA, HAND)
+CASES = {
+    "bare wheel, slip_speed 0.05 m/s": Case(
+        lambda method, step: bare_wheel(step, method=method),
+        1,
+        ("dopri5", 1e-4),
+        0.0,
+        (1e-5, 1e-6, 1e-7, 1e-8),
+        STEPS[2:],
+        BY_HAND + peers_of((*LSODA, *STIFF, "DOP853, solve_ivp"), COMPILED),
+        500.0,
+    ),
+    "coulomb_wheel": Case(
+        packaged_wheel,
+        1,
+        ("dopri5", 2e-4),
+        0.061,
+        (1e-5, 1e-6, 1e-7),
+        STEPS,
+        BY_HAND + peers_of(LSODA + STIFF, COMPILED),
+        500.0,
+    ),
+    f"platform, {MOTION}, 1 s": Case(
+        lambda method, step: platform(MOTION, "rate", method, step, MACHINE_END),
+        4,
+        ("rk4", 2e-5),
+        0.14,
+        (1e-5, 1e-6),
+        STEPS,
+        peers_of((LSODA[0], *STIFF), COMPILED),
+        200.0,
+    ),
 }
 
 
-def integrate(march: March, tolerance: float, peer: str = NUMPY) -> np.ndarray:
-    """The nine states of the motion at the end of the scene of a fresh march."""
-    right_hand_side, until_exit = PEERS[peer]
-    wheel, rates, end = march.parameters.wheels[0], march.run.rates[0].copy(), march.steps * march.run.clock.dt
-    alpha, count, number = float(wheel.alpha), int(wheel.rollers), np.arange(wheel.rollers)
-    t, y, on = 0.0, march.run.y[MOTION], True
-    roller = round((y[SPIN] - float(wheel.phase)) / (2.0 * alpha))
-    while on:
-        here = roller % count
-        y[ROLLER] = rates[here]
-        air = (rates * np.exp(2j * alpha * (number - here)))[number != here].sum()
-        f = right_hand_side(march, roller, complex(air))
-        exit_angle = float(wheel.phase + alpha * (2 * roller + 1))
-        t, y, on = until_exit(f, t, y, end, exit_angle, tolerance)
-        rates[here], roller = y[ROLLER], roller + 1
-    return y
+def smooth(scene: Scene, slip_speed: float) -> Scene:
+    """The scene under the regularized law with this slip speed (m/s); itself for 0."""
+    law = ("friction.law=regularized", f"friction.slip_speed={slip_speed!r}")
+    return parse(scene.text, scene.source, law) if slip_speed else scene
+
+
+def final(scene: Scene) -> np.ndarray:
+    """y of equations.py at the end of a march."""
+    march = ready(scene).go()
+    return march.run.y[motion(march)]
+
+
+def error_of(found: np.ndarray, reference: np.ndarray, wheels: int) -> float:
+    """Largest error of position, yaw and spin angles, which y begins with."""
+    return float(np.abs(found - reference)[: 3 + wheels].max())
 
 
 def measure(rounds: int) -> dict:
-    """Error and median milliseconds along every ladder, and the times at equal error."""
-    reference = ready(bare_wheel(1e-5, method="dopri5")).go().run.y[MOTION]
-    finals: dict[tuple[str, float], np.ndarray] = {}
-    contestants = {}
-    for name in PEERS:
-        for tolerance in TOLERANCES:
-            contestants[name, tolerance] = partial(solving, finals, name, tolerance)
-    for method in METHODS:
-        for step in STEPS:
-            contestants[f"omnisim, {method}", step] = partial(marching, finals, method, step)
-    curves: dict[str, list] = {}
-    for (name, knob), values in interleaved(contestants, rounds).items():
-        error = float(np.abs(finals[name, knob] - reference)[PLACES].max())
-        curves.setdefault(name, []).append((knob, error, statistics.median(values) * 1e3))
-    at_error = {f"{error:.0e}": {name: time_at(error, points) for name, points in curves.items()} for error in ERRORS}
-    return {"curves": curves, "ms_at_error": at_error, "ratios": ratios(at_error)}
+    """For every scene what each solver needs for an error, and the times at equal error."""
+    integrate(ready(bare_wheel(1e-3, end=0.05)), LSODA[0], "compiled", 1e-3)  # compiles
+    return {name: measure_case(case, rounds) for name, case in CASES.items()}
 
 
-def solving(finals: dict, name: str, tolerance: float) -> Callable:
-    """Prepare an integration with LSODA, which leaves its final state in `finals`."""
-    fresh = ready(bare_wheel(1e-3))
+def measure_case(case: Case, rounds: int) -> dict:
+    reference = final(case.scene(*case.fine))
+    full = rounds >= FULL_ROUNDS
+    errors = case.errors if full else case.errors[:1]
+    peers = case.peers if full else [peer for peer in case.peers if peer.solver in LSODA and peer.form != "NumPy"]
+    trials, missed = [], []
+    for error in errors:
+        for peer in peers:
+            found = climb(case, peer, error, reference)
+            (trials if found else missed).append(found or (peer, error))
+    ours = steps_for(case, errors, reference)
+    timed = {}
+    for error in errors:
+        for trial in chosen(trials, error):
+            timed[trial] = partial(solving, case, trial)
+        for method in METHODS:
+            if (method, error) in ours:
+                timed[method, error] = partial(marching, case, method, ours[method, error][0])
+    seconds = interleaved(timed, min(rounds, TIMED))
+    ms = {key: statistics.median(values) * 1e3 for key, values in seconds.items()}
+    return {
+        "target": case.target,
+        "trials": [row_of(trial) for trial in trials],
+        "missed": [{**peer._asdict(), "goal": error} for peer, error in missed],
+        "equal": [
+            row_of(trial) | {"ms": ms[trial]} | {"ours": our_rows(ours, ms, trial.goal)}
+            for error in errors
+            for trial in chosen(trials, error)
+        ],
+    }
 
-    def go():
-        finals[name, tolerance] = integrate(fresh, tolerance, name)
 
-    return go
-
-
-def marching(finals: dict, method: str, step: float) -> Callable:
-    """Prepare a march, which leaves its final state in `finals`."""
-    fresh = ready(bare_wheel(step, method=method))
-
-    def go():
-        finals[f"omnisim, {method}", step] = fresh.go().run.y[MOTION]
-
-    return go
+def row_of(trial: Trial) -> dict:
+    return trial._asdict() | trial.peer._asdict()
 
 
-def time_at(error: float, points: list[tuple[float, float, float]]) -> float | None:
-    """Milliseconds for an error, between two points of a curve linear in the logarithms.
+def our_rows(ours: dict, ms: dict, error: float) -> dict:
+    """Step, error and milliseconds of each method that reaches an error."""
+    found = {method: ours[method, error] for method in METHODS if (method, error) in ours}
+    return {m: {"step": step, "error": reached, "ms": ms[m, error]} for m, (step, reached) in found.items()}
 
-    Where the first, cheapest point is already better, its time; None beyond the last point.
-    """
-    (_, rough, fast), rest = points[0], points[1:]
-    if rough <= error:
-        return fast
-    for _, fine, slow in rest:
-        if fine <= error <= rough:
-            return fast * (slow / fast) ** (math.log(rough / error) / math.log(rough / fine))
-        rough, fast = fine, slow
+
+def climb(case: Case, peer: Peer, error: float, reference: np.ndarray) -> Trial | None:
+    """The loosest tolerance by which a solver reaches an error; None if it stalls before or none does."""
+    slip_speed = SHARE * error / case.slip_error if case.slip_error else 0.0
+    tolerance = LOOSEST * error
+    while tolerance >= 0.99 * TIGHTEST * error:
+        trial = Trial(peer, error, tolerance, slip_speed, math.inf, math.inf)
+        go, begun = solving(case, trial), time.perf_counter()
+        try:
+            reached = error_of(go(), reference, case.wheels)
+        except Stalled:  # a tighter tolerance may well get through
+            reached = math.inf
+        spent = time.perf_counter() - begun
+        if reached <= error:
+            return trial._replace(error=reached, ms=spent * 1e3)
+        tolerance /= 10.0
     return None
 
 
-def ratios(at_error: dict[str, dict[str, float | None]]) -> dict[str, dict[str, float]]:
-    """Time of each LSODA over that of the fastest march, at each error that both reach."""
-    found: dict[str, dict[str, float]] = {}
-    for error, times in at_error.items():
-        ours = [time for name, time in times.items() if time and name.startswith("omnisim")]
-        theirs = {name: time for name, time in times.items() if time and name.startswith("LSODA")}
-        if ours and theirs:
-            found[error] = {name: time / min(ours) for name, time in theirs.items()}
+def solving(case: Case, trial: Trial) -> Callable[[], np.ndarray]:
+    """Prepare a run of SciPy."""
+    march = ready(smooth(case.scene("rk4", STEPS[0]), trial.slip_speed))
+    return partial(integrate, march, *trial.peer, trial.tolerance, PATIENCE)
+
+
+def marching(case: Case, method: str, step: float) -> Callable:
+    return ready(case.scene(method, step)).go
+
+
+def steps_for(case: Case, errors: tuple[float, ...], reference: np.ndarray) -> dict:
+    """The largest step, and its error, by which each method reaches each error."""
+    found = {}
+    for method in METHODS:
+        reached = {}
+        for step in case.steps:
+            reached[step] = error_of(final(case.scene(method, step)), reference, case.wheels)
+        for error in errors:
+            good = [step for step in case.steps if reached[step] <= error]
+            if good:
+                found[method, error] = good[0], reached[good[0]]
     return found
 
 
+def chosen(trials: list[Trial], error: float) -> list[Trial]:
+    """The fastest solver on each form of the right-hand side."""
+    best: dict[str, Trial] = {}
+    for trial in sorted((trial for trial in trials if trial.goal == error), key=lambda trial: trial.ms):
+        best.setdefault(trial.peer.form, trial)
+    return list(best.values())
+
+
+def ratios(result: dict) -> list[tuple[dict, float, float]]:
+    """Rows at equal error with the time of SciPy over that of the default method, and over that of the fastest."""
+    rows = []
+    for row in result["equal"]:
+        ours = {method: own["ms"] for method, own in row["ours"].items()}
+        if METHODS[0] in ours:
+            rows.append((row, row["ms"] / ours[METHODS[0]], row["ms"] / min(ours.values())))
+    return rows
+
+
+def least(result: dict) -> float:
+    """The smallest ratio of SciPy's best to the default method, over all errors."""
+    return min(ratio for _, ratio, _ in ratios(result))
+
+
 def report(result: dict) -> str:
-    names = list(result["curves"])
-    peers = [name for name in names if name.startswith("LSODA")]
+    return "\n\n".join(f"### {name}\n\n{report_case(part)}" for name, part in result.items())
+
+
+def report_case(result: dict) -> str:
     equal = [
-        [error]
-        + [f"{times[name]:.2f}" if times[name] else "-" for name in names]
-        + [f"{result['ratios'][error][name]:.0f}" if times[name] else "-" for name in peers]
-        for error, times in result["ms_at_error"].items()
-        if error in result["ratios"]
+        [f"{row['goal']:.0e}", f"{row['solver']}, {row['form']}", f"{row['error']:.1e}", f"{row['ms']:.2f}"]
+        + [
+            text
+            for method in METHODS
+            for own in [row["ours"].get(method)]
+            for text in ([f"{own['step']:.0e}", f"{own['error']:.1e}", f"{own['ms']:.2f}"] if own else ["-"] * 3)
+        ]
+        + [f"{default:.0f}", f"{fastest:.0f}"]
+        for row, default, fastest in ratios(result)
     ]
-    points = [
-        [name, f"{knob:.0e}", f"{error:.1e}", f"{time:.2f}"]
-        for name, curve in result["curves"].items()
-        for knob, error, time in curve
+    ours = [f"{method}, {what}" for method in METHODS for what in ("step, s", "error", "ms")]
+    climbed = [
+        [f"{row['goal']:.0e}", row["solver"], row["form"], f"{row['slip_speed']:.1e}" if row["slip_speed"] else "-"]
+        + [f"{row[name]:.0e}" for name in ("tolerance", "error")]
+        + [f"{row['ms']:.1f}"]
+        for row in result["trials"]
     ]
-    return (
-        table(
-            ["error", *(f"{name}, ms" for name in names), *(f"{name[7:]} / fastest omnisim" for name in peers)], equal
-        )
-        + "\n\n"
-        + table(["solver", "step or tolerance", "error", "ms"], points)
+    for row in result["missed"]:
+        climbed.append([f"{row['goal']:.0e}", row["solver"], row["form"], "-", "-", "not reached", "-"])
+    return "\n\n".join(
+        [
+            "At equal error, SciPy's fastest solver on each form of the right-hand side:",
+            table(["error", "SciPy", "its error", "ms", *ours, "SciPy / rk4", "SciPy / fastest"], equal),
+            "Every solver by the loosest tolerance that reaches the error, one run each:",
+            table(["error", "solver", "right-hand side", "slip_speed, m/s", "tolerance", "its error", "ms"], climbed),
+        ]
     )
