@@ -1,5 +1,6 @@
 """The peers of the benchmarks simulate the same motion; nothing here is timed."""
 
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -79,6 +80,13 @@ def test_scipy_goes_on_across_a_knot_of_the_command(scipy_peer):
     scene = scipy_peer.smooth(machine_scenes.platform("diagonal with yaw", "rate", "radau5", 5e-4, 0.6), 1e-3)
     found = scipy_peer.integrate(ready(scene), "LSODA, solve_ivp", "compiled", 1e-8)
     assert scipy_peer.error_of(found, scipy_peer.final(scene), 4) < 1e-6  # measured: 2.3e-8
+
+
+def test_the_converged_march_of_coulomb_wheel_is_the_reference(scipy_peer):
+    case, known = scipy_peer.CASES["coulomb_wheel"], json.loads(laws.REFERENCE.read_text())
+    expected = [*known["position"][-1], known["yaw"][-1], known["spin_angle"]["wheel"][-1]]
+    found = scipy_peer.final(case.scene(*case.fine))[:4]
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)  # measured: 2e-11
 
 
 def test_a_solver_that_makes_no_headway_is_given_up(scipy_peer):

@@ -30,7 +30,6 @@ MOST_OF_THE_WAY = 0.9  # in one go by the rate of the moment, so that a wheel th
 MOST_STEPS = 50_000  # of odeint in one go
 IMPLICIT = ("LSODA", "Radau", "BDF")  # methods that want a Jacobian
 
-
 warnings.simplefilter("ignore", ODEintWarning)  # Stalled tells it
 
 
@@ -50,7 +49,7 @@ def integrate(march: March, solver: str, form: str, tolerance: float, patience: 
     """y at the end of the scene of a fresh march, by one of SOLVERS on one of FORMS; tolerance: relative and absolute.
 
     No wheel may lift off, rest on two rollers or reach the limit of its drive, and friction must be smooth; `odeint`
-    is for bare wheels. Stalled after `patience` seconds.
+    is for bare wheels. Stalled after `patience` seconds, looked at after every step or piece of the way.
     """
     run, deadline = march.run, time.perf_counter() + patience
     run.clock.goal = 0
@@ -110,7 +109,9 @@ def by_odeint(equations: Equations, t: float, y: np.ndarray, end: float, toleran
         t, y = until, go(equations.f, t, y, until, equations.jacobian)
         if t == end:
             return t, y, False
-    *landed, at = go(by_angle, y[SPIN], [*y, t], y[SPIN] + np.copysign(angle, y[SPIN_RATE]))
+    exit_angle = y[SPIN] + np.copysign(angle, y[SPIN_RATE])
+    *landed, at = go(by_angle, y[SPIN], [*y, t], exit_angle)
+    landed[SPIN] = exit_angle  # an implicit step leaves it off by some of the tolerance
     if at > end:
         return end, go(equations.f, t, y, end, equations.jacobian), False
     return at, np.array(landed), True
