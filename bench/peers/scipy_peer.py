@@ -183,16 +183,16 @@ def our_rows(ours: dict, ms: dict, error: float) -> dict:
 
 
 def climb(case: Case, peer: Peer, error: float, reference: np.ndarray) -> Trial | None:
-    """The loosest tolerance by which a solver reaches an error; None if it stalls before or none does."""
+    """The loosest tolerance by which a solver reaches an error; None if none does, or it stalls twice before."""
     slip_speed = SHARE * error / case.slip_error if case.slip_error else 0.0
-    tolerance = LOOSEST * error
-    while tolerance >= 0.99 * TIGHTEST * error:
+    tolerance, stalls = LOOSEST * error, 0
+    while tolerance >= 0.99 * TIGHTEST * error and stalls < 2:
         trial = Trial(peer, error, tolerance, slip_speed, math.inf, math.inf)
         go, begun = solving(case, trial), time.perf_counter()
         try:
             reached = error_of(go(), reference, case.wheels)
         except Stalled:  # a tighter tolerance may well get through
-            reached = math.inf
+            reached, stalls = math.inf, stalls + 1
         spent = time.perf_counter() - begun
         if reached <= error:
             return trial._replace(error=reached, ms=spent * 1e3)
