@@ -20,19 +20,18 @@ import numba
 import numpy
 import scaling
 import scipy
-import scipy_peer
 import startup
 import twists
 import vehicle
 import whole_machines
-from peers import c_loop, drake_peer, mujoco_peer, mujoco_platform, wheel_scene
+from peers import c_loop, drake_peer, mujoco_peer, mujoco_platform, scipy_peer, wheel_scene
 
 import omnisim
 
 BENCHMARKS = {
     "c_loop": (c_loop, "RK4 against C loops", 31, 5),  # module, title, rounds, rounds with --quick
     "limit": (limit, "The limit of the arithmetic", 31, 5),
-    "scipy_peer": (scipy_peer, "Against SciPy's LSODA at equal error", 9, 1),
+    "scipy_peer": (scipy_peer, "Against SciPy's solvers at equal error", 3, 1),
     "laws": (laws, "Set-valued against regularized friction at equal error", 20, 2),
     "scaling": (scaling, "64 rollers against 8", 31, 5),
     "kernels": (kernels, "Kernels", 31, 5),
@@ -94,11 +93,10 @@ def verdict(results: dict) -> str:
     if bound := results.get("limit"):
         parts = (f"{bound[scene]['ratio']['omnisim']:.2f} times for the {scene}" for scene in c_loop.LOOPS)
         sentences.append(f"A march takes longer than the arithmetic of its equations: {', '.join(parts)}.")
-    if peer := results.get("scipy_peer"):
-        usual, tuned = (min(pick(row) for row in peer["ratios"].values()) for pick in (usual_peer, best_peer))
-        text = f"At equal error it is at least {usual:.0f} times faster than LSODA with the right-hand side in NumPy"
-        sentences.append(judge(text, scipy_peer.TARGET, usual, "least"))
-        sentences.append(f"Against LSODA tuned by hand (Python scalars, odeint) it is {tuned:.0f} times.")
+    for scene, part in results.get("scipy_peer", {}).items():
+        ratio = scipy_peer.least(part)
+        text = f"{scene}: at equal error rk4 is at least {ratio:.0f} times faster than SciPy's best"
+        sentences.append(judge(text, part["target"], ratio, "least"))
     if friction := results.get("laws"):
         (least, most), march = laws.span(friction, "simulate", "rk4"), laws.span(friction, "march", "rk4")
         text = f"At equal error the regularized law takes {least:.0f} to {most:.0f} times as long as the set-valued one"
@@ -136,15 +134,6 @@ def machine_sentences(result: dict) -> list[str]:
         judge(steps, whole_machines.MOST / whole_machines.FEWEST, most, "most"),
         f"64 rollers on each of four wheels take {rollers:.2f} times as long as 8, with their exchanges.",
     ]
-
-
-def usual_peer(row: dict[str, float]) -> float:
-    """The faster of the two with the right-hand side in NumPy."""
-    return min(ratio for name, ratio in row.items() if "NumPy" in name)
-
-
-def best_peer(row: dict[str, float]) -> float:
-    return min(row.values())
 
 
 def judge(text: str, target: float, value: float, bound: str) -> str:
