@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 from omnisim.analysis import distance
 from omnisim.loop import Loop
@@ -66,18 +67,19 @@ def candidates(scene: Scene) -> Iterator[Scene]:
 
 
 def estimate(gaps: Sequence[float], order: int) -> float:
-    """Error of the last of four runs or more, from the differences between neighbours; infinite of fewer runs.
+    """Error of the last of three runs or more, from the differences between neighbours; infinite of fewer runs.
 
     Each step is half of the one before, so the last difference is about the error of the run before the last. It is
     taken for that of the last run too, since the errors of events do not fall regularly. Two safeguards: a difference
     that fell by more than 2^-order did so by luck, and counts as if it fell so; and where the worse of the last two
     ratios r of differences exceeds 1 / 2, those still to come add up to r / (1 - r) times the last, which is more than
-    it (the geometric series of Aitken's extrapolation).
+    it (the geometric series of Aitken's extrapolation). Three runs show one ratio; the other counts as SLOWEST.
     """
-    if len(gaps) < 3:
+    if len(gaps) < 2:
         return math.inf
-    first, before, last = (max(gap, ROUNDING) for gap in gaps[-3:])
-    ratio = min(max(before / first, last / before), SLOWEST)
+    *_, before, last = seen = [max(gap, ROUNDING) for gap in gaps[-3:]]
+    ratios = [SLOWEST] if len(seen) < 3 else [b / a for a, b in pairwise(seen)]
+    ratio = min(max(ratios), SLOWEST)
     return max(last, before * 2.0**-order) * max(1.0, ratio / (1.0 - ratio))
 
 
