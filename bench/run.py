@@ -1,7 +1,7 @@
 """Run the benchmarks: Markdown on stdout, progress on stderr.
 
 python bench/run.py [--quick] [--json FILE] [BENCHMARK...]      c_loop scipy_peer laws scaling kernels whole_machines
-                                                                startup hard_cases vehicle twists
+                                                                startup hard_cases targets vehicle twists
 """
 
 import argparse
@@ -20,6 +20,7 @@ import scaling
 import scipy
 import scipy_peer
 import startup
+import targets
 import twists
 import vehicle
 import whole_machines
@@ -35,6 +36,7 @@ BENCHMARKS = {
     "whole_machines": (whole_machines, "Whole machines", 20, 1),
     "startup": (startup, "Whole command", 5, 1),
     "hard_cases": (hard_cases, "Hard cases", 1, 1),
+    "targets": (targets, "Steps picked for an error", 2, 1),
     "vehicle": (vehicle, "The authors' vehicle against its ideal", 20, 2),  # simulated seconds, as of the next
     "twists": (twists, "Machines that follow a twist", 4, 4),
 }
@@ -100,6 +102,8 @@ def verdict(results: dict) -> str:
     if cases := results.get("hard_cases"):
         kept = sum(row["error"] < row["bound"] and row["energy"] < hard_cases.BALANCED for row in cases)
         sentences.append(f"{kept} of {len(cases)} hard cases keep their bounds.")
+    if picked := results.get("targets"):
+        sentences.append(targets.verdict(picked))
     return " ".join(sentences)
 
 
