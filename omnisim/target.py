@@ -27,7 +27,8 @@ def search(scene: Scene, run: Callable[[Scene], Loop]) -> Trajectory:
     says so. `error_target` and, if there is one, `error_estimate` are added to its attributes.
     """
     solver = scene.config.solver
-    order, gaps, best, code, error = METHODS[solver.method].tableau.order, [], None, RUNNING, math.inf
+    order, enough = METHODS[solver.method].tableau.order, max(solver.error, LEAST)
+    gaps, best, code, error = [], None, RUNNING, math.inf
     for candidate in candidates(scene):
         loop = run(candidate)
         before, code = code, int(loop.run.clock.status)
@@ -38,13 +39,13 @@ def search(scene: Scene, run: Callable[[Scene], Loop]) -> Trajectory:
         latest = loop.trajectory()
         gaps = [*gaps, distance(best, latest)] if code == before else []
         best, error = latest, estimate(gaps, order)
-        if error <= solver.error and loop.run.clock.choice == AUTO:
+        if error <= enough and loop.run.clock.choice == AUTO:
             other = run(by_radau5(candidate))
-            if other.run.clock.status == code:
-                error = max(error, distance(latest, other.trajectory()))
-            else:
-                error, code = math.inf, int(other.run.clock.status)
-        if error <= max(solver.error, LEAST) or code == INTERRUPTED:
+            checked = int(other.run.clock.status)
+            error = max(error, distance(latest, other.trajectory())) if checked == code else math.inf
+            if checked == INTERRUPTED:
+                code = checked
+        if error <= enough or code == INTERRUPTED:
             break
     found = loop.trajectory() if best is None else best
     if code == INTERRUPTED and found.complete:
