@@ -1,9 +1,9 @@
-"""A step picked for the error that a scene allows: it is halved until the differences of the runs are small enough."""
+"""A step picked for the error that a scene allows: ever shorter ones, until the differences of the runs are small."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from itertools import pairwise
+from itertools import count, pairwise
 
 from omnisim.analysis import distance
 from omnisim.loop import Loop
@@ -19,7 +19,7 @@ LEAST = 10.0 * ROUNDING  # m, rad: an estimate that no shorter step makes smalle
 
 
 def search(scene: Scene, run: Callable[[Scene], Loop]) -> Trajectory:
-    """The run with the longest step tried of which the estimated error is at most `solver.error`.
+    """The first of the runs with ever shorter steps of which the estimated error is at most `solver.error`.
 
     `run` marches a scene to where it ends. Runs that stop early for reasons that a shorter step may cure tell nothing;
     those that stop for others are compared as far as they have come. Where shorter steps help no more, or would be more
@@ -57,24 +57,24 @@ def search(scene: Scene, run: Callable[[Scene], Loop]) -> Trajectory:
 
 
 def candidates(scene: Scene) -> Iterator[Scene]:
-    """The scene with ever shorter steps, each half of the one before; all of them divide the output interval."""
+    """The scene with ever shorter steps: the output interval and 1/2, 1/5, 1/10, 1/20, ... of it."""
     time = scene.config.time
-    parts = math.ceil(FEWEST_STEPS / time.outputs)
-    while True:
-        yield replace(scene, config=scene.config.at_step(time.output_interval / parts))
-        parts *= 2
-        if time.outputs * parts > MOST_STEPS:
+    for parts in (digit * 10**power for power in count() for digit in (1, 2, 5)):
+        steps = time.outputs * parts
+        if steps > max(MOST_STEPS, time.outputs):
             return
+        if steps >= FEWEST_STEPS:
+            yield replace(scene, config=scene.config.at_step(time.output_interval / parts))
 
 
 def estimate(gaps: Sequence[float], order: int) -> float:
     """Error of the last of three runs or more, from the differences between neighbours; infinite of fewer runs.
 
-    Each step is half of the one before, so the last difference is about the error of the run before the last. It is
-    taken for that of the last run too, since the errors of events do not fall regularly. Two safeguards: a difference
-    that fell by more than 2^-order did so by luck, and counts as if it fell so; and where the worse of the last two
-    ratios r of differences exceeds 1 / 2, those still to come add up to r / (1 - r) times the last, which is more than
-    it (the geometric series of Aitken's extrapolation). Three runs show one ratio; the other counts as SLOWEST.
+    Each step is at most half of the one before, so the last difference is about the error of the run before the last.
+    It is taken for that of the last run too, since the errors of events do not fall regularly. Two safeguards: a
+    difference that fell by more than 2^-order did so by luck, and counts as if it fell so; and where the worse of the
+    last two ratios r of differences exceeds 1 / 2, those still to come add up to r / (1 - r) times the last, which is
+    more than it (the geometric series of Aitken's extrapolation). Of three runs, the ratio not seen counts as SLOWEST.
     """
     if len(gaps) < 2:
         return math.inf

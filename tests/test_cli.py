@@ -95,10 +95,10 @@ def test_quiet_prints_nothing_on_success_and_the_reason_on_an_early_stop():
 def test_a_step_picked_for_an_error_is_told_with_its_estimate():
     result = command("run", "six_rollers", *settings("solver.error=1e-6"))
     assert result.exit_code == 0, result.stderr
-    assert re.search(r"^method +rk4, step 0\.0003125 s", result.stdout, re.MULTILINE)
+    assert re.search(r"^method +rk4, step 0\.0002 s", result.stdout, re.MULTILINE)
     assert re.search(r"^error +about \S+ estimated, 1e-06 wanted$", result.stdout, re.MULTILINE)
     a = omnisim.open_trajectory("six_rollers.h5").attributes
-    assert (a["step"], a["error_target"]) == (0.0003125, 1e-6) and 0.0 < a["error_estimate"] <= 1e-6
+    assert (a["step"], a["error_target"]) == (0.0002, 1e-6) and 0.0 < a["error_estimate"] <= 1e-6
     assert f"about {a['error_estimate']:.1e} estimated, 1e-06 wanted" in command("info", "six_rollers.h5").stdout
 
 
