@@ -80,8 +80,8 @@ def test_errors_of_all_rows_are_below_the_estimate(name, method):
 
 
 def test_a_method_that_changes_with_the_step_is_judged_by_another_one():
-    """Between 1e-2 and 1e-3 s the differences of "auto" fall from 1e-5 to 9e-8, its errors stay at 1.3e-6: by them alone
-    the run at 2e-3 s would pass for 1e-6, with an estimate of 4.1e-7 and an error of 1.07e-6.
+    """Between 1e-2 and 1e-3 s the differences of "auto" fall from 1e-5 to 9e-8, its errors stay at 1.3e-6: by these
+    alone the run at 2e-3 s would pass for 1e-6, with an estimate of 4.1e-7 and an error of 1.07e-6.
     """
     exact = omnisim.simulate(reference_scene("kiwi", "solver.method=dopri5", "time.step=2e-5"))
     for wanted in (1e-6, 1e-7):
