@@ -1,8 +1,8 @@
 """Run the benchmarks: Markdown on stdout, progress on stderr.
 
 python bench/run.py [--quick] [--json FILE] [BENCHMARK...]      c_loop limit scipy_peer laws scaling kernels
-                                                                whole_machines startup memory hard_cases vehicle twists
-                                                                mujoco_peer mujoco_platform drake_peer
+                                                                whole_machines startup memory hard_cases targets vehicle
+                                                                twists mujoco_peer mujoco_platform drake_peer
 """
 
 import argparse
@@ -21,6 +21,7 @@ import numpy
 import scaling
 import scipy
 import startup
+import targets
 import twists
 import vehicle
 import whole_machines
@@ -39,6 +40,7 @@ BENCHMARKS = {
     "startup": (startup, "Whole command", 5, 1),
     "memory": (memory, "Memory of the whole command", 3, 1),
     "hard_cases": (hard_cases, "Hard cases", 1, 1),
+    "targets": (targets, "Steps picked for an error", 2, 1),
     "vehicle": (vehicle, "The authors' vehicle against its ideal", 20, 2),  # simulated seconds, as of the next
     "twists": (twists, "Machines that follow a twist", 4, 4),
     "mujoco_peer": (mujoco_peer, "One wheel in MuJoCo", 5, 1),
@@ -113,6 +115,8 @@ def verdict(results: dict) -> str:
     for name, engine in (("mujoco_peer", "MuJoCo"), ("drake_peer", "Drake")):
         if peer := results.get(name):
             sentences.append(wheel_scene.claim(engine, peer["best"], peer["omnisim"]))
+    if picked := results.get("targets"):
+        sentences.append(targets.verdict(picked))
     return " ".join(sentences)
 
 

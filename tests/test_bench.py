@@ -14,6 +14,7 @@ import laws
 import limit
 import machine_scenes
 import memory
+import targets
 import whole_machines
 from common import bare_wheel, ready, table
 from peers import c_loop
@@ -21,6 +22,7 @@ from peers import c_loop
 import omnisim
 from omnisim.loop import Loop
 from omnisim.packing import bodies
+from omnisim.precision import converged
 
 CASES = {
     "straight rollers": (c_loop.WHEEL, bare_wheel(1e-3, 0.5)),
@@ -227,3 +229,10 @@ def test_every_benchmark_runs_and_reports():
     assert "A step of 12 wheels takes" in done.stdout
     assert "| slope |" in done.stdout
     assert "| youbot | sideways |" in done.stdout
+
+
+def test_the_error_of_a_picked_step_is_judged_by_a_converged_run():
+    case = targets.CASES[0]
+    found = targets.row(case, "dopri5", 1e-6, converged(case.load(), 1e-4, lambda _: None), 1)
+    assert found["trusted"] < 1e-12 < found["error"] < found["estimate"] <= 1e-6  # measured: 2e-13, 4.7e-10, 1.0e-7
+    assert targets.report([found]).endswith("1 of 1 errors are below their targets, 0.0001 to 1e-09.")
