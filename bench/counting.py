@@ -76,6 +76,8 @@ def count_in_kernels() -> None:
     for name, module in sys.modules.items():
         if name.startswith("omnisim.") and getattr(module, "math", None) is math:
             module.math = SimpleNamespace(**vars(math) | counting)
+        if name.startswith("omnisim.") and hasattr(module, "cos_sin"):
+            module.cos_sin = lambda x: (counting["cos"](x), counting["sin"](x))
 
 
 def opened(record: np.void, wrap: Callable[[float], object]) -> SimpleNamespace:
@@ -117,7 +119,7 @@ def counts_of(scene: Scene) -> dict[str, list[float]]:
     )
     t, dt = float(run.clock.step * run.clock.dt), float(run.clock.dt)
     taken()
-    rhs(parameters, run.mode, 0, t, run.y, run.slopes[0], run.watch)
+    rhs(parameters, run.mode, 0, t, run.y, run.slopes[0], run.watch, True)
     of_rhs = taken()
     explicit_step(parameters, march.stages, run, t, dt)
     accept(run)

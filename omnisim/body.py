@@ -19,6 +19,7 @@ F = -E (b + J X). With upright = "servo" the load is known and tilt is the servo
 from typing import NamedTuple
 
 from omnisim.contact.kinematics import holding_mass
+from omnisim.contact.reaction import VISCOUS
 from omnisim.kernel import kernel, merged
 from omnisim.parameters import CONTACTS
 
@@ -51,12 +52,59 @@ class Plane(NamedTuple):
 class Mobility(NamedTuple):
     """The inverse of that matrix: acceleration by forces and a moment on the body."""
 
+    coupled: bool  # or diagonal
     xx: float
     xy: float
     xw: float
     yy: float
     yw: float
     ww: float
+
+
+class ByLoad(NamedTuple):
+    """What the loads b_0, b_1 and b_2 do to a row."""
+
+    one: float
+    x: float
+    y: float
+
+
+class Pushes(NamedTuple):
+    """What they do to the rows of the plane."""
+
+    x: ByLoad
+    y: ByLoad
+    yaw: ByLoad
+
+
+class Held(NamedTuple):
+    """A row of tilt without the loads: by the acceleration (x, y, yaw), and its right side; SI."""
+
+    x: float
+    y: float
+    yaw: float
+    right: float
+
+
+class Tilt(NamedTuple):
+    """A row of tilt: by the acceleration (x, y, yaw), by the loads, and its right side; SI."""
+
+    x: float
+    y: float
+    yaw: float
+    loads: ByLoad
+    right: float
+
+
+class LoadedPlaces(NamedTuple):
+    """Sums of 1, x, y, x^2, x y and y^2 over the loaded wheels, m."""
+
+    count: float
+    x: float
+    y: float
+    xx: float
+    xy: float
+    yy: float
 
 
 @kernel
@@ -88,11 +136,12 @@ def set_tilt(machine, wheel, contact, spin_held):
     above, height = wheel.radius - machine.height, machine.height
     h_h, h_k = -axis_h * arm[0], height - axis_h * arm[1]  # about h by F_h and F_k, and about k
     k_h, k_k = above + rotor * spin[0], rotor * spin[1]
-    h_n, k_n = -axis_n * axis_h, -rotor * axis_n * axis_k  # by the contact torque
-    lever, twist = contact.lever, contact.twist
+    lever = contact.lever
     lever[TILT_Y, 0], lever[TILT_Y, 1] = -(h_h * sin + k_h * cos), -(h_k * sin + k_k * cos)
     lever[TILT_X, 0], lever[TILT_X, 1] = h_h * cos - k_h * sin, h_k * cos - k_k * sin
-    twist[TILT_Y], twist[TILT_X] = -(h_n * sin + k_n * cos), h_n * cos - k_n * sin
+    if machine.patch_radius > 0.0:
+        h_n, k_n = -axis_n * axis_h, -rotor * axis_n * axis_k
+        contact.twist[TILT_Y], contact.twist[TILT_X] = -(h_n * sin + k_n * cos), h_n * cos - k_n * sin
 
 
 @kernel
@@ -137,10 +186,10 @@ def place_load(wheel, room, w):
 
 
 @kernel
-def wheel_moments(wheel, rollers, spin_rate, yaw_rate):
-    """Moments of a wheel on the body without its contacts, N m: about the vertical, and about its heading."""
+def heading_moment(wheel, rollers, spin_rate, yaw_rate):
+    """Moment of a wheel on the body about its heading, without its contacts, N m."""
     gyroscopic = wheel.axle_inertia * spin_rate * yaw_rate - spin_rate * rollers.g_n + yaw_rate * rollers.g_k
-    return spin_rate * rollers.g_h - rollers.bearing_n, gyroscopic - rollers.bearing_h
+    return gyroscopic - rollers.bearing_h
 
 
 @kernel
@@ -153,17 +202,34 @@ def wheel_tilt(wheel, part):
 
 
 @kernel
-def external_tilt(machine, external):
+def external_tilt(machine, wrench, yaw_rate):
     """The wrench and the turning of S in the rows of tilt: about -y and about x."""
-    lever, moment, turning = machine.lever, machine.moment, external.yaw_rate * external.yaw_rate
-    about_y = lever[2] * external.x - lever[0] * external.z + turning * moment[0]
-    return -about_y, lever[1] * external.z - lever[2] * external.y - turning * moment[1]
+    lever, moment, turning = machine.lever, machine.moment, yaw_rate * yaw_rate
+    about_y = lever[2] * wrench.x - lever[0] * wrench.z + turning * moment[0]
+    return -about_y, lever[1] * wrench.z - lever[2] * wrench.y - turning * moment[1]
 
 
 @kernel
-def moment_of(contact, row, force_h, force_k, torque):
-    """A contact's force (N) and torque (N m) in a row of the levers."""
-    return contact.lever[row, 0] * force_h + contact.lever[row, 1] * force_k + contact.twist[row] * torque
+def push_of(machine, contact, force_h, force_k, torque):
+    """A contact's force (N) and torque (N m) in the rows x, y and yaw."""
+    lever = contact.lever
+    x = lever[0, 0] * force_h + lever[0, 1] * force_k
+    y = lever[1, 0] * force_h + lever[1, 1] * force_k
+    yaw = lever[2, 0] * force_h + lever[2, 1] * force_k
+    if machine.patch_radius > 0.0:
+        yaw += contact.twist[2] * torque
+    return x, y, yaw
+
+
+@kernel
+def tilt_of(machine, contact, force_h, force_k, torque):
+    """The same in the rows of tilt."""
+    lever = contact.lever
+    y = lever[TILT_Y, 0] * force_h + lever[TILT_Y, 1] * force_k
+    x = lever[TILT_X, 0] * force_h + lever[TILT_X, 1] * force_k
+    if machine.patch_radius > 0.0:
+        y, x = y + contact.twist[TILT_Y] * torque, x + contact.twist[TILT_X] * torque
+    return y, x
 
 
 @kernel
@@ -197,6 +263,8 @@ def plane_balance(machine, room, plane):
             continue
         for c in range(2 * w, 2 * w + part.contacts):
             contact, torque = room.contacts[c], 0.0
+            if carried and part.contacts == 1 and not contact.rest and machine.law != VISCOUS:
+                continue  # all of its friction waits for its load
             if part.contacts == 2:
                 force_h, force_k, torque = contact.force[0], contact.force[1], contact.torque
             elif holds(part, contact):
@@ -213,20 +281,21 @@ def plane_balance(machine, room, plane):
                 force_h = contact.constant[0] + contact.unit[0] * normal
                 force_k = contact.constant[1] + contact.unit[1] * normal
                 torque = contact.unit_torque * normal
-            x += moment_of(contact, 0, force_h, force_k, torque)
-            y += moment_of(contact, 1, force_h, force_k, torque)
-            yaw += moment_of(contact, 2, force_h, force_k, torque)
+            push_x, push_y, push_yaw = push_of(machine, contact, force_h, force_k, torque)
+            x, y, yaw = x + push_x, y + push_y, yaw + push_yaw
     return Plane(xx, xy, xw, yy, yw, ww, x, y, yaw)
 
 
 @kernel
-def inverse(plane):
-    """The Mobility of a Plane."""
+def inverse(machine, plane):
+    """The Mobility of a Plane; diagonal unless some contact holds the body."""
     xx, xy, xw, yy, yw, ww = plane.xx, plane.xy, plane.xw, plane.yy, plane.yw, plane.ww
+    if plane.xx == machine.mass:
+        return Mobility(False, machine.mobility, 0.0, 0.0, machine.mobility, 0.0, machine.yaw_mobility)
     c_xx, c_xy, c_xw = yy * ww - yw * yw, xw * yw - xy * ww, xy * yw - xw * yy
     scale = 1.0 / (xx * c_xx + xy * c_xy + xw * c_xw)
     return Mobility(
-        c_xx * scale, c_xy * scale, c_xw * scale,
+        True, c_xx * scale, c_xy * scale, c_xw * scale,
         (xx * ww - xw * xw) * scale, (xy * xw - xx * yw) * scale, (xx * yy - xy * xy) * scale,
     )  # fmt: skip
 
@@ -234,6 +303,8 @@ def inverse(plane):
 @kernel
 def yielding(mobility, x, y, yaw):
     """Acceleration of the body by the force (x, y) and the moment yaw."""
+    if not mobility.coupled:
+        return Acceleration(mobility.xx * x, mobility.yy * y, mobility.ww * yaw)
     return Acceleration(
         mobility.xx * x + mobility.xy * y + mobility.xw * yaw,
         mobility.xy * x + mobility.yy * y + mobility.yw * yaw,
@@ -249,7 +320,7 @@ def solve(machine, wheels, room, load, plane):
     without friction.
     """
     plane = plane_balance(machine, room, plane)
-    mobility = inverse(plane)
+    mobility = inverse(machine, plane)
     motion = yielding(mobility, plane.x, plane.y, plane.yaw)
     if machine.upright != CONTACTS:
         return motion, mobility, 1.0
@@ -259,21 +330,22 @@ def solve(machine, wheels, room, load, plane):
 @merged
 def share_out(machine, wheels, room, load, mobility, motion):
     """What `solve` returns when the contacts carry roll and pitch; motion: the Acceleration without the loads."""
-    tilt_balance(machine, wheels, room)
-    pushes, sums = room.loads.pushes, room.loads.sums
-    by_0 = yielding(mobility, pushes[0, 0], pushes[1, 0], pushes[2, 0])  # the acceleration by b_0, b_1 and b_2
-    by_1 = yielding(mobility, pushes[0, 1], pushes[1, 1], pushes[2, 1])
-    by_2 = yielding(mobility, pushes[0, 2], pushes[1, 2], pushes[2, 2])
-    count, x, y = sums[0], sums[1] / sums[0], sums[2] / sums[0]
-    a_1, a_2, a = reduced(room.loads.tilt[0], by_0, by_1, by_2, motion, x, y, load / count)
-    c_1, c_2, c = reduced(room.loads.tilt[1], by_0, by_1, by_2, motion, x, y, load / count)
+    pushes, about_y, about_x, places = carry(machine, wheels, room)
+    by_0 = yielding(mobility, pushes.x.one, pushes.y.one, pushes.yaw.one)  # the acceleration by b_0, b_1 and b_2
+    by_1 = yielding(mobility, pushes.x.x, pushes.y.x, pushes.yaw.x)
+    by_2 = yielding(mobility, pushes.x.y, pushes.y.y, pushes.yaw.y)
+    share = 1.0 / places.count
+    x, y, mean = places.x * share, places.y * share, load * share
+    a_1, a_2, a = reduced(about_y, by_0, by_1, by_2, motion, x, y, mean)
+    c_1, c_2, c = reduced(about_x, by_0, by_1, by_2, motion, x, y, mean)
     determinant = a_1 * c_2 - a_2 * c_1
-    b_1, b_2 = (a * c_2 - a_2 * c) / determinant, (a_1 * c - a * c_1) / determinant
-    b_0 = load / count - x * b_1 - y * b_2
+    scale = 1.0 / determinant
+    b_1, b_2 = (a * c_2 - a_2 * c) * scale, (a_1 * c - a * c_1) * scale
+    b_0 = mean - x * b_1 - y * b_2
     for w in range(len(room.parts)):
         part = room.parts[w]
         part.normal_force = b_0 + b_1 * part.point[0] + b_2 * part.point[1]
-    xx, xy, yy = sums[3] - count * x * x, sums[4] - count * x * y, sums[5] - count * y * y
+    xx, xy, yy = places.xx - x * places.x, places.xy - x * places.y, places.yy - y * places.y
     total = Acceleration(
         motion.x + by_0.x * b_0 + by_1.x * b_1 + by_2.x * b_2,
         motion.y + by_0.y * b_0 + by_1.y * b_1 + by_2.y * b_2,
@@ -284,86 +356,92 @@ def share_out(machine, wheels, room, load, mobility, motion):
 
 @kernel
 def reduced(row, by_0, by_1, by_2, motion, x, y, mean):
-    """A row of tilt without the acceleration and b_0: by b_1, by b_2, and its right side.
+    """A Tilt without the acceleration and b_0: by b_1, by b_2, and its right side.
 
     x, y: mean place of the loaded wheels, m; mean: their mean load, N.
     """
-    first = row[3] + row[0] * by_0.x + row[1] * by_0.y + row[2] * by_0.yaw
-    second = row[4] + row[0] * by_1.x + row[1] * by_1.y + row[2] * by_1.yaw
-    third = row[5] + row[0] * by_2.x + row[1] * by_2.y + row[2] * by_2.yaw
-    right = row[6] - row[0] * motion.x - row[1] * motion.y - row[2] * motion.yaw
+    first = row.loads.one + row.x * by_0.x + row.y * by_0.y + row.yaw * by_0.yaw
+    second = row.loads.x + row.x * by_1.x + row.y * by_1.y + row.yaw * by_1.yaw
+    third = row.loads.y + row.x * by_2.x + row.y * by_2.y + row.yaw * by_2.yaw
+    right = row.right - row.x * motion.x - row.y * motion.y - row.yaw * motion.yaw
     return second - first * x, third - first * y, right - first * mean
 
 
 @kernel
-def tilt_balance(machine, wheels, room):
-    """What the loads do to the body, and the rows of tilt, into the room."""
-    tilt, pushes, sums = room.loads.tilt, room.loads.pushes, room.loads.sums
-    for i in range(2):
-        for j in range(6):
-            tilt[i, j] = 0.0
-    about_y, about_x = external_tilt(machine, room.loads.external)
-    tilt[0, 6], tilt[1, 6] = -about_y, -about_x
-    tilt[0, 2], tilt[1, 2] = -machine.moment[1], machine.moment[0]
-    for i in range(3):
-        for j in range(3):
-            pushes[i, j] = 0.0
-    for i in range(6):
-        sums[i] = 0.0
+def carry(machine, wheels, room):
+    """What the loads do to the body: Pushes, the rows of Tilt about -y and about x, and the LoadedPlaces."""
+    nothing, external = ByLoad(0.0, 0.0, 0.0), room.loads.external
+    push_x, push_y, push_yaw, about_y, about_x = nothing, nothing, nothing, nothing, nothing
+    right_y, right_x = external_tilt(machine, external, external.yaw_rate)
+    held_y, held_x = Held(0.0, 0.0, -machine.moment[1], -right_y), Held(0.0, 0.0, machine.moment[0], -right_x)
+    count, s_x, s_y, s_xx, s_xy, s_yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for w in range(len(room.parts)):
         part = room.parts[w]
-        about_y, about_x = wheel_tilt(wheels[w], part)
-        tilt[0, 6], tilt[1, 6] = tilt[0, 6] - about_y, tilt[1, 6] - about_x
+        right_y, right_x = wheel_tilt(wheels[w], part)
+        held_y, held_x = resisted(held_y, right_y), resisted(held_x, right_x)
         if not part.loaded:
             continue
         x, y = part.point[0], part.point[1]
-        add(sums, 0, 1.0, x, y)
-        add(tilt[0], 3, x, x * x, x * y)
-        add(tilt[1], 3, y, x * y, y * y)
-        sums[3], sums[4], sums[5] = sums[3] + x * x, sums[4] + x * y, sums[5] + y * y
+        count, s_x, s_y = count + 1.0, s_x + x, s_y + y
+        s_xx, s_xy, s_yy = s_xx + x * x, s_xy + x * y, s_yy + y * y
         for c in range(2 * w, 2 * w + part.contacts):
             contact = room.contacts[c]
             if part.contacts == 2:
-                for i in range(2):
-                    tilt[i, 6] -= moment_of(contact, 3 + i, contact.force[0], contact.force[1], contact.torque)
+                right_y, right_x = tilt_of(machine, contact, contact.force[0], contact.force[1], contact.torque)
+                held_y, held_x = resisted(held_y, right_y), resisted(held_x, right_x)
             elif holds(part, contact):
-                tilt_held(tilt, contact)
+                held_y, held_x = held(held_y, contact, TILT_Y), held(held_x, contact, TILT_X)
             else:
-                constant, unit = contact.constant, contact.unit
-                for i in range(3):
-                    push = moment_of(contact, i, unit[0], unit[1], contact.unit_torque)
-                    add(pushes[i], 0, push, push * x, push * y)
-                for i in range(2):
-                    push = moment_of(contact, 3 + i, unit[0], unit[1], contact.unit_torque)
-                    add(tilt[i], 3, push, push * x, push * y)
-                    tilt[i, 6] -= moment_of(contact, 3 + i, constant[0], constant[1], 0.0)
+                force_h, force_k, torque = contact.unit[0], contact.unit[1], contact.unit_torque
+                along_x, along_y, turn = push_of(machine, contact, force_h, force_k, torque)
+                lever_y, lever_x = tilt_of(machine, contact, force_h, force_k, torque)
+                push_x, push_y = loaded(push_x, along_x, x, y), loaded(push_y, along_y, x, y)
+                push_yaw = loaded(push_yaw, turn, x, y)
+                about_y, about_x = loaded(about_y, lever_y, x, y), loaded(about_x, lever_x, x, y)
+                if machine.law == VISCOUS:
+                    right_y, right_x = tilt_of(machine, contact, contact.constant[0], contact.constant[1], 0.0)
+                    held_y, held_x = resisted(held_y, right_y), resisted(held_x, right_x)
+    about_y = ByLoad(about_y.one + s_x, about_y.x + s_xx, about_y.y + s_xy)  # the loads themselves
+    about_x = ByLoad(about_x.one + s_y, about_x.x + s_xy, about_x.y + s_yy)
+    return (
+        Pushes(push_x, push_y, push_yaw),
+        Tilt(held_y.x, held_y.y, held_y.yaw, about_y, held_y.right),
+        Tilt(held_x.x, held_x.y, held_x.yaw, about_x, held_x.right),
+        LoadedPlaces(count, s_x, s_y, s_xx, s_xy, s_yy),
+    )
 
 
 @kernel
-def add(row, first, a, b, c):
-    """Add to three entries of a row."""
-    row[first] += a
-    row[first + 1] += b
-    row[first + 2] += c
+def loaded(by_load, push, x, y):
+    """A ByLoad with one more push by the load at x, y (m)."""
+    return ByLoad(by_load.one + push, by_load.x + push * x, by_load.y + push * y)
 
 
 @kernel
-def tilt_held(tilt, contact):
-    """A sticking contact in the rows of tilt."""
+def resisted(row, moment):
+    """A Held with one more moment that does not depend on the unknowns, N m."""
+    return Held(row.x, row.y, row.yaw, row.right - moment)
+
+
+@kernel
+def held(row, contact, i):
+    """A Held with a sticking contact; i: its row of the levers."""
     lever, e = contact.lever, contact.mass
     force_h, force_k = holding_force(contact, Acceleration(0.0, 0.0, 0.0))
-    for i in range(2):
-        along_h, along_k = lever[3 + i, 0], lever[3 + i, 1]
-        tilt[i, 6] -= along_h * force_h + along_k * force_k
-        e_h, e_k = e[0] * along_h + e[1] * along_k, e[1] * along_h + e[2] * along_k
-        for j in range(3):
-            tilt[i, j] -= lever[j, 0] * e_h + lever[j, 1] * e_k
+    along_h, along_k = lever[i, 0], lever[i, 1]
+    e_h, e_k = e[0] * along_h + e[1] * along_k, e[1] * along_h + e[2] * along_k
+    return Held(
+        row.x - lever[0, 0] * e_h - lever[0, 1] * e_k,
+        row.y - lever[1, 0] * e_h - lever[1, 1] * e_k,
+        row.yaw - lever[2, 0] * e_h - lever[2, 1] * e_k,
+        row.right - along_h * force_h - along_k * force_k,
+    )
 
 
 @kernel
-def servo(machine, wheels, room, yaw_acceleration):
+def servo(machine, wheels, room, wrench, yaw_rate, yaw_acceleration):
     """Torque about chassis x and y that keeps the body upright, N m: what its moment equation lacks."""
-    about_y, about_x = external_tilt(machine, room.loads.external)
+    about_y, about_x = external_tilt(machine, wrench, yaw_rate)
     about_y, about_x = about_y - machine.moment[1] * yaw_acceleration, about_x + machine.moment[0] * yaw_acceleration
     for w in range(len(room.parts)):
         part = room.parts[w]
@@ -377,6 +455,6 @@ def servo(machine, wheels, room, yaw_acceleration):
         for c in range(2 * w, 2 * w + part.contacts):
             contact = room.contacts[c]
             set_tilt(machine, wheels[w], contact, part.contacts == 2)
-            about_y += moment_of(contact, TILT_Y, contact.force[0], contact.force[1], contact.torque)
-            about_x += moment_of(contact, TILT_X, contact.force[0], contact.force[1], contact.torque)
+            more_y, more_x = tilt_of(machine, contact, contact.force[0], contact.force[1], contact.torque)
+            about_y, about_x = about_y + more_y, about_x + more_x
     return -about_x, about_y

@@ -4,13 +4,13 @@ import math
 
 from omnisim.contact.kinematics import Slip, inverse_mass, largest
 from omnisim.contact.reaction import COULOMB, friction_factor
-from omnisim.contact.tracking import IMPLICIT, explicit_contact, roller_axis
+from omnisim.contact.tracking import IMPLICIT, Axis, Contact, explicit_contact, roller_axis
 from omnisim.kernel import kernel, merged, outlined
 from omnisim.state import places
 from omnisim.status import LOST_TRACK, NO_START, NOT_FINITE, RUNNING, TOO_STIFF, UNBALANCED
 from omnisim.tableau import EXPLICIT
 from omnisim.vector import dot
-from omnisim.wheel import body_motion, contact_state, rho_of
+from omnisim.wheel import rho_of
 
 UNBALANCED_PART = 0.05  # of the energy of the scene
 STIFF_STEPS = 3  # surplus of steps too large for the rate at which slip relaxes, before the run stops
@@ -25,10 +25,11 @@ def check(parameters, run):
     amplitude that one step gives. It shows in steps outside the method's stability region that outnumber those
     inside; a slip that only passes through zero has one or two.
     """
-    clock, total = run.clock, 0.0
+    clock, states, rates = run.clock, 0.0, 0.0
     for m in range(len(run.y)):
-        total += run.y[m] * run.y[m] + run.slopes[0, m] * run.slopes[0, m]
-    if not math.isfinite(total):
+        states += run.y[m] * run.y[m]
+        rates += run.slopes[0, m] * run.slopes[0, m]
+    if not math.isfinite(states + rates):
         if clock.stiff > 0:
             too_stiff(parameters, run, max(clock.wheel, 0))
         else:
@@ -81,7 +82,7 @@ def too_fast(parameters, run, w):
         return False
     if factor * machine.slip_mobility * clock.dt <= clock.stability_limit:
         return False  # the bound of the mobility is cheap
-    return factor * slip_mobility(parameters, run, w) * clock.dt > clock.stability_limit
+    return factor * slip_mobility(parameters, w) * clock.dt > clock.stability_limit
 
 
 @outlined
@@ -104,8 +105,9 @@ def roller_mobility(machine, wheel):
     return mobility
 
 
-@outlined
-def slip_mobility(parameters, run, w):
+@kernel
+def slip_mobility(parameters, w):
     """Largest eigenvalue of the inverse mass of wheel w's contact, 1/kg: with the factor g, the rate of its slip."""
-    state = contact_state(parameters, run.mode[w], w, 0, body_motion(parameters, run.y), run.y)
-    return largest(inverse_mass(parameters.machine, parameters.wheels[w], state.axis, state.contact))
+    seen = parameters.room.contacts[2 * w]
+    axis, contact = Axis(seen.axis[0], seen.axis[1], seen.axis[2]), Contact(seen.l, seen.arm[0], seen.arm[1])
+    return largest(inverse_mass(parameters.machine, parameters.wheels[w], axis, contact))

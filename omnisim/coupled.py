@@ -16,7 +16,7 @@ With the loads given its forces at rest obey Gauss' principle, a convex problem:
 contact equations of the one wheel, while the body's acceleration follows at once, until nothing changes.
 """
 
-from omnisim.body import Acceleration, free_rate, moment_of, place_load, solve, yielding
+from omnisim.body import Acceleration, free_rate, place_load, push_of, solve, yielding
 from omnisim.contact.coulomb import TINY, contact_forces, slip_direction, turned
 from omnisim.contact.kinematics import Slip
 from omnisim.kernel import kernel, merged, outlined
@@ -66,10 +66,10 @@ def settle_shared(machine, wheels, room, mobility, acceleration):
                 continue
             count += 1
             h_0, k_0, h_1, k_1 = ahead.force[0], ahead.force[1], behind.force[0], behind.force[1]
-            acceleration = pushed(acceleration, mobility, room, w, -1.0)
+            acceleration = pushed(machine, acceleration, mobility, room, w, -1.0)
             set_resting(machine, wheels[w], room, w, mobility, acceleration)
             share_load(machine, wheels[w], room, w)
-            acceleration = pushed(acceleration, mobility, room, w, 1.0)
+            acceleration = pushed(machine, acceleration, mobility, room, w, 1.0)
             change = max(change, max(abs(ahead.force[0] - h_0), abs(ahead.force[1] - k_0)))
             change = max(change, max(abs(behind.force[0] - h_1), abs(behind.force[1] - k_1)))
             size = max(size, max(abs(ahead.force[0]), abs(ahead.force[1])))
@@ -84,15 +84,13 @@ def settle_shared(machine, wheels, room, mobility, acceleration):
 
 
 @kernel
-def pushed(acceleration, mobility, room, w, sign):
+def pushed(machine, acceleration, mobility, room, w, sign):
     """The Acceleration with the forces of wheel w added or, sign -1, taken away."""
     x, y, yaw = 0.0, 0.0, 0.0
     for c in range(2 * w, 2 * w + room.parts[w].contacts):
         contact = room.contacts[c]
-        force_h, force_k = contact.force[0], contact.force[1]
-        x += moment_of(contact, 0, force_h, force_k, contact.torque)
-        y += moment_of(contact, 1, force_h, force_k, contact.torque)
-        yaw += moment_of(contact, 2, force_h, force_k, contact.torque)
+        push_x, push_y, push_yaw = push_of(machine, contact, contact.force[0], contact.force[1], contact.torque)
+        x, y, yaw = x + push_x, y + push_y, yaw + push_yaw
     more = yielding(mobility, x, y, yaw)
     return Acceleration(
         acceleration.x + sign * more.x, acceleration.y + sign * more.y, acceleration.yaw + sign * more.yaw

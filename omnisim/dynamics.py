@@ -12,9 +12,11 @@ share (`move_wheel`).
 
 import math
 
+from omnisim.angle import cos_sin
 from omnisim.body import (
     Acceleration,
     free_plane,
+    heading_moment,
     holding_force,
     place_load,
     pushed_plane,
@@ -23,7 +25,6 @@ from omnisim.body import (
     set_lever,
     set_tilt,
     solve,
-    wheel_moments,
 )
 from omnisim.contact.coulomb import CREEP, SLIP, STICK
 from omnisim.contact.kinematics import (
@@ -41,6 +42,7 @@ from omnisim.kernel import kernel, merged, outlined
 from omnisim.parameters import CONTACTS
 from omnisim.state import YAW, X, Y, places, rate_place
 from omnisim.wheel import (
+    FreeWheel,
     all_rollers,
     bearing_torque,
     body_motion,
@@ -59,31 +61,41 @@ NEARLY = 0.99  # cosine between two directions of creeping
 
 
 @kernel
-def rhs(parameters, mode, piece, t, y, dy, watch):
-    """Write y' into `dy`, and what the events need to know of each wheel into `watch`."""
+def rhs(parameters, mode, piece, t, y, dy, watch, kept):
+    """Write y' into `dy`; if `kept`, also what the events need to know of each wheel into `watch` and what else is of
+    interest into the room: inside a step nobody looks at them.
+    """
     machine, wheels, room, at = parameters.machine, parameters.wheels, parameters.room, places(parameters)
     # Rates of positions first: the sine and cosine of the next stage can then start while the forces are computed.
     dy[X], dy[Y], dy[YAW] = y[at.velocity], y[at.velocity + 1], y[at.yaw_rate]
-    for w in range(len(wheels)):
-        dy[at.spin_angle + w] = y[at.spin_rate + w]
     body = body_motion(parameters, y)
     wrench = external_wrench(parameters, piece, t, body)
-    external = room.loads.external
-    external.x, external.y, external.z, external.yaw_rate = wrench.x, wrench.y, wrench.z, body.yaw_rate
+    if machine.upright == CONTACTS:
+        external = room.loads.external
+        external.x, external.y, external.z, external.yaw_rate = wrench.x, wrench.y, wrench.z, body.yaw_rate
     load, waiting, sought = machine.mass * machine.gravity - wrench.z, 0, 0
     plane = free_plane(machine, wrench.x, wrench.y, wrench.yaw)
     heat, power = 0.0, 0.0  # of friction and of the drives, W
     if machine.bearings:
         dy[at.bearing_loss] = 0.0
+    share = load / len(wheels)  # of a wheel, unless the contacts carry roll and pitch
     for w in range(len(wheels)):
-        share = load / len(wheels)
-        plane, loss, work = observe_wheel(parameters, mode[w], piece, t, w, body, share, plane, y, dy, watch[w])
-        heat, power = heat + loss, power + work
-        waiting += 1 - room.parts[w].known
-        sought += room.parts[w].sought
+        part = room.parts[w]
+        part.known = machine.upright != CONTACTS and mode[w].grip[0] == SLIP and not mode[w].shared
+        if part.known:
+            plane, loss, work = slide_wheel(parameters, mode[w], piece, t, w, body, share, plane, y, dy, watch[w], kept)
+            heat, power = heat + loss, power + work
+        else:
+            waiting += 1
     if waiting == 0:
-        acceleration = Acceleration(plane.x / machine.mass, plane.y / machine.mass, plane.yaw / machine.yaw_inertia)
+        mobility = machine.mobility
+        acceleration = Acceleration(plane.x * mobility, plane.y * mobility, plane.yaw * machine.yaw_mobility)
     else:
+        for w in range(len(wheels)):
+            part = room.parts[w]
+            if not part.known:
+                plane, work = observe_wheel(parameters, mode[w], piece, t, w, body, share, plane, y, dy, watch[w])
+                power, sought = power + work, sought + part.sought
         if sought:
             acceleration, regular = settle_forces(machine, wheels, room, load, plane)
         else:
@@ -91,7 +103,7 @@ def rhs(parameters, mode, piece, t, y, dy, watch):
         for w in range(len(wheels)):
             watch[w].regular = regular
             if not room.parts[w].known:
-                heat += move_wheel(parameters, mode[w], w, acceleration, y, dy, watch[w])
+                heat += move_wheel(parameters, mode[w], w, acceleration, y, dy, watch[w], kept)
     dy[at.friction_loss], dy[at.drive_work] = heat, power
     dy[at.velocity] = acceleration.x * body.cos - acceleration.y * body.sin
     dy[at.velocity + 1] = acceleration.x * body.sin + acceleration.y * body.cos
@@ -103,25 +115,16 @@ def rhs(parameters, mode, piece, t, y, dy, watch):
         rho_rates(parameters, body, y, dy)
 
 
-@merged
-def observe_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch):
-    """What wheel w does to the body (the Plane with it), or what it finds at its contacts, into the room.
-
-    load: of the wheel, N, unless the contacts carry roll and pitch.
-    """
-    machine, wheel, room, at = parameters.machine, parameters.wheels[w], parameters.room, places(parameters)
-    part, spin_rate = room.parts[w], y[at.spin_rate + w]
+@kernel
+def free_wheel(parameters, mode, piece, t, w, body, y, dy):
+    """Wheel w without the forces at its contacts: a FreeWheel, and the rates that follow from it alone."""
+    machine, wheel, at = parameters.machine, parameters.wheels[w], places(parameters)
+    spin_rate = y[at.spin_rate + w]
+    dy[at.spin_angle + w] = spin_rate  # first: the sine and cosine of the next stage wait for it
     state = contact_state(parameters, mode, w, 0, body, y)
     rollers = all_rollers(parameters, mode, w, state.cos_q, state.sin_q, y)
     command = drive_command(parameters, piece, t, w, y)
     drive = drive_torque(wheel, mode.drive, command, spin_rate)
-    free_spin = drive - rollers.bearing_k - body.yaw_rate * rollers.g_h
-    yaw_moment, heading_moment = wheel_moments(wheel, rollers, spin_rate, body.yaw_rate)
-    part.drive_torque, part.free_spin, part.heading_moment = drive, free_spin, heading_moment
-    part.contacts, part.loaded, part.normal_force = 1 + mode.shared, mode.loaded, load
-    watch.command, watch.normal_force, watch.regular, watch.share, watch.share_margin = command, load, 1.0, 1.0, 0.0
-    plane = pushed_plane(plane, 0.0, 0.0, yaw_moment)
-    power = drive * spin_rate
     if machine.integrals:
         dy[at.integral + w] = integral_rate(parameters, piece, t, w, mode, command, spin_rate)
     if machine.bearings:
@@ -130,45 +133,80 @@ def observe_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch
     else:
         for side in range(2):
             dy[rate_place(parameters, mode.roller, w, side)] = 0.0
-    part.known = machine.upright != CONTACTS and mode.grip[0] == SLIP and not mode.shared
-    part.sought = not part.known and mode.loaded and (mode.shared or mode.grip[0] == CREEP)
-    if part.known:
-        plane, heat = slide(parameters, mode, w, state, free_spin, max(load, 0.0), plane, dy, watch)
-        return plane, heat, power
-    observe_contact(parameters, mode, w, 0, body, state)
+    spin = drive - rollers.bearing_k - body.yaw_rate * rollers.g_h
+    return FreeWheel(state, rollers, command, drive, spin, spin_rate * rollers.g_h - rollers.bearing_n)
+
+
+@kernel
+def tell_wheel(parameters, mode, w, free, body, load, watch):
+    """What events and observers want to know of a FreeWheel, into its part of the room and into `watch`."""
+    part = parameters.room.parts[w]
+    part.drive_torque, part.free_spin = free.drive, free.spin
+    part.heading_moment = heading_moment(parameters.wheels[w], free.rollers, free.state.spin_rate, body.yaw_rate)
+    part.contacts, part.loaded, part.normal_force = 1 + mode.shared, mode.loaded, load
+    watch.command, watch.normal_force, watch.regular = free.command, load, 1.0
+    watch.share, watch.share_margin = 1.0, 0.0
+
+
+@merged
+def slide_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch, kept):
+    """A wheel that slides under a known load, N: the rates that follow; the Plane with it, heat and power (W)."""
+    machine, wheel = parameters.machine, parameters.wheels[w]
+    free = free_wheel(parameters, mode, piece, t, w, body, y, dy)
+    state, axis, slip = free.state, free.state.axis, free.state.slip
+    j = slip_jacobian(wheel, axis, state.contact)
+    factor, torque = friction(machine, mode.saturated[0], max(load, 0.0), slip, state.turn)
+    force = Slip(-factor * slip.h, -factor * slip.k)
+    rolling, spin, loss = yield_to(j, slip, force)
+    yaw = j.yaw_h * force.h + j.yaw_k * force.k
+    if machine.patch_radius > 0.0:
+        rolling, spin, loss = twist(axis, state.turn, torque, rolling, spin, loss)
+        yaw += (1.0 - axis.n * axis.n) * torque
+    dy[rate_place(parameters, mode.roller, w, 0)] += rolling * wheel.axial_mobility
+    dy[places(parameters).spin_rate + w] = (free.spin + spin) * wheel.spin_mobility
+    if kept:
+        contact = parameters.room.contacts[2 * w]
+        tell_wheel(parameters, mode, w, free, body, load, watch)
+        set_contact(contact, state, j, False)
+        contact.force[0], contact.force[1], contact.torque = force.h, force.k, torque
+        watch.slip_square[0], watch.factor[0], watch.margin[0] = slip.h * slip.h + slip.k * slip.k, factor, 0.0
+    cos, sin = wheel.cos_heading, wheel.sin_heading
+    plane = pushed_plane(plane, cos * force.h - sin * force.k, sin * force.h + cos * force.k, free.yaw_moment + yaw)
+    return plane, loss, free.drive * state.spin_rate
+
+
+@merged
+def observe_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch):
+    """What a wheel finds at its contacts, into the room; the Plane with its own moment, and the power of its drive.
+
+    load: of the wheel, N, unless the contacts carry roll and pitch.
+    """
+    part = parameters.room.parts[w]
+    free = free_wheel(parameters, mode, piece, t, w, body, y, dy)
+    tell_wheel(parameters, mode, w, free, body, load, watch)
+    part.sought = mode.loaded and (mode.shared or mode.grip[0] == CREEP)
+    observe_contact(parameters, mode, w, 0, body, free.state)
     if mode.shared:
         observe_contact(parameters, mode, w, 1, body, contact_state(parameters, mode, w, 1, body, y))
-    if machine.upright == CONTACTS:
-        place_load(wheel, room, w)
-    return plane, 0.0, power
+    if parameters.machine.upright == CONTACTS:
+        place_load(parameters.wheels[w], parameters.room, w)
+    return pushed_plane(plane, 0.0, 0.0, free.yaw_moment), free.drive * free.state.spin_rate
 
 
 @kernel
-def slide(parameters, mode, w, state, free_spin, load, plane, dy, watch):
-    """The sliding contact of a wheel under a known load, N: its force, the rates that follow, the Plane with it."""
-    machine, wheel, contact = parameters.machine, parameters.wheels[w], parameters.room.contacts[2 * w]
-    axis, slip, j = state.axis, state.slip, slip_jacobian(wheel, state.axis, state.contact)
-    set_contact(contact, state, j, False)
-    factor, torque = friction(machine, mode.saturated[0], load, slip, state.turn)
-    force = Slip(-factor * slip.h, -factor * slip.k)
-    contact.force[0], contact.force[1], contact.torque = force.h, force.k, torque
-    rolling, spin, loss = yield_to(axis, j, slip, state.turn, force, torque)
-    dy[rate_place(parameters, mode.roller, w, 0)] += rolling * wheel.axial_mobility
-    dy[places(parameters).spin_rate + w] = (free_spin + spin) * wheel.spin_mobility
-    watch.slip_square[0], watch.factor[0], watch.margin[0] = slip.h * slip.h + slip.k * slip.k, factor, 0.0
-    cos, sin = wheel.cos_heading, wheel.sin_heading
-    yaw = j.yaw_h * force.h + j.yaw_k * force.k + (1.0 - axis.n * axis.n) * torque
-    return pushed_plane(plane, cos * force.h - sin * force.k, sin * force.h + cos * force.k, yaw), loss
-
-
-@kernel
-def yield_to(axis, j, slip, turn, force, torque):
-    """What a contact's force (N) and torque (N m) do: torque on the roller and on the spin (N m), and heat (W)."""
+def yield_to(j, slip, force):
+    """What a contact's force (N) does: torque on the roller and on the spin (N m), and heat (W)."""
     return (
-        j.roller_h * force.h + j.roller_k * force.k + torque * axis.n,
-        j.spin_h * force.h + j.spin_k * force.k - axis.k * axis.n * torque,
-        -(force.h * slip.h + force.k * slip.k + torque * turn),
+        j.roller_h * force.h + j.roller_k * force.k,
+        j.spin_h * force.h + j.spin_k * force.k,
+        -(force.h * slip.h + force.k * slip.k),
     )
+
+
+@kernel
+def twist(axis, turn, torque, rolling, spin, heat):
+    """The same with the contact torque (N m); turn: of the roller about the normal, rad/s."""
+    return rolling + torque * axis.n, spin - axis.k * axis.n * torque, heat - torque * turn
 
 
 @kernel
@@ -204,7 +242,7 @@ def observe_contact(parameters, mode, w, side, body, state):
 
 
 @merged
-def move_wheel(parameters, mode, w, acceleration, y, dy, watch):
+def move_wheel(parameters, mode, w, acceleration, y, dy, watch, kept):
     """Forces on wheel w from the body's acceleration and the loads, and the rates that follow."""
     machine, wheel, room, at = parameters.machine, parameters.wheels[w], parameters.room, places(parameters)
     part = room.parts[w]
@@ -223,11 +261,15 @@ def move_wheel(parameters, mode, w, acceleration, y, dy, watch):
             contact.force[1] = contact.constant[1] + contact.unit[1] * normal
             contact.torque = contact.unit_torque * normal
         force, slip = Slip(contact.force[0], contact.force[1]), Slip(contact.slip[0], contact.slip[1])
-        axis = Axis(contact.axis[0], contact.axis[1], contact.axis[2])
         j = Jacobian(contact.spin[0], contact.spin[1], 0.0, 0.0, contact.arm[0], contact.arm[1])
-        rolling, turning, heat = yield_to(axis, j, slip, contact.turn, force, contact.torque)
+        rolling, turning, heat = yield_to(j, slip, force)
+        if machine.patch_radius > 0.0:
+            axis = Axis(contact.axis[0], contact.axis[1], contact.axis[2])
+            rolling, turning, heat = twist(axis, contact.turn, contact.torque, rolling, turning, heat)
         dy[rate_place(parameters, mode.roller, w, side)] += rolling * wheel.axial_mobility
         spin, loss = spin + turning, loss + heat
+        if not kept:
+            continue
         watch.slip_square[side] = slip.h * slip.h + slip.k * slip.k
         watch.factor[side] = contact.factor * (contact.share * part.loaded if machine.law == VISCOUS else load)
         watch.margin[side] = 0.0
@@ -237,8 +279,9 @@ def move_wheel(parameters, mode, w, acceleration, y, dy, watch):
             if part.sought:  # slip along the direction in which it creeps
                 watch.margin[side] = contact.creep[0] * slip.h + contact.creep[1] * slip.k
     dy[at.spin_rate + w] = 0.0 if mode.shared else spin * wheel.spin_mobility
-    watch.normal_force = part.normal_force
-    if mode.shared:
+    if kept:
+        watch.normal_force = part.normal_force
+    if kept and mode.shared:
         watch.share, watch.share_margin = room.contacts[2 * w].share, part.share_margin
     return loss
 
@@ -246,8 +289,8 @@ def move_wheel(parameters, mode, w, acceleration, y, dy, watch):
 @outlined
 def air_rates(parameters, mode, w, state, y, dy):
     """p' of the rollers of wheel w as if all were in the air, where their bearings have friction."""
-    wheel, at = parameters.wheels[w], places(parameters)
-    first, here = at.roller_rate + parameters.machine.slots * w, mode.roller % wheel.rollers
+    wheel = parameters.wheels[w]
+    first, here = wheel.rates, mode.roller % wheel.rollers
     for i in range(wheel.rollers):
         sector = parameters.sector[w, (i - here) % wheel.rollers]
         cos_i = state.cos_q * sector[0] - state.sin_q * sector[1]
@@ -275,7 +318,7 @@ def odometry_rates(parameters, y, dy):
         yaw += twist[2] * y[at.spin_angle + w]
         x_rate += twist[0] * y[at.spin_rate + w]
         y_rate += twist[1] * y[at.spin_rate + w]
-    cos, sin = math.cos(yaw), math.sin(yaw)
+    cos, sin = cos_sin(yaw)
     dy[at.odometry], dy[at.odometry + 1] = x_rate * cos - y_rate * sin, x_rate * sin + y_rate * cos
 
 

@@ -142,14 +142,14 @@ def take_rollers(parameters, run, w, roller, shared):
 
     The sums of those in the air are taken anew each time, so they never drift.
     """
-    mode, at, count = run.mode[w], places(parameters), parameters.wheels[w].rollers
+    mode, count = run.mode[w], parameters.wheels[w].rollers
     mode.roller, mode.shared = roller, shared
     here, behind = roller % count, (roller - 1) % count
     mode.air_cos, mode.air_sin, mode.air_sum = 0.0, 0.0, 0.0
     for i in range(count):
         rate, place = run.rates[w, i], -1
         if parameters.machine.bearings:
-            place = at.roller_rate + parameters.machine.slots * w + i
+            place = parameters.wheels[w].rates + i
         elif i == here or (shared and i == behind):
             place = rate_place(parameters, roller, w, 0 if i == here else 1)
         else:
@@ -164,10 +164,10 @@ def take_rollers(parameters, run, w, roller, shared):
 @kernel
 def release_rollers(parameters, run, w):
     """Write the roller rates of the state back to `rates`, where those of all rollers stand."""
-    mode, at, count = run.mode[w], places(parameters), parameters.wheels[w].rollers
+    mode, count = run.mode[w], parameters.wheels[w].rollers
     if parameters.machine.bearings:
         for i in range(count):
-            run.rates[w, i] = run.y[at.roller_rate + parameters.machine.slots * w + i]
+            run.rates[w, i] = run.y[parameters.wheels[w].rates + i]
     else:
         for side in range(1 + mode.shared):
             run.rates[w, (mode.roller - side) % count] = run.y[rate_place(parameters, mode.roller, w, side)]

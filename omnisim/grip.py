@@ -358,7 +358,7 @@ def align_slip(parameters, run):
             set_held(machine, wheel, contact, state.axis, j, Slip(slip.h - along * u[0], slip.k - along * u[1]))
             contact.rest = 1
     plane = plane_balance(machine, room, free_plane(machine, 0.0, 0.0, 0.0))
-    change = yielding(inverse(plane), plane.x, plane.y, plane.yaw)
+    change = yielding(inverse(machine, plane), plane.x, plane.y, plane.yaw)
     for w in range(len(run.mode)):
         if room.parts[w].loaded:
             wheel, contact = parameters.wheels[w], room.contacts[2 * w]
@@ -386,11 +386,11 @@ def change_slip(parameters, run, w, side, slip):
     impulse_h, impulse_k = (kk * change_h - hk * change_k) / determinant, (hh * change_k - hk * change_h) / determinant
     j = slip_jacobian(wheel, state.axis, state.contact)
     heading = world_heading(wheel, body)
-    y[at.velocity] += (impulse_h * heading.cos - impulse_k * heading.sin) / machine.mass
-    y[at.velocity + 1] += (impulse_h * heading.sin + impulse_k * heading.cos) / machine.mass
+    y[at.velocity] += (impulse_h * heading.cos - impulse_k * heading.sin) * machine.mobility
+    y[at.velocity + 1] += (impulse_h * heading.sin + impulse_k * heading.cos) * machine.mobility
     if not mode.shared:
         y[at.spin_rate + w] += (j.spin_h * impulse_h + j.spin_k * impulse_k) * wheel.spin_mobility
-    y[at.yaw_rate] += (j.yaw_h * impulse_h + j.yaw_k * impulse_k) / machine.yaw_inertia
+    y[at.yaw_rate] += (j.yaw_h * impulse_h + j.yaw_k * impulse_k) * machine.yaw_mobility
     y[rate_place(parameters, mode.roller, w, side)] += (
         j.roller_h * impulse_h + j.roller_k * impulse_k
     ) * wheel.axial_mobility

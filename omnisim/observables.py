@@ -20,6 +20,7 @@ from omnisim.wheel import (
     body_motion,
     centre_acceleration,
     centre_velocity,
+    external_wrench,
     rho_of,
     world_heading,
 )
@@ -60,8 +61,9 @@ def observe(parameters, rows, times, watch, observed):
         y, mode, slopes = rows.y[row], rows.mode[row], observed.slopes[row]
         evaluate(parameters, mode, rows.piece[row], times[row], y, slopes, watch)
         body = body_motion(parameters, y)
+        wrench, turning = external_wrench(parameters, rows.piece[row], times[row], body), slopes[at.yaw_rate]
         observed.servo[row, 0], observed.servo[row, 1] = servo(
-            parameters.machine, parameters.wheels, room, slopes[at.yaw_rate]
+            parameters.machine, parameters.wheels, room, wrench, body.yaw_rate, turning
         )
         for w in range(len(parameters.wheels)):
             wheel, seen, part = parameters.wheels[w], observed.contacts[row, w], room.parts[w]

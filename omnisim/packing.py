@@ -30,6 +30,7 @@ from omnisim.parameters import (
     Room,
 )
 from omnisim.records import blank, records
+from omnisim.state import places_of
 
 SHORTEST = 1e-14  # relative: pieces of tables that are no longer than rounding are left out
 UPRIGHT = {"servo": SERVO, "contacts": CONTACTS}
@@ -48,6 +49,9 @@ def pack(config: Config) -> Parameters:
         starts = np.radians([wheel.spin_angle_deg for wheel in config.wheels])
         wheels = [wheel | {"odometry": tuple(column)} for wheel, column in zip(wheels, twists.T, strict=True)]
         machine["odometry_yaw"] = math.radians(config.initial.yaw_deg) - twists[2] @ starts
+    flags = (machine["integrals"], machine["bearings"], machine["odometry"])
+    machine["places"] = places_of(len(wheels), machine["slots"], *map(int, flags))
+    wheels = [wheel | {"rates": machine["places"].roller_rate + machine["slots"] * w} for w, wheel in enumerate(wheels)]
     machine["slip_mobility"] = max(slip_mobility_bound(machine, wheel) for wheel in wheels)
     packed, starts_inputs = records(WHEEL, wheels), merge_tables(config, rows)
     return Parameters(records(MACHINE, [machine])[0], packed, sectors(packed.rollers), *starts_inputs, room(len(types)))
@@ -98,7 +102,9 @@ def machine_values(config: Config, types: list[WheelType]) -> dict:
     return {
         "gravity": config.world.gravity,
         "mass": whole.mass,
+        "mobility": 1.0 / whole.mass,
         "yaw_inertia": whole.yaw_inertia,
+        "yaw_mobility": 1.0 / whole.yaw_inertia,
         "height": whole.centre[2],
         "moment": whole.moment,
         "centre": whole.centre[:2],
@@ -116,6 +122,7 @@ def machine_values(config: Config, types: list[WheelType]) -> dict:
         "slots": max(kind.roller_count for kind in types) if bearings else 2,
         "integrals": any(drive_law(wheel.drive).integral > 0.0 for wheel in config.wheels),
         "odometry_yaw": 0.0,
+        "pushed": any(any(force) or torque for force, torque in zip(*config.wrench.table[1:], strict=True)),
         "body_frame": config.wrench.frame == "body",
     }
 

@@ -4,6 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from omnisim.state import PLACES
+
 MACHINE = np.dtype(
     [
         ("gravity", np.float64),  # m/s^2
@@ -27,8 +29,12 @@ MACHINE = np.dtype(
         ("integrals", np.int64),  # 1: drives integrate the error of their rate, a state for each wheel
         ("odometry", np.int64),  # 1: the ideal kinematics of the wheels tell a pose
         ("odometry_yaw", np.float64),  # of that pose at spin angles 0, rad
+        ("pushed", np.int64),  # 1: there is an external wrench
         ("body_frame", np.int64),  # 1: the wrench turns with the yaw
         ("slip_mobility", np.float64),  # upper bound of the contact's inverse mass, 1/kg
+        ("mobility", np.float64),  # 1 / M, 1/kg
+        ("yaw_mobility", np.float64),  # 1 / I_z, 1/(kg m^2)
+        ("places", PLACES),  # of the state
     ]
 )
 WHEEL = np.dtype(
@@ -39,6 +45,7 @@ WHEEL = np.dtype(
         ("radius", np.float64),  # R, m
         ("roller_distance", np.float64),  # R1, m
         ("rollers", np.int64),  # N_r
+        ("rates", np.uint32),  # where the first slot of its roller rates stands in the state
         ("alpha", np.float64),  # pi / N_r, rad
         ("sin_alpha", np.float64),
         ("cos_alpha", np.float64),
@@ -61,7 +68,8 @@ WHEEL = np.dtype(
         ("drive_friction", np.float64),  # N m
         ("drive_friction_rate", np.float64),  # over which that changes its sign, rad/s
         ("odometry", np.float64, (3,)),  # chassis twist by the spin rate: m, m, 1
-    ]
+    ],
+    align=True,
 )
 FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE, DRIVE = range(5)  # channels of the inputs; DRIVE + w is the drive of wheel w
 SERVO, CONTACTS = 0, 1
@@ -118,9 +126,6 @@ EXTERNAL = np.dtype(
 LOADS = np.dtype(
     [
         ("external", EXTERNAL),
-        ("pushes", np.float64, (3, 3)),  # plane rows by the unknowns b of the loads, see body.py
-        ("tilt", np.float64, (2, 7)),  # rows of tilt by acceleration, loads, and their right sides
-        ("sums", np.float64, (6,)),  # of 1, x, y, x^2, x y, y^2 over the loaded wheels
         ("mobility", np.float64, (2, 2, 2, 2)),  # 1/kg: slip acceleration of one of RESTING by the force of another
     ]
 )

@@ -7,33 +7,53 @@ from omnisim.kernel import kernel, outlined
 @kernel
 def explicit_step(parameters, method, run, t, h):
     """One Runge-Kutta step of length h from run.y into run.trial, with the derivative and `watch` at its end."""
-    a, b, c = method.a, method.b, method.c
-    y, trial, stage, slopes = run.y, run.trial, run.stage, run.slopes
+    a, b, c, first = method.a, method.b, method.c, method.first
+    y, trial, stage, slopes, carry, increment = run.y, run.trial, run.stage, run.slopes, run.carry, run.increment
     stages = len(b)
     for i in range(1, stages + 1):
-        if i < stages:
+        last = i == stages
+        if not last:
             point, time = stage, t + c[i] * h
-            combine(y, h, a[i], i, slopes, stage)
+            if first[i] == i - 1:
+                for m in range(len(y)):
+                    stage[m] = y[m] + h * (a[i, i - 1] * slopes[i - 1, m])
+            else:
+                lead(a[i], first[i], i, slopes, stage)
+                for m in range(len(y)):
+                    rate = stage[m] + (a[i, i - 2] * slopes[i - 2, m] + a[i, i - 1] * slopes[i - 1, m])
+                    stage[m] = y[m] + h * rate
         else:
             point, time = trial, t + h
-            combine(run.carry, h, b, stages, slopes, run.increment)
+            lead(b, 0, stages, slopes, increment)
             for m in range(len(y)):
-                trial[m] = y[m] + run.increment[m]
-        rhs(parameters, run.mode, run.clock.piece, time, point, slopes[i], run.watch_end)
+                rate = increment[m] + (b[i - 2] * slopes[i - 2, m] + b[i - 1] * slopes[i - 1, m])
+                increment[m] = carry[m] + h * rate
+                trial[m] = y[m] + increment[m]
+        rhs(parameters, run.mode, run.clock.piece, time, point, slopes[i], run.watch_end, last)
     run.clock.rhs += stages
 
 
 @kernel
-def combine(y, h, weights, count, slopes, out):
-    """out = y + h (weights . slopes) over the first `count` slopes; the sum first, so y is rounded once."""
-    for m in range(len(y)):
-        out[m] = weights[0] * slopes[0, m]
-    for j in range(1, count):
-        if weights[j] != 0.0:
-            for m in range(len(y)):
-                out[m] += weights[j] * slopes[j, m]
-    for m in range(len(y)):
-        out[m] = y[m] + h * out[m]
+def lead(weights, first, count, slopes, out):
+    """Weighted sum of the slopes from `first` on, without the last two of `count`.
+
+    Two at a time: a pass over a state of a dozen numbers takes as long as the arithmetic in it.
+    """
+    j = first + (count - first) % 2
+    if j > first:
+        for m in range(len(out)):
+            out[m] = weights[first] * slopes[first, m]
+    elif j < count - 2:
+        for m in range(len(out)):
+            out[m] = weights[j] * slopes[j, m] + weights[j + 1] * slopes[j + 1, m]
+        j += 2
+    else:
+        for m in range(len(out)):
+            out[m] = 0.0
+    while j < count - 2:
+        for m in range(len(out)):
+            out[m] += weights[j] * slopes[j, m] + weights[j + 1] * slopes[j + 1, m]
+        j += 2
 
 
 @kernel
@@ -43,10 +63,11 @@ def accept(run):
     What was lost in rounding y + increment is carried into the next increment (Kahan), so millions of steps add up to
     the rounding of one.
     """
-    for m in range(len(run.y)):
-        run.carry[m] = run.increment[m] - (run.trial[m] - run.y[m])
-    copy(run.trial, run.y)
-    copy(run.slopes[-1], run.slopes[0])
+    y, trial, increment, carry, slopes = run.y, run.trial, run.increment, run.carry, run.slopes
+    for m in range(len(y)):
+        carry[m] = increment[m] - (trial[m] - y[m])
+        y[m] = trial[m]
+        slopes[0, m] = slopes[-1, m]
     for w in range(len(run.watch)):
         run.watch[w] = run.watch_end[w]
 
@@ -54,7 +75,7 @@ def accept(run):
 @outlined
 def evaluate(parameters, mode, piece, t, y, dy, watch):
     """The right-hand side, compiled once for all its uses but the stages of explicit steps."""
-    rhs(parameters, mode, piece, t, y, dy, watch)
+    rhs(parameters, mode, piece, t, y, dy, watch, True)
 
 
 @kernel

@@ -38,21 +38,21 @@ class Places(NamedTuple):
     rho: int
 
 
+# No index made of unsigned numbers can count from the end, so compiled code need not ask.
+PLACES = np.dtype([(name, np.uint32) for name in Places._fields])
+
+
 @kernel
 def places(parameters):
-    """The Places of the state of a machine."""
-    machine = parameters.machine
-    return places_of(len(parameters.wheels), machine.slots, machine.integrals, machine.bearings, machine.odometry)
+    """The Places of the state of a machine, a record PLACES."""
+    return parameters.machine.places
 
 
 def places_in(parameters):
-    """The same outside kernels, where handing over all parameters takes longer than the answer."""
-    machine = parameters.machine
-    flags = (machine.slots, machine.integrals, machine.bearings, machine.odometry)
-    return plain_places(len(parameters.wheels), *map(int, flags))
+    """The same outside kernels: Places."""
+    return Places(*map(int, parameters.machine.places))
 
 
-@kernel
 def places_of(wheels, slots, integrals, bearings, odometry):
     """Places for so many wheels with so many slots of roller rates each; the others: 1 if the scene has them."""
     rates, rollers, integral = 3 + wheels, 6 + 2 * wheels, 6 + 2 * wheels + slots * wheels
@@ -62,13 +62,10 @@ def places_of(wheels, slots, integrals, bearings, odometry):
     return Places(3, rates, rates + 2, rates + 3, rollers, integral, works, works + 1, works + 2, works + 3, pose, rho)
 
 
-plain_places = getattr(places_of, "py_func", places_of)  # a call from Python, without the detour through compiled code
-
-
 @kernel
 def rate_place(parameters, roller, w, side):
     """Where the rate of a contact's roller stands in the state: `roller` is that of side 0, side 1 is behind it."""
-    first = places(parameters).roller_rate + parameters.machine.slots * w
+    first = parameters.wheels[w].rates
     if parameters.machine.bearings:
         return first + (roller - side) % parameters.wheels[w].rollers
     return first + side

@@ -156,11 +156,15 @@ TABLEAUX = {
 
 
 class Stages(NamedTuple):
-    """What the kernels take: an explicit tableau a (s, s), b (s,), c (s,), and Radau IIA beside it."""
+    """What the kernels take: an explicit tableau a (s, s), b (s,), c (s,), and Radau IIA beside it.
+
+    first (s,): the first stage that counts in each row of a.
+    """
 
     a: np.ndarray
     b: np.ndarray
     c: np.ndarray
+    first: np.ndarray
     radau: Radau
 
 
@@ -174,7 +178,8 @@ class Method:
 
     @property
     def stages(self) -> Stages:
-        return Stages(self.tableau.a, self.tableau.b, self.tableau.c, RADAU)
+        a = self.tableau.a
+        return Stages(a, self.tableau.b, self.tableau.c, (a != 0.0).argmax(axis=1).astype(np.uint32), RADAU)
 
 
 RADAU = radau_iia()

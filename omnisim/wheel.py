@@ -10,6 +10,7 @@ same whatever N_r is.
 import math
 from typing import NamedTuple
 
+from omnisim.angle import cos_sin
 from omnisim.contact.kinematics import Slip, joint_rate, slip_velocity
 from omnisim.contact.tracking import (
     IMPLICIT,
@@ -72,10 +73,22 @@ class Rollers(NamedTuple):
     bearing_loss: float  # W
 
 
+class FreeWheel(NamedTuple):
+    """A wheel without the forces at its contacts; torques in N m."""
+
+    state: ContactState  # of contact 0
+    rollers: Rollers
+    command: float  # torque that its drive would give without limit and friction
+    drive: float  # tau on the disk about k
+    spin: float  # J phi''
+    yaw_moment: float  # on the body about the vertical
+
+
 @kernel
 def body_motion(parameters, y):
     """The Body in state y."""
-    at, cos, sin = places(parameters), math.cos(y[YAW]), math.sin(y[YAW])
+    at = places(parameters)
+    cos, sin = cos_sin(y[YAW])
     velocity_x, velocity_y = y[at.velocity], y[at.velocity + 1]
     return Body(cos, sin, velocity_x * cos + velocity_y * sin, velocity_y * cos - velocity_x * sin, y[at.yaw_rate])
 
@@ -111,6 +124,8 @@ def centre_acceleration(wheel, body, x, y, yaw):
 @kernel
 def external_wrench(parameters, piece, t, body):
     """The scene's wrench at time t on the current piece of the tables."""
+    if not parameters.machine.pushed:
+        return Wrench(0.0, 0.0, 0.0, 0.0)
     elapsed, channels, lever = t - parameters.starts[piece], parameters.inputs[piece], parameters.machine.lever
     x = channels[FORCE_X, 0] + channels[FORCE_X, 1] * elapsed
     y = channels[FORCE_Y, 0] + channels[FORCE_Y, 1] * elapsed
@@ -167,7 +182,7 @@ def contact_state(parameters, mode, w, side, body, y):
     spin_rate, yaw_rate = y[at.spin_rate + w], body.yaw_rate
     roller_rate = y[rate_place(parameters, mode.roller, w, side)]
     q = azimuth(wheel, roller, y[at.spin_angle + w])
-    cos_q, sin_q = math.cos(q), math.sin(q)
+    cos_q, sin_q = cos_sin(q)
     axis = roller_axis(wheel, cos_q, sin_q)
     if machine.tracking == IMPLICIT:
         rho = rho_of(parameters, y, w, roller % wheel.rollers)
@@ -209,7 +224,7 @@ def bearing_rollers(parameters, mode, w, cos_q, sin_q, y):
     for i in range(wheel.rollers):
         sector = parameters.sector[w, (i - here) % wheel.rollers]
         axis = roller_axis(wheel, cos_q * sector[0] - sin_q * sector[1], sin_q * sector[0] + cos_q * sector[1])
-        rate = y[at.roller_rate + parameters.machine.slots * w + i]
+        rate = y[wheel.rates + i]
         momentum = wheel.axial_inertia * rate
         g_h, g_k, g_n = g_h + momentum * axis.h, g_k + momentum * axis.k, g_n + momentum * axis.n
         joint = joint_rate(axis, rate, spin_rate, yaw_rate)

@@ -14,7 +14,7 @@ PACKAGE = Path(omnisim.__file__).parent
 # from the scene file down to the trajectory: a module imports only from rows above its own, or from its own row
 LAYERS = (
     ("kernel", "toml_text", "text", "records"),
-    ("vector", "state", "tableau", "status", "config"),
+    ("angle", "vector", "state", "tableau", "status", "config"),
     ("roller", "contact.tracking", "problems", "trajectory", "ideal"),
     ("rules", "machine_rules"),
     ("validation",),

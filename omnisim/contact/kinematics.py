@@ -107,7 +107,7 @@ def inverse_mass(machine, wheel, axis, contact, spin_held=False):
     (V_h, V_k, phi', theta', p), in which the mass matrix is diagonal; without 1/J_k if the spin is held.
     """
     j = slip_jacobian(wheel, axis, contact)
-    translation, yaw, roller = 1.0 / machine.mass, 1.0 / machine.yaw_inertia, wheel.axial_mobility
+    translation, yaw, roller = machine.mobility, machine.yaw_mobility, wheel.axial_mobility
     spin = 0.0 if spin_held else wheel.spin_mobility
     return (
         translation + spin * j.spin_h * j.spin_h + yaw * j.yaw_h * j.yaw_h + roller * j.roller_h * j.roller_h,

@@ -56,8 +56,8 @@ def roller_axis(wheel, cos_q, sin_q):
 @kernel
 def explicit_contact(wheel, cos_q, sin_q):
     """Closed form: l = R1 tan q tan psi, arm = -h_q (s, c cos q)."""
-    h_q = wheel.radius - wheel.roller_distance / cos_q
-    l = wheel.roller_distance * sin_q / cos_q * wheel.tan_psi
+    slant = wheel.roller_distance / cos_q
+    h_q, l = wheel.radius - slant, slant * sin_q * wheel.tan_psi
     return Contact(l, -h_q * wheel.sin_psi, -h_q * wheel.cos_psi * cos_q)
 
 
