@@ -237,5 +237,5 @@ def report(result: dict) -> str:
 
 def claims(result: dict) -> list[Claim]:
     least, _ = span(result, "simulate", "rk4")
-    text = "simulate with the regularized law, by rk4 with the set-valued one at equal error"
+    text = "simulate with the regularized law, by that with the set-valued one (rk4) at equal error"
     return [Claim(text, least, "at least", TARGET, ALARM)]

@@ -68,7 +68,8 @@ def read(folder: Path) -> dict[str, dict]:
 
 def page(records: dict[str, dict], drawn: dict[str, str]) -> str:
     """The whole page; drawn: the stem of the plot of each benchmark that has one."""
-    claims = [Claim(**claim) for record in records.values() for claim in record["claims"]]
+    names = dict.fromkeys([name for name in SECTIONS if name in records] + list(records))
+    claims = [Claim(**claim) for name in names for claim in records[name]["claims"]]
     parts = [INTRODUCTION, verdict(claims), claims_table(claims), CLAIMS]
     parts += [section(records[name], drawn.get(name)) for name in SECTIONS if name in records]
     return "\n\n".join(parts) + "\n"
@@ -203,6 +204,7 @@ def draw_kernels(axes: Axes, records: dict[str, dict]) -> None:
         axes.bar_label(bars, fmt="%.0f", padding=2)
     axes.set_xticks(places, ["right-hand side" if what == "rhs" else f"step, {what}" for what in result])
     axes.set(ylabel="ns", title="A bare wheel of six rollers")
+    axes.margins(y=0.1)
     axes.legend(frameon=False)
 
 
