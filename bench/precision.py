@@ -10,14 +10,14 @@ from itertools import product
 from pathlib import Path
 from typing import NamedTuple
 
-from common import Claim
+from common import Claim, table
 from machine_scenes import platform
 
 import omnisim
 from omnisim import precision
 from omnisim.precision import Setting, finest_orders, ladder
 from omnisim.scene import Scene, parse
-from omnisim_cli.bench_report import LEGEND, scene_data, section
+from omnisim_cli.bench_report import GOALS, LEGEND, scene_data, section, winner
 
 NEAR_LIMIT = Path(__file__).parent / "scenes/near_limit.toml"
 METHODS = ("heun", "rk4", "dopri5", "radau5", "auto")
@@ -86,13 +86,22 @@ def measure_entry(entry: Entry, methods: tuple[str, ...], rounds: int) -> dict:
     scene = entry.scene()
     found = precision.measure(scene, entry.settings(methods), rounds)
     orders = {method: order for (method, tracking), order in finest_orders(found).items() if tracking == "explicit"}
-    own = {"own_step_s": scene.config.time.step, "orders": orders, "report": "\n\n".join(section(found))}
-    return scene_data(found) | own
+    return scene_data(found) | {
+        "own_step_s": scene.config.time.step,
+        "orders": orders,
+        "winners": [winner(found, goal) for goal in GOALS],
+        "report": "\n\n".join(section(found)),
+    }
 
 
 def report(result: dict) -> str:
+    header = ["scene", "friction", *(f"fastest with errors below {goal:.0e}" for goal in GOALS), "observed orders"]
+    rows = []
+    for name, data in result.items():
+        orders = ", ".join(f"{method} {order:.2f}" for method, order in data["orders"].items() if method in TARGETS)
+        rows.append([name, data["law"], *data["winners"], orders or "-"])
     scenes = (f"### {data['title']}\n\n{data['report']}" for data in result.values())
-    return "\n\n".join([LEGEND.replace("*:", "\\*:"), *scenes])
+    return "\n\n".join([table(header, rows), LEGEND.replace("*:", "\\*:"), *scenes])
 
 
 def claims(result: dict) -> list[Claim]:

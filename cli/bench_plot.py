@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
 
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
@@ -30,8 +31,14 @@ def plot(measured: Sequence[tuple[str, dict]], folder: Path) -> None:
     label_width = 0.6 + 0.085 * max(map(len, entries))  # inches
     columns = min(len(entries), int(PANEL[0] * across / label_width))
     figure.legend(entries.values(), entries, loc="outside lower center", ncols=columns, frameon=False)
-    for suffix in ("png", "svg"):
-        figure.savefig(folder / f"work_precision.{suffix}", dpi=160)
+    save(figure, folder / "work_precision")
+
+
+def save(figure: Figure, stem: Path) -> None:
+    """Write stem.png, and stem.svg, which is the same file for the same numbers."""
+    figure.savefig(stem.with_suffix(".png"), dpi=160)
+    with rc_context({"svg.hashsalt": stem.name}):
+        figure.savefig(stem.with_suffix(".svg"), metadata={"Date": None})
 
 
 def panel(axes: Axes, title: str, data: dict) -> None:

@@ -18,6 +18,7 @@ import laws
 import limit
 import machine_scenes
 import memory
+import precision
 import run
 import whole_machines
 from common import Claim, bare_wheel, claims_table, ready, table
@@ -197,6 +198,27 @@ def test_the_table_of_claims_shows_what_is_missed():
     assert "| a march | 3 | at most 1.2 | **missed** | 2.5 |" in shown
 
 
+def test_claims_of_precision_are_orders_and_the_error_at_the_own_step():
+    rows = [
+        {"method": "rk4", "tracking": tracking, "step_s": step, "error": error}
+        for tracking, step, error in (("explicit", 1e-3, 1e-6), ("explicit", 1e-4, 2e-9), ("implicit", 1e-4, 1e-12))
+    ]
+    data = {"own_step_s": 1e-4, "orders": {"rk4": 3.6, "radau5": 6.1}, "rows": rows}
+    order, error = precision.claims({"six_rollers": data})
+    assert (order.value, order.met, order.alarming) == (3.6, False, False)
+    assert (error.value, error.met, error.alarming) == (2e-9, False, True)
+    rows[1]["error"] = None  # the run stopped
+    assert precision.claims({"six_rollers": data})[1].alarming
+
+
+@pytest.mark.parametrize("name", precision.ENTRIES)
+def test_every_scene_of_precision_has_its_own_step_on_the_ladder_of_a_bounded_method(name):
+    entry = precision.ENTRIES[name]
+    step, settings = entry.scene().config.time.step, entry.settings(precision.METHODS)
+    assert all(precision.Setting(method, "explicit", step) in settings for method in entry.bounds)
+    assert len(settings) == len(set(settings))
+
+
 @pytest.fixture
 def fake(monkeypatch):
     """A benchmark whose value is the number of its rounds: 3, with --quick 2."""
@@ -258,7 +280,12 @@ def test_every_benchmark_runs_and_reports(tmp_path):
     done = subprocess.run(command, cwd=Path(__file__).parents[1], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "## Kernels" in done.stdout
-    for text in ("by that with the set-valued one", "with 64 rollers", "a step of 12 wheels", "order of rk4, six_rollers"):
+    for text in (
+        "by that with the set-valued one",
+        "with 64 rollers",
+        "a step of 12 wheels",
+        "order of rk4, six_rollers",
+    ):
         assert re.search(rf"^\| .*{text}.* \| (met|\*\*missed\*\*) \|", done.stdout, re.MULTILINE), text
     assert "| slope |" in done.stdout
     assert "| youbot | sideways |" in done.stdout
