@@ -77,9 +77,12 @@ def page(records: dict[str, dict], drawn: dict[str, str]) -> str:
 
 
 def verdict(claims: list[Claim]) -> str:
-    missed = [f"{claim.text}, {claim.value:.3g} ({claim.bound} {claim.target:g})" for claim in claims if not claim.met]
+    """How many targets are met, and a line for each that is not."""
+    missed = [
+        f"- {claim.text}: {claim.value:.3g}, to be {claim.bound} {claim.target:g}" for claim in claims if not claim.met
+    ]
     met = f"**{len(claims) - len(missed)} of {len(claims)} targets are met.**"
-    return f"{met} Missed: {'; '.join(missed)}." if missed else met
+    return "\n".join([f"{met} Missed:", "", *missed]) if missed else met
 
 
 def section(record: dict, plot: str | None) -> str:

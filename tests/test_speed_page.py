@@ -41,7 +41,7 @@ def records(tmp_path):
 
 def test_the_page_begins_with_a_verdict_and_shows_what_is_missed(records):
     page = speed_page.page(records, {})
-    assert "**2 of 3 targets are met.** Missed: scaling is quick, 2 (at most 1.2)." in page
+    assert "**2 of 3 targets are met.** Missed:\n\n- scaling is quick: 2, to be at most 1.2\n\n" in page
     assert page.index("targets are met") < page.index("| scaling is quick | 2 | at most 1.2 | **missed** | 2.5 |")
     assert page.index("## Kernels") < page.index("## Scaling")
     assert "## Twists" not in page  # its results stand in machines.md
