@@ -40,6 +40,7 @@ OURS = {
     "laws": Benchmark("laws", "Set-valued against regularized friction at equal error", 20, 2),
     "whole_machines": Benchmark("whole_machines", "Whole machines", 20, 1),
     "hard_cases": Benchmark("hard_cases", "Hard cases", 1, 1),
+    "targets": Benchmark("targets", "Steps picked for an error", 2, 1),
     "kernels": Benchmark("kernels", "Kernels", 31, 5),
     "scaling": Benchmark("scaling", "64 rollers against 8", 31, 5),
     "startup": Benchmark("startup", "Whole command", 5, 1),
@@ -50,7 +51,7 @@ OURS = {
 PEERS = {
     "c_loop": Benchmark("peers.c_loop", "RK4 against C loops", 31, 5),
     "limit": Benchmark("limit", "The limit of the arithmetic", 31, 5),
-    "scipy_peer": Benchmark("scipy_peer", "Against SciPy's LSODA at equal error", 9, 1),
+    "scipy_peer": Benchmark("peers.scipy_peer", "Against SciPy's solvers at equal error", 3, 1),
     "mujoco_peer": Benchmark("peers.mujoco_peer", "One wheel in MuJoCo", 5, 1),
     "mujoco_platform": Benchmark("peers.mujoco_platform", "The mecanum platform in MuJoCo", 5, 1),
     "drake_peer": Benchmark("peers.drake_peer", "One wheel in Drake", 5, 1),

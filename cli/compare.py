@@ -69,7 +69,8 @@ def compare_pair(pair: Sequence[Scene]) -> Sequence[Trajectory]:
 def headline(trajectories: Sequence[Trajectory], comparison: Comparison) -> str:
     """What was compared, and which rows and events."""
     a, b = (trajectory.attributes for trajectory in trajectories)
-    how = f"{a['method']}, step {a['step']:g} s, {a['steps']} steps, {comparison.rows} rows"
+    steps = " and ".join(dict.fromkeys(f"step {each['step']:g} s, {each['steps']} steps" for each in (a, b)))
+    how = f"{a['method']}, {steps}, {comparison.rows} rows"
     lines = [a["title"] or "(no title)", f"{a['tracking']} against {b['tracking']}: {how}"]
     if comparison.apart:
         lines.append(f"{comparison.apart} rows left out: they lie between the exchange times of the two")

@@ -86,12 +86,16 @@ def run_facts(scene: Scene, parameters: Parameters) -> dict[str, str]:
     from omnisim.stiffness import explanation
 
     time, solver = scene.config.time, scene.config.solver
+    if solver.error is None:
+        method, steps = explanation(scene.config, parameters), f"in {time.steps} steps of {time.step:g} s"
+    else:
+        method, steps = solver.method, f"in steps that are picked for errors below {solver.error:g} m or rad"
     return {
         "scene": scene.config.title or "(no title)",
         "source": scene.source,
-        "method": explanation(scene.config, parameters),
+        "method": method,
         "tracking": solver.tracking,
-        "run": f"{time.end:g} s in {time.steps} steps of {time.step:g} s",
+        "run": f"{time.end:g} s {steps}",
         "output": f"{time.outputs + 1} rows, one every {time.output_interval:g} s",
     }
 

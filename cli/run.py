@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -32,6 +33,7 @@ def run(scene: str, output: str | None, overrides: tuple[str, ...], force: bool,
     \b
     omnisim run scene.toml                                  writes scene.h5
     omnisim run scene.toml -o fine.h5 --set time.step=1e-5
+    omnisim run scene.toml --set solver.error=1e-6          by the step that this error needs
     omnisim run six_rollers --set wheels.wheel.spin_rate=20 --set friction.coefficient=0.1
     """
     from omnisim.scene import load
@@ -42,8 +44,9 @@ def run(scene: str, output: str | None, overrides: tuple[str, ...], force: bool,
     trajectory = simulate_and_save(loaded, path, quiet)
     if not quiet:
         click.echo(report(trajectory, path))
-    if (warning := coarse(trajectory)) and not quiet:
-        note(warning)
+    for warning in (coarse(trajectory), missed(trajectory)):
+        if warning and not quiet:
+            note(warning)
     if not trajectory.complete:
         raise Failure(f"{trajectory.attributes['status']} ({path} holds what was computed)")
 
@@ -66,7 +69,7 @@ def simulate_and_save(scene: Scene, path: Path, quiet: bool) -> Trajectory:
 
 def report(trajectory: Trajectory, path: Path) -> str:
     """The summary of a run, for people."""
-    from omnisim.trajectory import odometry
+    from omnisim.trajectory import accuracy, odometry
 
     a, rows = trajectory.attributes, len(trajectory.time)
     kinds = Counter(trajectory["events/kind"].tolist())
@@ -75,6 +78,7 @@ def report(trajectory: Trajectory, path: Path) -> str:
         "scene": a["title"] or "(no title)",
         "model": a["model"],
         "method": f"{a['method']}, step {a['step']:g} s, {a['tracking']} tracking",
+        "error": accuracy(trajectory),
         "speed": speed(a["stop_time"], a["wall_time"]),
         "steps": f"{a['steps']}, with {a['rhs_evaluations']} right-hand sides",
         "events": ", ".join(f"{count} {kind}{'s' * (count != 1)}" for kind, count in events.items()),
@@ -94,6 +98,14 @@ def coarse(trajectory: Trajectory) -> str:
     if missing < COARSE:
         return ""
     return f"Warning: energy is unaccounted for, {missing:.1%} of the largest kinetic energy: time.step is too coarse"
+
+
+def missed(trajectory: Trajectory) -> str:
+    """What to say of a complete run whose error is not as small as the scene wants it; empty if it is."""
+    a = trajectory.attributes
+    if not trajectory.complete or a.get("error_estimate", math.inf) <= a.get("error_target", math.inf):
+        return ""
+    return f"Warning: no step tried brings the error below solver.error = {a['error_target']:g}"
 
 
 def speed(simulated: float, wall_time: float) -> str:

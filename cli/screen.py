@@ -78,7 +78,10 @@ class Progress:
         if not self.begun:
             self._begin()
         if self.bar:
-            self.bar.update(int(BAR_LENGTH * fraction) - self.bar.pos)
+            done = int(BAR_LENGTH * fraction)
+            if done < self.bar.pos:  # another run, in search of a step
+                self._show_bar()
+            self.bar.update(done - self.bar.pos)
         if self.stop and fraction < 1.0:
             self._end_bar()
             if not self.quiet:
@@ -98,7 +101,10 @@ class Progress:
             if signal.getsignal(number) != signal.SIG_IGN:  # a background job keeps ignoring Ctrl-C
                 self.handlers[number] = signal.signal(number, self._on_signal)
         if not self.quiet and sys.stderr and sys.stderr.isatty():
-            self.bar = click.progressbar(length=BAR_LENGTH, file=sys.stderr)
+            self._show_bar()
+
+    def _show_bar(self) -> None:
+        self.bar = click.progressbar(length=BAR_LENGTH, file=sys.stderr)
 
     def _end_bar(self) -> None:
         if self.bar:

@@ -23,6 +23,7 @@ LONG = 12  # rows: longer tables are folded
 # In the order of the page; results of other benchmarks stand elsewhere.
 SECTIONS = (
     "precision",
+    "targets",
     "c_loop",
     "limit",
     "scipy_peer",
@@ -46,6 +47,7 @@ CLAIMS = (
     """A target is what is aimed at. Beyond its alarm a value is no noise of a machine; `bench/run.py --check` fails."""
 )
 OURS, ENGINES = "#0072B2", {"mujoco_peer": ("MuJoCo", "#D55E00", "o"), "drake_peer": ("Drake", "#CC79A7", "s")}
+FORMS = {"NumPy": ("#D55E00", "^"), "scalars": ("#E69F00", "s"), "compiled": ("#CC79A7", "D")}  # of SciPy's equations
 GREY = "0.6"
 RESOLVED = 1e-9  # m: what the reference of the engines is good to
 SHARED = {"color": "0.9", "linewidth": 0.6}  # grids
@@ -117,14 +119,15 @@ def draw(records: dict[str, dict], folder: Path) -> dict[str, str]:
     for name, (stem, size, paint) in FIGURES.items():
         if name in records:
             figure = Figure(figsize=size, layout="constrained")
-            paint(figure.subplots(), records)
+            paint(figure, records)
             bench_plot.save(figure, folder / stem)
             drawn[name] = stem
     return drawn
 
 
-def draw_limit(axes: Axes, records: dict[str, dict]) -> None:
+def draw_limit(figure: Figure, records: dict[str, dict]) -> None:
     """Bars of ns per step: omnisim, the C loops, what the arithmetic alone would take."""
+    axes = figure.subplots()
     result = records["limit"]["result"]
     labels, widths, colours = [], [], []
     for scene in [name for name in result if name != "cost"]:
@@ -141,23 +144,33 @@ def draw_limit(axes: Axes, records: dict[str, dict]) -> None:
     axes.margins(x=0.12)
 
 
-def draw_scipy(axes: Axes, records: dict[str, dict]) -> None:
-    """Time against error of every solver."""
-    curves = records["scipy_peer"]["result"]["curves"]
-    ours = {"omnisim, rk4": bench_plot.COLOURS["rk4"], "omnisim, dopri5": bench_plot.COLOURS["dopri5"]}
-    theirs = iter(("#D55E00", "#E69F00", "#CC79A7", "#56B4E9"))
-    for name, points in curves.items():
-        _, errors, ms = zip(*points, strict=True)
-        look = {"color": ours[name], "marker": "o"} if name in ours else {"color": next(theirs), "marker": "s"}
-        axes.plot(errors, ms, label=name, markersize=5, linewidth=1.4, **look)
-    axes.set(xscale="log", yscale="log", xlabel="error at 2 s (m, rad)", ylabel="wall time of 2 s (ms)")
-    axes.set_title("A bare wheel: omnisim and LSODA")
-    axes.grid(which="major", **SHARED)
-    figure_legend(axes)
+def draw_scipy(figure: Figure, records: dict[str, dict]) -> None:
+    """A panel for each scene: every solver of SciPy that reaches an error, and the march, by form and method."""
+    scenes = records["scipy_peer"]["result"]
+    panels = figure.subplots(1, len(scenes), squeeze=False).ravel()
+    entries = {}
+    for axes, (name, part) in zip(panels, scenes.items(), strict=True):
+        for form, (colour, marker) in FORMS.items():
+            rows = [row for row in part["trials"] if row["form"] == form]
+            look = {"color": colour, "marker": marker, "linestyle": "none", "markerfacecolor": "none"}
+            axes.plot(*errors_and_ms(rows), label=f"SciPy, {form}", **look)
+        for method in ("rk4", "dopri5"):
+            rows = [row["ours"][method] for row in part["equal"] if method in row["ours"]]
+            axes.plot(*errors_and_ms(rows), color=bench_plot.COLOURS[method], marker="o", label=f"omnisim, {method}")
+        axes.set(xscale="log", yscale="log", title=name, xlabel="error at the end (m, rad)", ylabel="wall time (ms)")
+        axes.grid(which="major", **SHARED)
+        handles, labels = axes.get_legend_handles_labels()
+        entries |= dict(zip(labels, handles, strict=True))
+    figure.legend(entries.values(), entries, loc="outside lower center", ncols=len(entries), frameon=False)
 
 
-def draw_engines(axes: Axes, records: dict[str, dict]) -> None:
+def errors_and_ms(rows: list[dict]) -> tuple[list[float], list[float]]:
+    return [row["error"] for row in rows], [row["ms"] for row in rows]
+
+
+def draw_engines(figure: Figure, records: dict[str, dict]) -> None:
     """Every run of the engines and of omnisim: wall time of two simulated seconds against the error of the position."""
+    axes = figure.subplots()
     for name, (engine, colour, marker) in ENGINES.items():
         if name in records:
             result = records[name]["result"]
@@ -184,8 +197,9 @@ def position(rows: list[dict]) -> tuple[list[float], list[float]]:
     return [max(row["position_error"], RESOLVED) for row in rows], [row["seconds"] for row in rows]
 
 
-def draw_wheels(axes: Axes, records: dict[str, dict]) -> None:
+def draw_wheels(figure: Figure, records: dict[str, dict]) -> None:
     """ns of a step by the number of wheels."""
+    axes = figure.subplots()
     for (law, rows), colour in zip(
         records["whole_machines"]["result"]["wheels"].items(), (OURS, "#E69F00"), strict=True
     ):
@@ -202,8 +216,9 @@ def draw_wheels(axes: Axes, records: dict[str, dict]) -> None:
     axes.legend(frameon=False)
 
 
-def draw_kernels(axes: Axes, records: dict[str, dict]) -> None:
+def draw_kernels(figure: Figure, records: dict[str, dict]) -> None:
     """Bars of ns by method and tracking."""
+    axes = figure.subplots()
     result = records["kernels"]["result"]
     places = range(len(result))
     for shift, tracking, colour in ((-0.2, "explicit", OURS), (0.2, "implicit", "#E69F00")):
@@ -221,9 +236,9 @@ def figure_legend(axes: Axes) -> None:
     axes.legend(frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
 
 
-FIGURES: dict[str, tuple[str, tuple[float, float], Callable[[Axes, dict], None]]] = {
+FIGURES: dict[str, tuple[str, tuple[float, float], Callable[[Figure, dict], None]]] = {
     "limit": ("limit", (8.0, 4.2), draw_limit),
-    "scipy_peer": ("scipy", (8.0, 4.2), draw_scipy),
+    "scipy_peer": ("scipy", (13.0, 4.4), draw_scipy),
     "mujoco_peer": ("engines", (8.0, 4.2), draw_engines),
     "whole_machines": ("wheels", (5.6, 3.8), draw_wheels),
     "kernels": ("kernels", (6.4, 3.8), draw_kernels),

@@ -79,6 +79,14 @@ def compare(a: Trajectory, b: Trajectory) -> Comparison:
     return Comparison(rows, rows - int(same.sum()), events, differences, centre_height(a, b, chosen[TIME]))
 
 
+def distance(a: Trajectory, b: Trajectory) -> float:
+    """Largest over the rows that both have of that of positions (m), yaws and spin angles (rad)."""
+    rows = min(len(a.time), len(b.time))
+    paths = ["body/position", "body/yaw", *(f"wheels/{wheel}/spin_angle" for wheel in a.wheels)]
+    apart = [(a[path][:rows] - b[path][:rows]).reshape(rows, -1) for path in paths]
+    return max(float(np.linalg.norm(gaps, axis=1).max(initial=0.0)) for gaps in apart)
+
+
 def difference(quantity: Quantity, a: np.ndarray, b: np.ndarray, chosen: dict[str, np.ndarray]) -> Difference:
     """Over the chosen rows or events of one dataset."""
     first = quantity.axes[0]

@@ -14,6 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 MAX_ROLLERS = 10**6  # far beyond any wheel; keeps N_r an integer that floats and arrays can hold
 NAME = "[A-Za-z][A-Za-z0-9_-]*"
+INTERVALS = 100  # of output, about, where the scene gives no output_interval
 
 
 def _choice(*words: str) -> Any:
@@ -61,7 +62,7 @@ DRIVE_KEYS = {
 
 Real = Annotated[float, Field(description="a finite number")]
 Positive = Annotated[float, Field(gt=0, description="a finite number > 0")]
-Interval = Annotated[float | None, Field(gt=0, description="a finite number > 0")]
+PositiveOrNone = Annotated[float | None, Field(gt=0, description="a finite number > 0")]
 NonNegative = Annotated[float, Field(ge=0, description="a finite number >= 0")]
 Boolean = Annotated[bool, Field(description="true or false")]
 Name = Annotated[str, Field(pattern=f"^{NAME}$", description="a name (a letter, then letters, digits, _ or -)")]
@@ -102,11 +103,14 @@ class World(Table):
 
 
 class Time(Table):
-    """[time]: end and fixed step (s), and the grid of output that follows from them."""
+    """[time]: end and fixed step (s), and the grid of output that follows from them.
+
+    step: None where [solver] has an error to pick it for; the grid of output is then all there is.
+    """
 
     end: Positive
-    step: Positive
-    interval: Interval = Field(None, alias="output_interval")  # None: chosen below
+    step: PositiveOrNone = None
+    interval: PositiveOrNone = Field(None, alias="output_interval")  # None: chosen below
 
     @property
     def steps_per_output(self) -> int:
@@ -114,12 +118,14 @@ class Time(Table):
         if self.interval is not None:
             return round(self.interval / self.step)
         steps = round(self.end / self.step)
-        return steps // _about_100(steps)
+        return steps // _about(INTERVALS, steps)
 
     @property
     def output_interval(self) -> float:
         """Time between two rows of output, s."""
-        return self.steps_per_output * self.step if self.interval is None else self.interval
+        if self.interval is not None:
+            return self.interval
+        return self.end / INTERVALS if self.step is None else self.steps_per_output * self.step
 
     @property
     def outputs(self) -> int:
@@ -133,10 +139,15 @@ class Time(Table):
 
 
 class Solver(Table):
-    """[solver]: Runge-Kutta method, and which of the two contact tracking algorithms runs."""
+    """[solver]: Runge-Kutta method, which of the two contact tracking algorithms runs, and the error that is allowed.
+
+    error: of position (m), yaw and spin angles (rad) in any row of output; a step is picked for it, and that of [time]
+    is not used. None: no step is picked.
+    """
 
     method: _choice("heun", "rk4", "dopri5", "radau5", "auto") = "rk4"
     tracking: _choice("explicit", "implicit") = "explicit"
+    error: PositiveOrNone = None
 
 
 class Friction(Table):
@@ -326,6 +337,11 @@ class Config(Table):
     def type_of(self, wheel: Wheel) -> WheelType:
         return self.wheel_types[wheel.type]
 
+    def at_step(self, step: float) -> "Config":
+        """The same scene and rows, marched with this step (s) instead of one picked for an error."""
+        time = self.time.model_copy(update={"step": step, "interval": self.time.output_interval})
+        return self.model_copy(update={"time": time, "solver": self.solver.model_copy(update={"error": None})})
+
 
 def unused_keys(config: Config) -> tuple[str, ...]:
     """Dotted keys that nothing reads: those of other friction laws, wheel types without a wheel."""
@@ -337,10 +353,10 @@ def unused_keys(config: Config) -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=16)
-def _about_100(steps: int) -> int:
-    """The divisor of `steps` nearest to 100; a row too many is better than one too few, so those below count double."""
+def _about(wanted: int, steps: int) -> int:
+    """The divisor of `steps` nearest to `wanted`; a row too many is better than one too few, which counts double."""
     small = [d for d in range(1, math.isqrt(steps) + 1) if steps % d == 0]
-    return min((*small, *(steps // d for d in small)), key=lambda d: max(d / 100, (100 / d) ** 2))
+    return min((*small, *(steps // d for d in small)), key=lambda d: max(d / wanted, (wanted / d) ** 2))
 
 
 def is_name(word: Any) -> bool:

@@ -34,7 +34,7 @@ from omnisim.state import YAW, Places, X, Y, places_in
 from omnisim.status import EVENTS_PER_STEP
 from omnisim.stepper import march
 from omnisim.tableau import METHODS
-from omnisim.toml_text import assign, rewrite
+from omnisim.toml_text import MISSING, assign, rewrite
 from omnisim.trajectory import Trajectory
 
 ON_GRID = 1e-9  # relative, of times that must be multiples of the step
@@ -42,13 +42,13 @@ FOR_EVER = np.iinfo(np.int64).max
 
 
 class Loop:
-    """One run of a scene, as far as it has come.
+    """One run of a scene, as far as it has come, with the step that the scene gives: none is picked for `solver.error`.
 
-    Raises SceneError if the rows of the whole scene do not fit into memory.
+    Raises SceneError if the scene gives no step, or if the rows of all of it do not fit into memory.
     """
 
     def __init__(self, scene: Scene):
-        self.scene = scene
+        self.scene = scene = stepped(scene)
         self.stages = METHODS[scene.config.solver.method].stages
         self.parameters: Parameters = pack(scene.config)
         self.run = begin(scene.config, self.parameters)
@@ -236,3 +236,15 @@ class Loop:
             times.append(float(starts[piece]))
             values.append(float(value))
         return times, values
+
+
+def stepped(scene: Scene) -> Scene:
+    """The scene without `solver.error`, so that loading what the loop has done repeats it."""
+    config = scene.config
+    if config.solver.error is None:
+        return scene
+    if config.time.step is None:
+        raise SceneError(f"{scene.source}: time.step: missing; a Loop marches with it, and picks none for solver.error")
+    data, error = tomllib.loads(scene.text), ("solver", "error")
+    assign(data, error, MISSING)
+    return replace(scene, config=config.at_step(config.time.step), text=rewrite(scene.text, [(error, MISSING)], data))

@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from statistics import median
 from typing import NamedTuple
 
-import numpy as np
-
+from omnisim.analysis import distance
 from omnisim.rules import is_whole
 from omnisim.scene import Scene, SceneError, parse
 from omnisim.simulation import simulate
@@ -80,6 +80,8 @@ class Precision(NamedTuple):
 def ladder(scene: Scene, steps: Sequence[float] = ()) -> list[float]:
     """The steps to run, longest first: those given, or else multiples of the scene's own that suit its output."""
     interval, own = scene.config.time.output_interval, scene.config.time.step
+    if own is None and not steps:
+        raise SceneError(f"{scene.source}: time.step: missing; the steps to run are multiples of it, or must be given")
     for step in steps:
         if not is_whole(interval / step):
             raise SceneError(f"{scene.source}: a step of {step!r} s must divide the output interval, {interval!r} s")
@@ -92,7 +94,8 @@ def varied(scene: Scene, setting: Setting) -> Scene:
     method, tracking, step = setting
     interval = scene.config.time.output_interval
     solver = [f"solver.method={method}", f"solver.tracking={tracking}"]
-    return parse(scene.text, scene.source, [*solver, f"time.step={step!r}", f"time.output_interval={interval!r}"])
+    scene = parse(scene.text, scene.source, [*solver, f"time.step={step!r}", f"time.output_interval={interval!r}"])
+    return replace(scene, config=scene.config.at_step(step))
 
 
 def measure(
@@ -140,13 +143,6 @@ def converged(scene: Scene, step: float, progress: Callable[[float], object]) ->
         else:
             return Reference(runs[0], *pair, distance(*runs))
     raise Unconverged(runs[-1].attributes["status"])
-
-
-def distance(a: Trajectory, b: Trajectory) -> float:
-    """Largest over all rows of that of positions (m), yaws and spin angles (rad)."""
-    apart = [np.linalg.norm(a["body/position"] - b["body/position"], axis=1), np.abs(a["body/yaw"] - b["body/yaw"])]
-    angles = [f"wheels/{wheel}/spin_angle" for wheel in a.wheels]
-    return float(np.max(apart + [np.abs(a[angle] - b[angle]) for angle in angles]))
 
 
 def untimed(setting: Setting, run: Trajectory, reference: Trajectory) -> Row:

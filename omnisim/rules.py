@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 
 from omnisim.config import DRIVE_KEYS, FRICTION_KEYS, Config, Drive, Wheel
 from omnisim.problems import Problem, allowed_at, did_you_mean
@@ -13,23 +14,23 @@ DECIMAL_TOLERANCE = 1e-12  # relative, for limits that a scene reaches exactly b
 
 
 def _time_rules(config: Config) -> Iterator[Problem]:
+    """Of step, output interval and end, as far as they are given, each goes into the next."""
     time = config.time
-    steps = time.end / time.step
-    if steps > MAX_STEPS * (1 + GRID_TOLERANCE):
-        yield Problem(("time", "step"), f"end / step = {steps:.6g} steps; must be at most {MAX_STEPS:.0e}")
-    elif time.interval is None:
-        if not is_whole(steps):
-            ratio = f"end / step = {time.end!r} / {time.step!r} = {steps:.12g}"
-            yield Problem(("time", "step"), f"{ratio}; must be an integer (to 1e-9)")
-    else:
-        ratios = {
-            f"output_interval / step = {time.interval!r} / {time.step!r}": time.interval / time.step,
-            f"end / output_interval = {time.end!r} / {time.interval!r}": time.end / time.interval,
-        }
-        for name, ratio in ratios.items():
-            if not is_whole(ratio):
-                yield Problem(("time", "output_interval"), f"{name} = {ratio:.12g}; must be an integer (to 1e-9)")
-                break  # one of the three times is wrong: one problem
+    if time.step is None and config.solver.error is None:
+        instead = "or the scene has a solver.error, which picks one"
+        yield Problem(("time", "step"), f"missing; must be {allowed_at(('time', 'step'))}, {instead}")
+        return
+    times = {"step": time.step, "output_interval": time.interval, "end": time.end}
+    given = [(key, value) for key, value in times.items() if value is not None]
+    (finest, shortest), *_ = given
+    if (steps := time.end / shortest) > MAX_STEPS * (1 + GRID_TOLERANCE):
+        yield Problem(("time", finest), f"end / {finest} = {steps:.6g} steps; must be at most {MAX_STEPS:.0e}")
+        return
+    for (short, a), (long, b) in pairwise(given):
+        if not is_whole(b / a):
+            ratio = f"{long} / {short} = {b!r} / {a!r} = {b / a:.12g}"
+            yield Problem(("time", given[-2][0]), f"{ratio}; must be an integer (to 1e-9)")
+            return  # one of the three times is wrong: one problem
 
 
 def is_whole(ratio: float) -> bool:

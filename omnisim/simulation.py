@@ -6,6 +6,7 @@ from collections.abc import Callable
 from omnisim import status
 from omnisim.loop import Loop
 from omnisim.scene import Scene
+from omnisim.target import search
 from omnisim.trajectory import Trajectory
 
 CHUNK_SECONDS = 0.05  # between two calls of `progress`
@@ -13,13 +14,20 @@ FIRST_CHUNK, MOST_CHUNK = 20_000, 20_000_000  # right-hand sides between two cal
 
 
 def simulate(scene: Scene, progress: Callable[[float], object] | None = None) -> Trajectory:
-    """Run a scene.
+    """Run a scene; with a `solver.error`, by the step that it needs.
 
     progress: called with the fraction done, about 20 times a second, first with 0 when the kernels are ready; if it
-    returns something true, the run stops there. A run that stops early, for whatever reason, returns what it has
-    computed, and `attributes["status"]` says when, where and why. Raises SceneError if the rows do not fit into
-    memory.
+    returns something true, the run stops there. While a step is picked, every run begins with 0 again. A run that stops
+    early, for whatever reason, returns what it has computed, and `attributes["status"]` says when, where and why.
+    Raises SceneError if the rows do not fit into memory.
     """
+    if scene.config.solver.error is None:
+        return march_through(scene, progress).trajectory()
+    return search(scene, lambda candidate: march_through(candidate, progress))
+
+
+def march_through(scene: Scene, progress: Callable[[float], object] | None) -> Loop:
+    """The Loop of a scene where it ends: at its own end, where something stops it, or where `progress` does."""
     loop = Loop(scene)
     clock, chunk, running = loop.run.clock, FIRST_CHUNK, loop.run.clock.status == status.RUNNING
     interrupted = progress is not None and progress(0.0)
@@ -31,4 +39,4 @@ def simulate(scene: Scene, progress: Callable[[float], object] | None = None) ->
         chunk = int(min(max(chunk * CHUNK_SECONDS / max(elapsed, 1e-9), FIRST_CHUNK), MOST_CHUNK))
     if interrupted:
         clock.status = status.INTERRUPTED
-    return loop.trajectory()
+    return loop

@@ -25,6 +25,11 @@ EVENTS_PER_STEP = 4096  # more than this in one step is no progress of time
     ENDED,
 ) = range(19)
 
+# What a shorter step may cure; the rest is the motion's own end, or the user's.
+CURABLE = frozenset((
+    NOT_FINITE, TOO_STIFF, ROCKING, CROWDED, SLOW_SLIP, LOST_TRACK, NO_CONVERGENCE, STIFF_BEARING, UNBALANCED, RESTLESS,
+))  # fmt: skip
+
 SENTENCES = {
     COMPLETE: "complete",
     INTERRUPTED: "interrupted by the user at t = {time:.9g} s",

@@ -3,6 +3,7 @@
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from statistics import median
 
 import numpy as np
@@ -41,8 +42,13 @@ def interleaved(
 
 
 def race(scenes: Sequence[Scene]) -> tuple[list[Trajectory], list[list[float]]]:
-    """The trajectory of each scene, and its wall times (s, marching only): up to REPEATS, fewer of long runs."""
+    """The trajectory of each scene, and its wall times (s, marching only): up to REPEATS, fewer of long runs.
+
+    A step that is picked for an error is picked once.
+    """
     trajectories = [simulate(scene) for scene in scenes]
+    steps = [trajectory.attributes["step"] for trajectory in trajectories]
+    scenes = [replace(scene, config=scene.config.at_step(step)) for scene, step in zip(scenes, steps, strict=True)]
     times = [[trajectory.attributes["wall_time"]] for trajectory in trajectories]
     once = sum(spent[0] for spent in times)
     for taken in interleaved(scenes, min(REPEATS, int(PATIENCE / once)) - 1):

@@ -78,10 +78,15 @@ def value_at(data: Any, path: KeyPath) -> Any:
 
 
 def assign(tree: Any, path: KeyPath, value: Any) -> None:
-    """Sets the value under a path, with new tables where there are none, in a plain or a tomlkit document."""
+    """Sets the value under a path, with new tables where there are none, in a plain or a tomlkit document; MISSING
+    takes the key away.
+    """
     for part in path[:-1]:
         tree = tree.setdefault(part, {}) if isinstance(tree, dict) else tree[part]
-    tree[path[-1]] = value
+    if value is MISSING:
+        del tree[path[-1]]
+    else:
+        tree[path[-1]] = value
 
 
 def rewrite(text: str, edits: Iterable[tuple[KeyPath, Any]], data: dict[str, Any]) -> str:

@@ -21,12 +21,15 @@ FORMAT_VERSION = 1
 COMPLETE = "complete"
 EVENT_KINDS = ("exchange", "stick", "slip", "lift_off", "touch_down", "share_begin", "share_end", "stop")
 
-# Root attributes and their types; Trajectory itself fills the first two.
+# Root attributes and their types; Trajectory itself fills the first two. Optional ones are those of runs whose step was
+# picked for an error.
 ATTRIBUTES = {
     "format": str, "format_version": int, "omnisim_version": str, "title": str, "scene": str, "wheels": tuple,
     "model": str, "tracking": str, "method": str, "step": float, "steps": int, "rhs_evaluations": int,
     "wall_time": float, "status": str, "stop_time": float, "stop_wheel": str,
+    "error_target": float, "error_estimate": float,
 }  # fmt: skip
+OPTIONAL_ATTRIBUTES = frozenset(("error_target", "error_estimate"))
 
 
 @dataclass(frozen=True)
@@ -138,8 +141,8 @@ class Trajectory:
 
     def __init__(self, attributes: Mapping[str, Any], data: Mapping[str, np.ndarray]):
         given = {**attributes, "format": FORMAT, "format_version": FORMAT_VERSION}
-        _same_names("attribute", given, ATTRIBUTES)
-        self.attributes: dict[str, Any] = {name: _attribute(name, given[name]) for name in ATTRIBUTES}
+        _same_names("attribute", given, ATTRIBUTES, OPTIONAL_ATTRIBUTES)
+        self.attributes: dict[str, Any] = {name: _attribute(name, given[name]) for name in ATTRIBUTES if name in given}
         if not self.wheels:
             raise ValueError("attribute wheels: a trajectory has at least one wheel")
         table = layout(self.wheels)
@@ -151,7 +154,7 @@ class Trajectory:
     def validate(self) -> None:
         """Raise ValueError unless every dataset is as TABLE says, and every number finite."""
         for name, kind in ATTRIBUTES.items():
-            if kind is float and not math.isfinite(self.attributes[name]):
+            if kind is float and not math.isfinite(self.attributes.get(name, 0.0)):
                 raise ValueError(f"attribute {name} is {self.attributes[name]}: it must be finite")
         sizes: dict[str, int] = {}
         for quantity in self.quantities:
@@ -218,6 +221,15 @@ def odometry(trajectory: Trajectory) -> str:
     return f"off by {np.hypot(*position):.3g} m and {abs(yaw):.3g} rad at the end"
 
 
+def accuracy(trajectory: Trajectory) -> str:
+    """The error estimated and the one that was to be reached; empty if no step was picked for one."""
+    a = trajectory.attributes
+    if "error_target" not in a:
+        return ""
+    estimate = f"about {a['error_estimate']:.1e} estimated" if "error_estimate" in a else "no estimate"
+    return f"{estimate}, {a['error_target']:g} wanted"
+
+
 def _facts(trajectory: Trajectory) -> dict[str, str]:
     a, time = trajectory.attributes, trajectory.time
     end = time[-1] if len(time) else 0.0
@@ -229,6 +241,7 @@ def _facts(trajectory: Trajectory) -> dict[str, str]:
         "title": a["title"] or "(none)",
         "model": a["model"],
         "method": f"{a['method']}, step {a['step']:g} s, {a['tracking']} tracking",
+        "error": accuracy(trajectory),
         "run": f"{a['steps']} steps, {a['rhs_evaluations']} right-hand sides, {a['wall_time']:.3g} s{speed}",
         "duration": f"{end:g} s, {len(time)} rows{interval}",
         "status": a["status"],

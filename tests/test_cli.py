@@ -92,6 +92,24 @@ def test_quiet_prints_nothing_on_success_and_the_reason_on_an_early_stop():
     assert "unstable at t = " in result.stderr
 
 
+def test_a_step_picked_for_an_error_is_told_with_its_estimate():
+    result = command("run", "six_rollers", *settings("solver.error=1e-6"))
+    assert result.exit_code == 0, result.stderr
+    assert re.search(r"^method +rk4, step 0\.0002 s", result.stdout, re.MULTILINE)
+    assert re.search(r"^error +about \S+ estimated, 1e-06 wanted$", result.stdout, re.MULTILINE)
+    a = omnisim.open_trajectory("six_rollers.h5").attributes
+    assert (a["step"], a["error_target"]) == (0.0002, 1e-6) and 0.0 < a["error_estimate"] <= 1e-6
+    assert f"about {a['error_estimate']:.1e} estimated, 1e-06 wanted" in command("info", "six_rollers.h5").stdout
+
+
+def test_an_error_that_no_step_reaches_is_warned_of():
+    beyond = settings("solver.error=1e-14", "time.end=0.2")
+    result = command("run", "six_rollers", *beyond)
+    assert result.exit_code == 0, result.stderr
+    assert "Warning: no step tried brings the error below solver.error = 1e-14" in result.stderr
+    assert command("run", "six_rollers", *beyond, "--force", "--quiet").stderr == ""
+
+
 @pytest.mark.parametrize(
     ("overrides", "reason"),
     [
@@ -144,6 +162,8 @@ BAD = [
     (["run", "six_roler"], ["six_roler", "did you mean 'six_rollers'"]),
     (["run", "broken.toml"], ["broken.toml:3", "not valid TOML"]),
     (["run", "wrong.toml"], ["wrong.toml:10", "time.step", "-0.001", "> 0"]),
+    (["run", "stepless.toml"], ["stepless.toml:8", "time.step", "missing", "or the scene has a solver.error"]),
+    (["bench", "stepless.toml", "--set", "solver.error=1e-6"], ["time.step", "missing", "or must be given"]),
     (["run", "folder"], ["folder", "directory"]),
     (["run", SCENE, "--set", "time.stp=1"], ["--set time.stp=1", "did you mean 'step'"]),
     (["run", SCENE, "--set", "wheels.weel.spin_rate=1"], ["no wheel is called 'weel'", "did you mean 'wheel'"]),
@@ -185,6 +205,7 @@ def traps(folder):
     text = Path(SCENE).read_text()
     (folder / "broken.toml").write_text(text.replace("[scene]", "[scene", 1).replace("\n\n", "\n", 1))
     (folder / "wrong.toml").write_text(text.replace("step = 0.001", "step = -0.001"))
+    (folder / "stepless.toml").write_text(text.replace("step = 0.001", ""))
     (folder / "damaged.h5").write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(500))
     (folder / "folder").mkdir()
     return sorted(os.listdir(folder))
@@ -234,6 +255,18 @@ def test_ctrl_c_finishes_the_step_and_writes_the_file(number, folder):
     assert part.attributes["status"].startswith("interrupted") and part["events/kind"][-1] == "stop"
     assert 1.0 < part.time[-1] <= part.attributes["stop_time"] < 1e6
     assert os.listdir(folder) == ["part.h5"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals")
+def test_ctrl_c_ends_the_search_for_a_step():
+    child = process(SAYING_READY, "run", SCENE, "-o", "part.h5", *settings("time.end=1000", "solver.error=1e-13"))
+    assert child.stdout.readline() == "ready\n"
+    time.sleep(1.0)
+    child.send_signal(signal.SIGINT)
+    stdout, stderr = child.communicate(timeout=60)
+    assert child.returncode == 1
+    assert "interrupted by the user" in stderr and "1e-13 wanted" in stdout
+    assert omnisim.open_trajectory("part.h5").attributes["error_target"] == 1e-13
 
 
 @pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals")
@@ -299,6 +332,15 @@ def test_compare_of_a_scene_that_stops_early_says_so():
     assert result.exit_code == 1
     assert "stiff.toml, implicit: unstable" in result.stderr and "stiff.toml, explicit: unstable" in result.stderr
     assert "height of the centre" in result.stdout
+
+
+def test_compare_and_info_know_scenes_without_a_step(folder):
+    text = Path(SCENE).read_text().replace("step = 0.001", "").replace("[solver]", "[solver]\nerror = 1e-6")
+    (folder / "stepless.toml").write_text(text)
+    result = command("compare", "implicit", "explicit", "stepless.toml")
+    assert result.exit_code == 0, result.stderr
+    assert re.search(r"implicit against explicit: rk4, step \S+ s, \d+ steps, 41 rows", result.stdout)
+    assert "2 s in steps that are picked for errors below 1e-06" in command("info", "stepless.toml").stdout
 
 
 def test_info_of_a_scene_says_what_is_modelled_and_how_large_it_is():

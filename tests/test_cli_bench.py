@@ -97,6 +97,13 @@ def test_a_run_that_stops_is_a_row_that_says_why(folder):
     assert rows[0]["status"] != "complete" and rows[0]["wall_s_per_simulated_s"] is None
 
 
+def test_steps_are_those_of_the_bench_also_for_a_scene_that_picks_its_own(folder):
+    result = bench(*TINY, "--method", "rk4", "--set", "solver.error=1e-4", "-o", "report")
+    assert result.exit_code == 0, result.stderr
+    rows = json.loads((folder / "report/report.json").read_text())["scenes"][0]["rows"]
+    assert [row["steps"] for row in rows] == [200, 400]
+
+
 def test_a_scene_without_a_reference_is_a_failure_of_its_own():
     lifted = ["wrench.times=[0, 0.2]", "wrench.force=[[0, 0, 0], [0, 0, 200]]"]
     result = bench(*TINY, *(part for override in lifted for part in ("--set", override)))

@@ -89,7 +89,8 @@ DEFECTS = {
     "misspelt table": ("[friction]", "[fricton]", 13, "fricton = {", "did you mean 'friction'?"),
     "unknown key": (STEP, STEP + "\nzzz = 1", 9, "time.zzz = 1", "unknown key. Allowed: end, step"),
     "unknown inline key": ("mass = 0.5", "mass=1, x=2", 22, "wheel_types.omni.disk.x = 2", "Allowed: mass, inertia"),
-    "missing key": (STEP + "\n", "", 6, "time.step", "missing; must be a finite number > 0"),
+    "missing step": (STEP + "\n", "", 6, "time.step", "missing; must be a finite number > 0, or the scene has a solver.error"),
+    "missing key": ("end = 2.0\n", "", 6, "time.end", "missing; must be a finite number > 0"),
     "missing root key": ("schema = 1\n", "", 1, "schema", "missing; must be 1"),
     "missing table": ("[time]\nend = 2.0\nstep = 0.001\noutput_interval = 0.05\n", "", 1, "time", "missing; must be a "),
     "missing inline key": ("mass = 0.5, ", "", 22, "wheel_types.omni.disk.mass", "missing; must be a finite"),
@@ -97,6 +98,9 @@ DEFECTS = {
     "schema of the future": ("schema = 1", "schema = 2", 1, "schema = 2", "must be 1"),
     "boolean for an integer": ("schema = 1", "schema = true", 1, "schema = true", "must be 1"),
     "number for a string": ('"good"', "3", 2, "title = 3", "must be a string"),
+    "no error at all": ('"rk4"', '"rk4"\nerror = 0', 12, "solver.error = 0", "must be a finite number > 0"),
+    "unlimited error": ('"rk4"', '"rk4"\nerror = inf', 12, "solver.error = inf", "must be a finite number > 0"),
+    "error in words": ('"rk4"', '"rk4"\nerror = "1e-6"', 12, "solver.error = '1e-6'", "did you mean 1e-06?"),
     "negative gravity": ("9.81", "-9.81", 4, "scene.gravity = -9.81", "must be a finite number >= 0"),
     "boolean for a number": (RADIUS, "radius = true", 18, "wheel_types.omni.radius = true", "a finite number > 0"),
     "string for a number": (STEP, 'step = "1e-3"', 8, "time.step = '1e-3'", "finite number > 0; did you mean 0.001?"),
@@ -265,6 +269,15 @@ def test_without_an_output_interval_the_end_must_lie_on_the_steps():
     assert (
         text == "s.toml:2: time.step = 0.0003: end / step = 1.0 / 0.0003 = 3333.33333333; must be an integer (to 1e-9)"
     )
+
+
+def test_with_an_error_the_step_may_be_absent():
+    time = config_of(STEP + "\n", "", '"rk4"', '"rk4"\nerror = 1e-6').time
+    assert (time.step, time.output_interval, time.outputs) == (None, 0.05, 40)
+    time = parse(MINIMAL.replace(", step = 0.001", "") + "[solver]\nerror = 1e-6\n").config.time
+    assert (time.step, time.output_interval, time.outputs) == (None, 0.01, 100)
+    text = message(changed("end = 2.0", "end = 2.01", STEP + "\n", "", '"rk4"', '"rk4"\nerror = 1e-6'))
+    assert "time.output_interval = 0.05: end / output_interval = 2.01 / 0.05 = 40.2; must be an integer" in text
 
 
 def test_given_output_is_kept_as_it_is():

@@ -39,9 +39,10 @@ LAYERS = (
     ("start",),
     ("observables",),
     ("collect",),
-    ("loop",),
+    ("loop", "analysis"),
+    ("target",),
     ("simulation",),
-    ("analysis", "timing"),
+    ("timing",),
     ("precision",),
 )
 ONLY = {

@@ -375,5 +375,14 @@ def test_a_dataset_of_the_wrong_type_is_refused(saved):
     assert refusal(saved).startswith("truncated or damaged (")
 
 
+def test_what_a_search_adds_is_kept_and_may_be_absent(tmp_path):
+    for added in ({}, {"error_target": 1e-6}, {"error_target": 1e-6, "error_estimate": 2.5e-7}):
+        synthetic_trajectory(**added).save(tmp_path / "run.h5")
+        back = storage.read(tmp_path / "run.h5").attributes
+        assert {name: value for name, value in back.items() if name.startswith("error")} == added
+        with h5py.File(tmp_path / "run.h5", "r") as file:
+            assert set(file.attrs) == ATTRIBUTES | added.keys()
+
+
 def test_the_factory_of_these_tests_gives_all_attributes_but_the_format():
     assert synthetic_attributes().keys() | {"format", "format_version"} == ATTRIBUTES

@@ -139,6 +139,7 @@ def test_no_attribute_may_be_missing(name):
         ("steps", None),
         ("step", "1"),
         ("stop_time", np.nan),
+        ("error_estimate", np.inf),
     ],
 )
 def test_attributes_are_checked(name, value):
