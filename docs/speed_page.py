@@ -11,6 +11,7 @@ from pathlib import Path
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "bench"))
 from common import Claim, claims_table
@@ -158,6 +159,7 @@ def draw_scipy(figure: Figure, records: dict[str, dict]) -> None:
             rows = [row["ours"][method] for row in part["equal"] if method in row["ours"]]
             axes.plot(*errors_and_ms(rows), color=bench_plot.COLOURS[method], marker="o", label=f"omnisim, {method}")
         axes.set(xscale="log", yscale="log", title=name, xlabel="error at the end (m, rad)", ylabel="wall time (ms)")
+        axes.xaxis.set_minor_formatter(NullFormatter())
         axes.grid(which="major", **SHARED)
         handles, labels = axes.get_legend_handles_labels()
         entries |= dict(zip(labels, handles, strict=True))
