@@ -1,8 +1,8 @@
-"""What the benchmarks share: scenes, marches without output, interleaved timing, tables."""
+"""What the benchmarks share: scenes, marches without output, interleaved timing, claims, tables."""
 
 import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from typing import NamedTuple
 
@@ -125,6 +125,47 @@ def interleaved(contestants: dict[str, Callable[[], Callable[[], object]]], roun
 def median_ratio(numerator: list[float], denominator: list[float]) -> float:
     """Median over the rounds of the ratio within a round: slow spells of the machine cancel."""
     return statistics.median(a / b for a, b in zip(numerator, denominator, strict=True))
+
+
+class Claim(NamedTuple):
+    """What is claimed of a measured value: that it is `bound`, "at most" or "at least", the target.
+
+    alarm: the limit beyond which no noise of a machine explains the value; where nothing is timed, the target itself.
+    """
+
+    text: str
+    value: float
+    bound: str
+    target: float
+    alarm: float
+
+    @property
+    def met(self) -> bool:
+        return self.keeps(self.target)
+
+    @property
+    def alarming(self) -> bool:
+        return not self.keeps(self.alarm)
+
+    def keeps(self, limit: float) -> bool:
+        """Whether the value is no worse than the limit; what is no number is worse than any."""
+        return self.value <= limit if self.bound == "at most" else self.value >= limit
+
+
+def claims_table(claims: Iterable[Claim]) -> str:
+    """A Markdown table, what is missed in bold."""
+    header = ["claim", "measured", "target", "", "alarm"]
+    rows = [
+        [
+            claim.text,
+            f"{claim.value:.3g}",
+            f"{claim.bound} {claim.target:g}",
+            "met" if claim.met else "**missed**",
+            f"{claim.alarm:g}",
+        ]
+        for claim in claims
+    ]
+    return table(header, rows)
 
 
 def table(header: list[str], rows: list[list[object]]) -> str:

@@ -8,7 +8,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from common import table
+from common import Claim, table
 
 from omnisim.scene import packaged_scenes
 
@@ -65,3 +65,7 @@ def report(result: dict) -> str:
         for name, row in result.items()
     ]
     return table(["command", "best, s", "median, s"], rows)
+
+
+def claims(result: dict) -> list[Claim]:
+    return [Claim("commands that fail", sum("failed" in row for row in result.values()), "at most", 0, 0)]

@@ -5,7 +5,7 @@ import time
 from pathlib import Path
 from typing import NamedTuple
 
-from common import table
+from common import Claim, table
 
 import omnisim
 from omnisim.analysis import distance
@@ -104,9 +104,10 @@ def report(rows: list[dict]) -> str:
         cost = f"{statistics.median(row['search_s'] / row['run_s'] for row in own):.1f}"
         lines.append([name, method, steps, f"{worst:.2g}", ratio, cost])
     header = ["scene", "method", "steps picked, s", "largest error / target", "estimate / error", "search / run"]
-    return f"{table(header, lines)}\n\n{verdict(rows)}"
+    return table(header, lines)
 
 
-def verdict(rows: list[dict]) -> str:
+def claims(rows: list[dict]) -> list[Claim]:
     kept = sum(row["error"] <= row["target"] for row in rows)
-    return f"{kept} of {len(rows)} errors are below their targets, {TARGETS[0]:g} to {TARGETS[-1]:g}."
+    text = f"errors below the wanted ones, {TARGETS[0]:g} to {TARGETS[-1]:g}, of {len(rows)} picked steps"
+    return [Claim(text, kept, "at least", len(rows), len(rows))]

@@ -25,7 +25,7 @@ import sys
 from typing import NamedTuple
 
 import numpy as np
-from common import table
+from common import Claim, table
 
 import omnisim
 from omnisim.analysis import energy_error
@@ -45,6 +45,7 @@ LAWS = {
 SYMMETRIC = {("viscous", "in place"): 1e-3, ("viscous", "straight"): 1e-3}  # s; at 1e-2 rounding tells the wheels apart
 SHARES = (1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001)
 SHORT = 20.0  # s, of the table of shares
+PROPORTIONAL = 0.99  # least exponent of the share in the distance after SHORT
 NOTES = """Method radau5. Energy: the largest imbalance in any row, relative to the initial kinetic energy. Distance:
 from the ideal motion with the same twist at the start. The wheels start at rest on the chassis, or as if it yawed
 alone, so that all but the first start begin with a skid, over at 1 s. Viscous friction: with upright = "servo"."""
@@ -179,6 +180,12 @@ def share_table(shares: dict[str, dict[str, dict[float, float]]]) -> str:
     rows.append(["slope", *(f"{slope(found):.3f}" for _, found in columns)])
     title = "Distance from the ideal by the share of the rollers' mass; Coulomb friction, rk4, step 1e-3 s:"
     return f"{title}\n\n{table(['share', *(name for name, _ in columns)], rows)}"
+
+
+def claims(result: dict) -> list[Claim]:
+    least = min(slope(found) for found in result["shares"][f"{SHORT:g}"].values())
+    text = f"exponent of the rollers' share of mass in the distance from the ideal vehicle after {SHORT:g} s"
+    return [Claim(text, least, "at least", PROPORTIONAL, PROPORTIONAL)]
 
 
 if __name__ == "__main__":

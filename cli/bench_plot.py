@@ -1,15 +1,13 @@
-"""The work-precision plot of `omnisim bench`: the only matplotlib import of the command."""
+"""Work-precision plots, drawn from the numbers of a report: the only matplotlib import of the command."""
 
 from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
 
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
-
-from omnisim.precision import Precision
-from omnisim_cli.bench_report import title
 
 # Okabe & Ito: told apart with any colour vision
 COLOURS = {"heun": "#E69F00", "rk4": "#0072B2", "dopri5": "#009E73", "radau5": "#D55E00", "auto": "#CC79A7"}
@@ -17,15 +15,15 @@ STYLES = {"explicit": ("-", "o"), "implicit": ("--", "s")}
 PANEL = (4.6, 4.0)  # inches
 
 
-def plot(measured: Sequence[Precision], folder: Path) -> None:
-    """One panel for each scene and law, written as work_precision.png and .svg."""
+def plot(measured: Sequence[tuple[str, dict]], folder: Path) -> None:
+    """One panel for each title and its `bench_report.scene_data`, written as work_precision.png and .svg."""
     across = 2 if len(measured) == 4 else min(3, len(measured))
     down = -(-len(measured) // across)
     figure = Figure(figsize=(PANEL[0] * across, PANEL[1] * down + 0.5), layout="constrained")
     panels = figure.subplots(down, across, squeeze=False).ravel()
     entries = {}
-    for axes, found in zip(panels, measured, strict=False):
-        panel(axes, found)
+    for axes, (title, data) in zip(panels, measured, strict=False):
+        panel(axes, title, data)
         handles, labels = axes.get_legend_handles_labels()
         entries |= dict(zip(labels, handles, strict=True))
     for axes in panels[len(measured) :]:
@@ -33,35 +31,34 @@ def plot(measured: Sequence[Precision], folder: Path) -> None:
     label_width = 0.6 + 0.085 * max(map(len, entries))  # inches
     columns = min(len(entries), int(PANEL[0] * across / label_width))
     figure.legend(entries.values(), entries, loc="outside lower center", ncols=columns, frameon=False)
-    for suffix in ("png", "svg"):
-        figure.savefig(folder / f"work_precision.{suffix}", dpi=160)
+    save(figure, folder / "work_precision")
 
 
-def panel(axes: Axes, found: Precision) -> None:
+def save(figure: Figure, stem: Path) -> None:
+    """Write stem.png, and stem.svg, which is the same file for the same numbers."""
+    figure.savefig(stem.with_suffix(".png"), dpi=160)
+    with rc_context({"svg.hashsalt": stem.name}):
+        figure.savefig(stem.with_suffix(".svg"), metadata={"Date": None})
+
+
+def panel(axes: Axes, title: str, data: dict) -> None:
     """A line for each method and tracking; the front thick and grey behind them, its points filled.
 
     Errors that the reference cannot tell stand at its limit; what is beyond is shaded.
     """
-    trusted = found.reference.distance
-    axes.set(xscale="log", yscale="log", title=title(found))
+    trusted = data["reference"]["distance"]
+    axes.set(xscale="log", yscale="log", title=title)
     axes.set(xlabel="largest error (m, rad)", ylabel="wall time (s per simulated s)")
-    rows = [row._replace(error=max(row.error, trusted)) for row in found.rows if row.error is not None]
-    front = sorted((row.error, row.march) for row in rows if row.front)
-    axes.plot(*zip(*front, strict=True), color="0.82", linewidth=7, solid_capstyle="round", label="Pareto front")
-    for (method, tracking), line in groupby(rows, key=lambda row: row[:2]):
+    finished = [row for row in data["rows"] if row["error"] is not None]
+    front = sorted((row for row in finished if row["pareto"]), key=lambda row: row["wall_s_per_simulated_s"])
+    axes.plot(*points(front, trusted), color="0.82", linewidth=7, solid_capstyle="round", label="Pareto front")
+    for (method, tracking), line in groupby(finished, key=lambda row: (row["method"], row["tracking"])):
         curve = list(line)
         style, marker = STYLES[tracking]
         label = method if tracking == "explicit" else f"{method}, {tracking} tracking"
         look = {"color": COLOURS[method], "linestyle": style, "marker": marker, "markersize": 5.5, "linewidth": 1.4}
-        axes.plot(
-            [row.error for row in curve],
-            [row.march for row in curve],
-            markerfacecolor="white",
-            label=label,
-            **look,
-        )
-        best = [row for row in curve if row.front]
-        axes.plot([row.error for row in best], [row.march for row in best], **look | {"linestyle": "none"})
+        axes.plot(*points(curve, trusted), markerfacecolor="white", label=label, **look)
+        axes.plot(*points([row for row in curve if row["pareto"]], trusted), **look | {"linestyle": "none"})
     limits = axes.get_xlim()
     if trusted > limits[0]:
         axes.axvspan(limits[0], trusted, color="0.93", zorder=0, label="reference limit")
@@ -69,3 +66,8 @@ def panel(axes: Axes, found: Precision) -> None:
     axes.xaxis.set_major_locator(LogLocator(numticks=8))
     axes.grid(which="major", color="0.9", linewidth=0.6)
     axes.set_axisbelow(True)
+
+
+def points(rows: list[dict], trusted: float) -> tuple[list[float], list[float]]:
+    """Errors as far as the reference can tell them, and seconds per simulated second."""
+    return [max(row["error"], trusted) for row in rows], [row["wall_s_per_simulated_s"] for row in rows]

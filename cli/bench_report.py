@@ -114,10 +114,14 @@ def as_markdown(measured: Sequence[Precision], pictured: bool) -> str:
     if pictured:
         parts.append("![seconds per simulated second against error](work_precision.png)")
     for found in measured:
-        parts += [f"## {title(found)}", "\n".join(["```", headline(found), "```"]), markdown_table(found)]
-        parts += [f"- stopped: {reason}" for reason in stops(found)]
-        parts.append(verdict(found))
+        parts += [f"## {title(found)}", *section(found)]
     return "\n\n".join(parts) + "\n"
+
+
+def section(found: Precision) -> list[str]:
+    """The paragraphs on one scene."""
+    stopped = [f"- stopped: {reason}" for reason in stops(found)]
+    return ["\n".join(["```", headline(found), "```"]), markdown_table(found), *stopped, verdict(found)]
 
 
 def title(found: Precision) -> str:

@@ -1,10 +1,14 @@
 """The peers of the benchmarks simulate the same motion; nothing here is timed."""
 
 import json
+import math
+import re
 import shutil
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -14,9 +18,11 @@ import laws
 import limit
 import machine_scenes
 import memory
+import precision
+import run
 import targets
 import whole_machines
-from common import bare_wheel, ready, table
+from common import Claim, bare_wheel, claims_table, ready, table
 from peers import c_loop
 
 import omnisim
@@ -217,22 +223,127 @@ def test_a_table_is_markdown():
     assert table(["a", "b"], [[1, 2]]) == "| a | b |\n| --- | --- |\n| 1 | 2 |"
 
 
-def test_every_benchmark_runs_and_reports():
-    """The whole of `python bench/run.py --quick` but the start-up of commands, with its verdict."""
-    parts = ("c_loop", "limit", "laws", "scaling", "kernels", "whole_machines", "vehicle", "twists")
-    command = [sys.executable, "bench/run.py", "--quick", *parts]
+def claim(value, bound="at most", target=1.2, alarm=2.5):
+    return Claim("a march", value, bound, target, alarm)
+
+
+@pytest.mark.parametrize(
+    ("value", "met", "alarming"), [(1.2, True, False), (1.21, False, False), (2.5, False, False), (2.51, False, True)]
+)
+def test_a_bound_is_still_within_itself_and_beyond_the_alarm_is_not(value, met, alarming):
+    assert (claim(value).met, claim(value).alarming) == (met, alarming)
+    from_above = claim(-value, "at least", -1.2, -2.5)
+    assert (from_above.met, from_above.alarming) == (met, alarming)
+
+
+@pytest.mark.parametrize("bound", ["at most", "at least"])
+def test_what_is_no_number_is_missed_and_beyond_the_alarm(bound):
+    assert not claim(math.nan, bound).met and claim(math.nan, bound).alarming
+
+
+def test_the_table_of_claims_shows_what_is_missed():
+    shown = claims_table([claim(1.0), claim(3.0)])
+    assert "| a march | 1 | at most 1.2 | met | 2.5 |" in shown
+    assert "| a march | 3 | at most 1.2 | **missed** | 2.5 |" in shown
+
+
+def test_claims_of_precision_are_orders_and_the_error_at_the_own_step():
+    rows = [
+        {"method": "rk4", "tracking": tracking, "step_s": step, "error": error}
+        for tracking, step, error in (("explicit", 1e-3, 1e-6), ("explicit", 1e-4, 2e-9), ("implicit", 1e-4, 1e-12))
+    ]
+    data = {"own_step_s": 1e-4, "orders": {"rk4": 3.6, "radau5": 6.1}, "rows": rows}
+    order, error = precision.claims({"six_rollers": data})
+    assert (order.value, order.met, order.alarming) == (3.6, False, False)
+    assert (error.value, error.met, error.alarming) == (2e-9, False, True)
+    rows[1]["error"] = None  # the run stopped
+    assert precision.claims({"six_rollers": data})[1].alarming
+
+
+@pytest.mark.parametrize("name", precision.ENTRIES)
+def test_every_scene_of_precision_has_its_own_step_on_the_ladder_of_a_bounded_method(name):
+    entry = precision.ENTRIES[name]
+    step, settings = entry.scene().config.time.step, entry.settings(precision.METHODS)
+    assert all(precision.Setting(method, "explicit", step) in settings for method in entry.bounds)
+    assert len(settings) == len(set(settings))
+
+
+@pytest.fixture
+def fake(monkeypatch):
+    """A benchmark whose value is the number of its rounds: 3, with --quick 2."""
+    module = ModuleType("fake_benchmark")
+    module.measure = lambda rounds: {"rounds": rounds}
+    module.report = lambda result: f"{result['rounds']} rounds"
+    module.claims = lambda result: [claim(float(result["rounds"]))]
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+    monkeypatch.setitem(run.BENCHMARKS, "fake", run.Benchmark(module.__name__, "A fake", 3, 2))
+    return module
+
+
+def test_a_check_passes_what_is_missed_within_the_alarm(fake, capsys):
+    run.main(["--check", "fake"])
+    assert "| a march | 2 | at most 1.2 | **missed** | 2.5 |" in capsys.readouterr().out
+
+
+def test_a_check_fails_beyond_the_alarm_and_names_the_claim(fake, capsys):
+    fake.claims = lambda _: [claim(2.51), claim(1.0)]
+    with pytest.raises(SystemExit, match=r"^beyond its alarm: a march: 2\.51$"):  # a sentence: exit code 1
+        run.main(["--check", "fake"])
+    assert "## A fake" in capsys.readouterr().out
+    run.main(["--quick", "fake"])  # only a check fails
+
+
+def test_a_report_holds_the_numbers_and_their_circumstances(fake, tmp_path):
+    run.main(["fake", "--report", str(tmp_path / "new")])
+    data = json.loads((tmp_path / "new/fake.json").read_text())
+    assert data["result"] == {"rounds": 3} and data["report"] == "3 rounds"
+    assert Claim(**data["claims"][0]) == claim(3.0)
+    assert data["command"] == "python bench/run.py fake"
+    assert {"title", "date", "machine", "versions"} < set(data)
+
+
+def test_a_benchmark_without_its_package_says_so_and_claims_nothing(fake, monkeypatch, capsys, tmp_path):
+    monkeypatch.setitem(sys.modules, "scipy", None)  # importing it fails
+
+    def measure(_):
+        raise AssertionError
+
+    fake.measure = measure
+    monkeypatch.setattr(run, "import_module", lambda _: import_module("scipy"))
+    run.main(["--check", "fake", "--report", str(tmp_path)])
+    assert "scipy is not installed: not measured." in capsys.readouterr().out
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_groups_are_opened_and_nothing_runs_twice():
+    chosen = run.chosen(run.parsed(["scaling", "ours"]))
+    assert chosen[0] == "scaling" and sorted(chosen) == sorted(run.OURS)
+    assert run.chosen(run.parsed([])) == list(run.BENCHMARKS)
+    assert run.chosen(run.parsed(["--check"])) == list(run.CHECKED)
+
+
+def test_every_benchmark_runs_and_reports(tmp_path):
+    """The whole of `python bench/run.py --quick` but commands and other engines, with its claims."""
+    parts = ("c_loop", "limit", "laws", "scaling", "kernels", "whole_machines", "vehicle", "twists", "precision")
+    command = [sys.executable, "bench/run.py", "--quick", "--report", str(tmp_path), *parts]
     done = subprocess.run(command, cwd=Path(__file__).parents[1], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "## Kernels" in done.stdout
-    assert "times as long as the set-valued one" in done.stdout
-    assert "64 rollers take" in done.stdout
-    assert "A step of 12 wheels takes" in done.stdout
+    for text in (
+        "by that with the set-valued one",
+        "with 64 rollers",
+        "a step of 12 wheels",
+        "order of rk4, six_rollers",
+    ):
+        assert re.search(rf"^\| .*{text}.* \| (met|\*\*missed\*\*) \|", done.stdout, re.MULTILINE), text
     assert "| slope |" in done.stdout
     assert "| youbot | sideways |" in done.stdout
+    assert {path.stem for path in tmp_path.iterdir()} >= set(parts) - {"c_loop", "limit"}  # which need a compiler
 
 
 def test_the_error_of_a_picked_step_is_judged_by_a_converged_run():
     case = targets.CASES[0]
     found = targets.row(case, "dopri5", 1e-6, converged(case.load(), 1e-4, lambda _: None), 1)
     assert found["trusted"] < 1e-12 < found["error"] < found["estimate"] <= 1e-6  # measured: 2e-13, 4.7e-10, 1.0e-7
-    assert targets.report([found]).endswith("1 of 1 errors are below their targets, 0.0001 to 1e-09.")
+    (kept,) = targets.claims([found])
+    assert (kept.value, kept.met) == (1, True)

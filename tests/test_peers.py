@@ -169,3 +169,15 @@ def test_the_benchmark_in_drake_runs_and_reports(drake):
     result = drake_peer.measure(1)
     assert "omnisim.simulate" in drake_peer.report(result)
     json.dumps(result)
+
+
+def test_an_engine_is_judged_by_a_run_that_is_a_thousand_times_closer():
+    def ours(error, ratio):
+        return {"position_error": error, "simulate": {"ratios": {wheel_scene.BEST: ratio}}}
+
+    best = {"position_error": 1e-2}
+    (claim,) = wheel_scene.claims("An engine", {"best": best, "omnisim": [ours(1e-5, 3.0), ours(2e-5, 9.0)]})
+    assert (claim.value, claim.met) == (3.0, True)
+    (claim,) = wheel_scene.claims("An engine", {"best": best, "omnisim": [ours(2e-5, 9.0)]})
+    assert (claim.value, claim.met) == (0.0, False)  # no run is so close
+    assert wheel_scene.claims("An engine", {}) == []

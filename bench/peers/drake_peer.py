@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from common import table
+from common import Claim, table
 
 from peers import wheel_scene
 from peers.wheel_scene import BEST, CELLS, FAILED, FASTEST, LEVEL, NOTES, SMOOTH
@@ -193,3 +193,7 @@ def report(result: dict) -> str:
             NOTES,
         ]
     )
+
+
+def claims(result: dict) -> list[Claim]:
+    return wheel_scene.claims("Drake", result)

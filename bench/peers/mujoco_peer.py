@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
-from common import table
+from common import Claim, table
 
 from omnisim.config import WheelType
 from peers import wheel_scene
@@ -259,3 +259,7 @@ def ladder_table(rows: list[dict]) -> str:
 
 def words(row: dict) -> str:
     return f"{row['rollers']}; {row['contact']}; {row['integrator']}, {row['step']:g} s"
+
+
+def claims(result: dict) -> list[Claim]:
+    return wheel_scene.claims("MuJoCo", result)

@@ -1,0 +1,123 @@
+"""Speed against error, from easy scenes to hard ones: what `omnisim bench` measures, by scenes chosen for it.
+
+The reference of each scene is computed on the spot and confirmed by another method; see `omnisim.precision`.
+"""
+
+import math
+from collections.abc import Callable
+from functools import partial
+from itertools import product
+from pathlib import Path
+from typing import NamedTuple
+
+from common import Claim, table
+from machine_scenes import platform
+
+import omnisim
+from omnisim import precision
+from omnisim.precision import Setting, finest_orders, ladder
+from omnisim.scene import Scene, parse
+from omnisim_cli.bench_report import GOALS, LEGEND, scene_data, section, winner
+
+NEAR_LIMIT = Path(__file__).parent / "scenes/near_limit.toml"
+METHODS = ("heun", "rk4", "dopri5", "radau5", "auto")
+TARGETS = {"heun": 1.9, "rk4": 3.8, "dopri5": 4.7}  # orders
+ALARMS = {"heun": 1.7, "rk4": 3.5, "dopri5": 4.3}
+PLATFORM_TITLE = "title='A platform on four mecanum wheels, diagonal with yaw by rate drives'"
+THROWN = ('title="The authors\' vehicle, thrown ahead while it turns"', "initial.velocity=[1.0, 0.0]", "time.end=2.0")
+
+
+class Entry(NamedTuple):
+    """A scene with its methods and steps (s; none: the ladder of `omnisim bench`).
+
+    bounds: of the error by method at the scene's own step.
+    alarms: of the observed orders by method; slow slip and late events let a ladder tell less than a method's own.
+    tracked: methods that run with implicit contact tracking as well.
+    """
+
+    scene: Callable[[], Scene]
+    bounds: dict[str, float]
+    alarms: dict[str, float] = ALARMS
+    methods: tuple[str, ...] = METHODS
+    steps: tuple[float, ...] = ()
+    tracked: tuple[str, ...] = ()
+
+    def settings(self, methods: tuple[str, ...]) -> list[Setting]:
+        """Of those methods that are the scene's as well."""
+        explicit = product([method for method in self.methods if method in methods], ["explicit"])
+        pairs = [*explicit, *product(self.tracked, ["implicit"])]
+        return [Setting(*pair, step) for pair in pairs for step in ladder(self.scene(), self.steps)]
+
+
+ENTRIES = {
+    "six_rollers": Entry(partial(omnisim.load, "six_rollers"), {"rk4": 1e-9}, tracked=("rk4", "dopri5")),
+    "coulomb_wheel": Entry(
+        partial(omnisim.load, "coulomb_wheel"), {"rk4": 5e-9, "dopri5": 1e-10}, ALARMS | {"dopri5": 3.0}
+    ),
+    "authors_testbench": Entry(
+        partial(omnisim.load, "authors_testbench", ["time.end=1.0"]), {"rk4": 1e-12}, steps=(1e-2, 1e-3, 1e-4, 5e-6)
+    ),
+    "near_limit": Entry(
+        lambda: parse(NEAR_LIMIT.read_text(encoding="utf-8"), "near_limit"),
+        {"rk4": 1e-4, "dopri5": 1e-5},
+        {"heun": 1.5, "rk4": 2.7, "dopri5": 4.3},
+    ),
+    "kiwi": Entry(partial(omnisim.load, "kiwi"), {"rk4": 1e-10}),
+    "platform": Entry(
+        lambda: parse(platform("diagonal with yaw", "rate", "rk4", 1e-3).text, "platform", [PLATFORM_TITLE]),
+        {"rk4": 1e-7},
+        ALARMS | {"dopri5": 2.7},
+    ),
+    "authors_vehicle": Entry(
+        partial(omnisim.load, "authors_vehicle", THROWN), {"auto": 1e-6}, methods=("rk4", "radau5", "auto")
+    ),
+}
+QUICK = ("six_rollers", "coulomb_wheel"), ("rk4", "dopri5")  # scenes and methods
+FULL_ROUNDS = 5  # fewer rounds are for the quick ones
+
+
+def measure(rounds: int) -> dict:
+    """By scene: the numbers of `omnisim bench`, orders by method, the scene's own step, and what the command says."""
+    names, methods = QUICK if rounds < FULL_ROUNDS else (tuple(ENTRIES), METHODS)
+    return {name: measure_entry(ENTRIES[name], methods, rounds) for name in names}
+
+
+def measure_entry(entry: Entry, methods: tuple[str, ...], rounds: int) -> dict:
+    scene = entry.scene()
+    found = precision.measure(scene, entry.settings(methods), rounds)
+    orders = {method: order for (method, tracking), order in finest_orders(found).items() if tracking == "explicit"}
+    return scene_data(found) | {
+        "own_step_s": scene.config.time.step,
+        "orders": orders,
+        "winners": [winner(found, goal) for goal in GOALS],
+        "report": "\n\n".join(section(found)),
+    }
+
+
+def report(result: dict) -> str:
+    header = ["scene", "friction", *(f"fastest with errors below {goal:.0e}" for goal in GOALS), "observed orders"]
+    rows = []
+    for name, data in result.items():
+        orders = ", ".join(f"{method} {order:.2f}" for method, order in data["orders"].items() if method in TARGETS)
+        rows.append([name, data["law"], *data["winners"], orders or "-"])
+    scenes = (f"### {data['title']}\n\n{data['report']}" for data in result.values())
+    return "\n\n".join([table(header, rows), LEGEND.replace("*:", "\\*:"), *scenes])
+
+
+def claims(result: dict) -> list[Claim]:
+    """Orders where the errors tell them, and errors at the scene's own step."""
+    found = []
+    for name, data in result.items():
+        for method, order in data["orders"].items():
+            if method in TARGETS:
+                limits = TARGETS[method], ENTRIES[name].alarms[method]
+                found.append(Claim(f"observed order of {method}, {name}", order, "at least", *limits))
+        for method, bound in ENTRIES[name].bounds.items():
+            (error,) = (row["error"] for row in data["rows"] if own_step(row, method, data["own_step_s"]))
+            text = f"error by {method} at {data['own_step_s']:g} s, {name}"
+            found.append(Claim(text, math.nan if error is None else error, "at most", bound, bound))
+    return found
+
+
+def own_step(row: dict, method: str, step: float) -> bool:
+    return (row["method"], row["tracking"], row["step_s"]) == (method, "explicit", step)

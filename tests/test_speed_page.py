@@ -1,0 +1,67 @@
+"""The page on speed and accuracy says what the results say."""
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("matplotlib", reason="needs matplotlib")
+sys.path.insert(0, str(Path(__file__).parents[1] / "docs"))
+import speed_page
+
+BOUND = {"bound": "at most", "target": 1.2, "alarm": 2.5}
+
+
+def record(name, result, report="| a |\n| --- |\n| 1 |", value=1.0):
+    """What `bench/run.py --report` writes."""
+    return {
+        "title": name.capitalize(),
+        "command": f"python bench/run.py {name}",
+        "date": "2026-01-02T03:04:05+00:00",
+        "machine": "a processor",
+        "versions": {"numba": "0.1"},
+        "claims": [{"text": f"{name} is quick", "value": value, **BOUND}],
+        "report": report,
+        "result": result,
+    }
+
+
+@pytest.fixture
+def records(tmp_path):
+    kernels = {"rhs": {"explicit": 50.0, "implicit": 100.0}, "rk4": {"explicit": 200.0, "implicit": 400.0}}
+    for name, made in {
+        "kernels": record("kernels", kernels),
+        "scaling": record("scaling", {}, "A sentence.\n\n" + "\n".join(["| row |"] * 15) + "\n\nThe end.", 2.0),
+        "twists": record("twists", []),
+    }.items():
+        (tmp_path / f"{name}.json").write_text(json.dumps(made))
+    return speed_page.read(tmp_path)
+
+
+def test_the_page_begins_with_a_verdict_and_shows_what_is_missed(records):
+    page = speed_page.page(records, {})
+    assert "**2 of 3 targets are met.** Missed:\n\n- scaling is quick: 2, to be at most 1.2\n\n" in page
+    assert page.index("targets are met") < page.index("| scaling is quick | 2 | at most 1.2 | **missed** | 2.5 |")
+    assert page.index("## Kernels") < page.index("## Scaling")
+    assert "## Twists" not in page  # its results stand in machines.md
+
+
+def test_each_section_names_machine_day_and_command(records):
+    page = speed_page.page(records, {})
+    assert "a processor; numba 0.1; 2026-01-02; `python bench/run.py scaling`" in page
+
+
+def test_long_tables_are_folded_and_short_ones_are_not(records):
+    page = speed_page.page(records, {})
+    assert page.count("<details>") == page.count("</details>") == 1
+    head, _, rest = page.partition("<details><summary>13 rows</summary>\n\n| row |\n")
+    assert head.endswith("A sentence.\n\n") and rest.partition("</details>")[2].startswith("\n\nThe end.")
+
+
+def test_every_plot_is_written_and_stands_in_its_section(records, tmp_path):
+    drawn = speed_page.draw(records, tmp_path)
+    assert drawn == {"kernels": "kernels"}
+    assert (tmp_path / "kernels.png").stat().st_size > 1000 and (tmp_path / "kernels.svg").stat().st_size > 1000
+    page = speed_page.page(records, drawn)
+    assert page.index("## Kernels") < page.index("(speed/kernels.png)") < page.index("## Scaling")
