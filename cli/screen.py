@@ -47,7 +47,7 @@ def compilation_noted(quiet: bool = False) -> Iterator[None]:
 
         def on_start(self, _: event.Event) -> None:
             if not self.silent:
-                note("compiling kernels, once: this takes some seconds")
+                note("compiling kernels, once: this takes a minute or two")
             self.silent = True
 
         def on_end(self, _: event.Event) -> None:
