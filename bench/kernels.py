@@ -9,7 +9,7 @@ from omnisim.dynamics import rhs
 from omnisim.tableau import TABLEAUX
 
 EVALUATIONS = 20_000
-TARGET, ALARM = 1.5, 4.0  # times an rk4 step with explicit tracking; the paper found about 1.5
+TARGET, ALARM = 1.5, 1.1  # how many times faster explicit tracking makes an rk4 step; the paper found about 1.5
 
 
 @numba.njit(error_model="numpy")
@@ -60,4 +60,4 @@ def report(result: dict) -> str:
 
 def claims(result: dict) -> list[Claim]:
     ratio = result["rk4"]["implicit"] / result["rk4"]["explicit"]
-    return [Claim("an rk4 step with implicit contact tracking, by one with explicit", ratio, "at most", TARGET, ALARM)]
+    return [Claim("an rk4 step with implicit contact tracking, by one with explicit", ratio, "at least", TARGET, ALARM)]

@@ -25,9 +25,7 @@ WHEELS_ALARM = 6.0  # times a step of the smallest ring, for the largest
 ACCURATE = 1e-5  # m: error of position in any row
 CONFIRMED = 1e-11  # m: largest distance of the two converged runs
 CONVERGED = {"rk4": 2e-5, "dopri5": 4e-5}  # s; the first is the reference
-ELSEWHERE = (
-    "MuJoCo with ellipsoids as rollers, measured elsewhere on such a platform: 39 to 46, with 2 % of sideways slip"
-)
+ELSEWHERE = "MuJoCo with ellipsoids as rollers, measured elsewhere on such a platform: 39 to 46"
 MECANUM = Path(__file__).parents[1] / "tests/reference/mecanum.toml"
 WHEELS, FEWEST, MOST = (3, 4, 6, 8, 12), 3, 12
 ROLLERS = (8, 64)
