@@ -14,12 +14,15 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "bench"))
-from common import Claim, claims_table
+from common import Claim, claims_table, table
 
 from omnisim_cli import bench_plot
 
 HERE = Path(__file__).parent
 RESULTS = HERE.parent / "bench/results"
+EXPLICIT, DEFAULT = ("heun", "rk4", "dopri5"), "rk4"
+METHODS = (*EXPLICIT, "radau5", "auto")
+ERRORS = (1e-6, 1e-9)  # m, rad
 LONG = 12  # rows: longer tables are folded
 # In the order of the page; results of other benchmarks stand elsewhere.
 SECTIONS = (
@@ -74,7 +77,10 @@ def page(records: dict[str, dict], drawn: dict[str, str]) -> str:
     """The whole page; drawn: the stem of the plot of each benchmark that has one."""
     names = dict.fromkeys([name for name in SECTIONS if name in records] + list(records))
     claims = [Claim(**claim) for name in names for claim in records[name]["claims"]]
-    parts = [INTRODUCTION, verdict(claims), claims_table(claims), CLAIMS]
+    parts = [INTRODUCTION, verdict(claims)]
+    if "precision" in records:
+        parts.append(recommendation(records["precision"]["result"]))
+    parts += ["## Claims", claims_table(claims), CLAIMS]
     parts += [section(records[name], drawn.get(name)) for name in SECTIONS if name in records]
     return "\n\n".join(parts) + "\n"
 
@@ -86,6 +92,43 @@ def verdict(claims: list[Claim]) -> str:
     ]
     met = f"**{len(claims) - len(missed)} of {len(claims)} targets are met.**"
     return "\n".join([f"{met} Missed:", "", *missed]) if missed else met
+
+
+def recommendation(scenes: dict[str, dict]) -> str:
+    """What each method gives at an error that most want and at a small one, and how far the default falls behind."""
+    lines, behind = [], []
+    for name, scene in scenes.items():
+        for limit in ERRORS:
+            speeds = {method: fastest(scene["rows"], method, limit) for method in METHODS}
+            best = max(speeds, key=speeds.get)
+            cells = [f"{speed:.3g}" if speed < 1e3 else f"{speed:.0f}" for speed in speeds.values()]
+            marked = [f"**{cell}**" if method == best else cell for method, cell in zip(METHODS, cells, strict=True)]
+            lines.append([name, f"{limit:.0e}", *(cell if cell.strip("*") != "0" else "-" for cell in marked)])
+            if limit == ERRORS[0] and best in EXPLICIT and speeds[DEFAULT]:
+                behind.append(speeds[best] / speeds[DEFAULT])
+    return "\n\n".join(
+        [
+            "## Which method, which step",
+            f"`{DEFAULT}`, the default, with a step from `solver.error`: of {len(scenes)} scenes there are {len(behind)} on "
+            f"which it is the fastest with errors below {ERRORS[0]:.0e}, or another explicit method at most "
+            f"{max(behind):.2f} times as fast. Smaller errors of a bare wheel, and a wheel near its limit of friction, are "
+            "faster by `dopri5`; where friction is stiff `auto` or `radau5` is for it. The fastest march of each, times real "
+            "time:",
+            table(["scene", "errors below", *METHODS], lines),
+        ]
+    )
+
+
+def fastest(rows: list[dict], method: str, limit: float) -> float:
+    """Times real time of a method's fastest march with errors below a limit, by explicit tracking; 0: none."""
+    speeds = [
+        1.0 / row["wall_s_per_simulated_s"]
+        for row in rows
+        if (row["method"], row["tracking"]) == (method, "explicit")
+        and row["error"] is not None
+        and row["error"] < limit
+    ]
+    return max(speeds, default=0.0)
 
 
 def section(record: dict, plot: str | None) -> str:

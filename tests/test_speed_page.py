@@ -65,3 +65,15 @@ def test_every_plot_is_written_and_stands_in_its_section(records, tmp_path):
     assert (tmp_path / "kernels.png").stat().st_size > 1000 and (tmp_path / "kernels.svg").stat().st_size > 1000
     page = speed_page.page(records, drawn)
     assert page.index("## Kernels") < page.index("(speed/kernels.png)") < page.index("## Scaling")
+
+
+def test_the_page_recommends_by_the_fastest_march_of_each_method_that_is_accurate_enough():
+    def row(method, error, seconds, tracking="explicit"):
+        return {"method": method, "tracking": tracking, "error": error, "wall_s_per_simulated_s": seconds}
+
+    rows = [row("rk4", 1e-7, 2e-3), row("rk4", 1e-10, 1e-2), row("rk4", 1e-5, 1e-4), row("dopri5", 1e-8, 1e-3)]
+    rows += [row("rk4", 1e-8, 1e-4, "implicit"), row("heun", None, None)]
+    said = speed_page.recommendation({"a wheel": {"rows": rows}})
+    assert "| a wheel | 1e-06 | - | 500 | **1000** | - | - |" in said
+    assert "| a wheel | 1e-09 | - | **100** | - | - | - |" in said
+    assert "at most 2.00 times as fast" in said
