@@ -109,11 +109,11 @@ def recommendation(scenes: dict[str, dict]) -> str:
     return "\n\n".join(
         [
             "## Which method, which step",
-            f"`{DEFAULT}`, the default, with a step from `solver.error`: of {len(scenes)} scenes there are {len(behind)} on "
-            f"which it is the fastest with errors below {ERRORS[0]:.0e}, or another explicit method at most "
-            f"{max(behind):.2f} times as fast. Smaller errors of a bare wheel, and a wheel near its limit of friction, are "
-            "faster by `dopri5`; where friction is stiff `auto` or `radau5` is for it. The fastest march of each, times real "
-            "time:",
+            f"`{DEFAULT}`, the default, with a step from `solver.error`: of {len(scenes)} scenes there are "
+            f"{len(behind)} on which it is the fastest with errors below {ERRORS[0]:.0e}, or another explicit method at "
+            f"most {max(behind):.2f} times as fast. Smaller errors of a bare wheel, and a wheel near its limit of "
+            "friction, are faster by `dopri5`; where friction is stiff, `auto` or `radau5`. The fastest "
+            "march of each, times real time:",
             table(["scene", "errors below", *METHODS], lines),
         ]
     )
