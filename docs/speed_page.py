@@ -110,7 +110,7 @@ def recommendation(scenes: dict[str, dict]) -> str:
         [
             "## Which method, which step",
             f"`{DEFAULT}`, the default, with a step from `solver.error`: of {len(scenes)} scenes there are "
-            f"{len(behind)} on which it is the fastest with errors below {ERRORS[0]:.0e}, or another explicit method at "
+            f"{len(behind)} on which it is the fastest with errors below {ERRORS[0]:.0e}, or another explicit one at "
             f"most {max(behind):.2f} times as fast. Smaller errors of a bare wheel, and a wheel near its limit of "
             "friction, are faster by `dopri5`; where friction is stiff, `auto` or `radau5`. The fastest "
             "march of each, times real time:",
