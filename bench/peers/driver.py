@@ -21,6 +21,7 @@ from peers.equations import (
     jacobian,
     motion,
     numpy_form,
+    numpy_machine,
     rates,
     scalar_form,
 )
@@ -120,7 +121,7 @@ def by_odeint(equations: Equations, t: float, y: np.ndarray, end: float, toleran
 SOLVERS = {f"{method}, solve_ivp": partial(by_solve_ivp, method) for method in ("LSODA", "Radau", "BDF", "DOP853")}
 SOLVERS["LSODA, odeint"] = by_odeint
 FORMS = {
-    "NumPy": lambda march, box, n: (numpy_form(march), None),
+    "NumPy": lambda march, box, n: ((numpy_form if len(march.run.mode) == 1 else numpy_machine)(march), None),
     "scalars": lambda march, box, n: (scalar_form(march), None),
     "compiled": lambda march, box, n: (bound(rates, box, n), bound(jacobian, box, n, n)),
 }

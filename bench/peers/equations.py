@@ -3,9 +3,9 @@
     y = [x y yaw, spin angles | their rates | rates of the rollers in contact | integrals of the drives]
 
 These are the states of a march that its motion depends on, in its order: without the energy integrals, the odometry and
-the second roller of a wheel. Three forms: in NumPy, as one would write it, and tuned by hand into Python scalars (for
-nine states three times faster), both for a bare wheel under constant drive with regularized friction and no wrench; and
-`compiled`, the right-hand side of the march itself, for any machine with a smooth law of friction.
+the second roller of a wheel. Three forms, for regularized friction: in NumPy, as one would write it, for a bare wheel
+under constant drive and for a machine on parallel wheels whose contacts carry it; tuned by hand into Python scalars,
+three times faster for nine states, for the bare wheel; `compiled`, the right-hand side of the march itself, for any.
 """
 
 import math
@@ -50,6 +50,73 @@ def numpy_form(march: March) -> Callable:
         spin_moment = torque - radius * force[0] - roller_torque * s - yaw_rate * g_h
         acceleration = (force[0] * h + force[1] * k) / mass
         return np.concatenate([y[4:8], acceleration, [yaw_moment / i_z, spin_moment / j_k, roller_torque / i_a]])
+
+    return f
+
+
+def numpy_machine(march: March) -> Callable:
+    """The same of a machine whose wheels head forward, by rate or torque drives below their limits."""
+    machine, wheels, mode = march.parameters.machine, march.parameters.wheels, march.run.mode
+    assert (wheels.cos_heading == 1.0).all(), "all wheels have to head forward"
+    count, (x, aside), (moment_x, moment_y) = len(wheels), wheels.offset.T, machine.moment
+    start, inputs = (table[march.run.clock.piece] for table in (march.parameters.starts, march.parameters.inputs))
+    radius, c, s, i_a = wheels.radius, wheels.cos_psi, wheels.sin_psi, wheels.axial_inertia
+    q_0, turn_mass = wheels.phase + 2.0 * wheels.alpha * mode.roller, 1.0 / machine.yaw_inertia
+
+    def f(t, y):
+        spin_angle, (v_x, v_y, yaw_rate), spin = (
+            y[3 : 3 + count],
+            y[3 + count : 6 + count],
+            y[6 + count : 6 + 2 * count],
+        )
+        roller, integral = y[6 + 2 * count : 6 + 3 * count], y[6 + 3 * count :]
+        cos_yaw, sin_yaw, cos_q, sin_q = (
+            np.cos(y[YAW]),
+            np.sin(y[YAW]),
+            np.cos(q_0 - spin_angle),
+            np.sin(q_0 - spin_angle),
+        )
+        v_h, v_k = v_x * cos_yaw + v_y * sin_yaw, v_y * cos_yaw - v_x * sin_yaw
+        axis_h, axis_n, slant = -c * cos_q, -c * sin_q, wheels.roller_distance / cos_q
+        arm_h, arm_k, side = -(radius - slant) * s, (radius - slant) * axis_h, aside + slant * sin_q * wheels.tan_psi
+        joint = roller - spin * s - yaw_rate * axis_n
+        slip_h = v_h - spin * radius - yaw_rate * side + joint * arm_h
+        slip_k = v_k + yaw_rate * x + joint * arm_k
+        factor = -machine.friction / np.sqrt(slip_h**2 + slip_k**2 + machine.slip_speed**2)
+        force_h, force_k = factor * slip_h, factor * slip_k  # by the load, as all that follows from them
+        rolling = arm_h * force_h + arm_k * force_k
+        across = mode.air_cos + roller
+        g_h, g_n = (
+            -c * i_a * (cos_q * across - sin_q * mode.air_sin),
+            -c * i_a * (sin_q * across + cos_q * mode.air_sin),
+        )
+        g_k, target = s * i_a * (mode.air_sum + roller), inputs[DRIVE:, 0] + inputs[DRIVE:, 1] * (t - start)
+        torque = wheels.drive_gain * target - wheels.drive_damping * spin
+        errors = np.zeros(0)
+        if machine.integrals:
+            torque, errors = torque + wheels.drive_integral * integral, target - spin
+        gyro_yaw, gyro = spin @ g_h, (spin * (g_n - wheels.axle_inertia * yaw_rate) - yaw_rate * g_k).sum()
+        places = np.array([np.ones(count), x, side])  # the load is b . (1, x, y)
+        turning = places @ (x * force_k - side * force_h - rolling * axis_n)
+        about_k = places @ (x + (machine.height - radius) * force_h) - moment_y * turn_mass * turning
+        about_h = places @ (side + machine.height * force_k - rolling * axis_h) + moment_x * turn_mass * turning
+        right_k = yaw_rate**2 * moment_x - torque.sum() + moment_y * turn_mass * gyro_yaw
+        right_h = yaw_rate**2 * moment_y + gyro - moment_x * turn_mass * gyro_yaw
+        weight = machine.mass * machine.gravity
+        load = np.linalg.solve([places.sum(axis=1), about_k, about_h], [weight, right_k, right_h])
+        yaw_acceleration, load = (load @ turning + gyro_yaw) * turn_mass, load @ places
+        a_h, a_k = (load @ force_h) / machine.mass, (load @ force_k) / machine.mass
+        acceleration = [a_h * cos_yaw - a_k * sin_yaw, a_h * sin_yaw + a_k * cos_yaw, yaw_acceleration]
+        spin_moment = torque - yaw_rate * g_h - load * (radius * force_h + s * rolling)
+        return np.concatenate(
+            [
+                y[3 + count : 6 + 2 * count],
+                acceleration,
+                spin_moment * wheels.spin_mobility,
+                load * rolling / i_a,
+                errors,
+            ]
+        )
 
     return f
 
