@@ -313,13 +313,14 @@ def yielding(mobility, x, y, yaw):
 
 
 @kernel
-def solve(machine, wheels, room, load, plane):
+def solve(machine, wheels, room, load, plane, pushing):
     """The Acceleration of the body, its Mobility, and how regular the loads are; normal forces into the room.
 
-    load: M g - f_z, N; plane: what is known at once. Regular: the determinant of the equations of the loads over that
-    without friction.
+    load: M g - f_z, N; plane: what is known at once; pushing: whether some contact pushes without its load. Regular:
+    the determinant of the equations of the loads over that without friction.
     """
-    plane = plane_balance(machine, room, plane)
+    if pushing:
+        plane = plane_balance(machine, room, plane)
     mobility = inverse(machine, plane)
     motion = yielding(mobility, plane.x, plane.y, plane.yaw)
     if machine.upright != CONTACTS:

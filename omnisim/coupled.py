@@ -34,7 +34,7 @@ def settle_forces(machine, wheels, room, load, plane):
     """Find the sought forces of an instant and all loads; returns what `solve` does."""
     acceleration, regular, last = Acceleration(0.0, 0.0, 0.0), 1.0, 1e300
     for _ in range(MOST_ROUNDS):
-        acceleration, mobility, regular = solve(machine, wheels, room, load, plane)
+        acceleration, mobility, regular = solve(machine, wheels, room, load, plane, True)
         change = settle_shared(machine, wheels, room, mobility, acceleration)
         for w in range(len(wheels)):
             part = room.parts[w]

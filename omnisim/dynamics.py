@@ -91,17 +91,20 @@ def rhs(parameters, mode, piece, t, y, dy, watch, kept):
         mobility = machine.mobility
         acceleration = Acceleration(plane.x * mobility, plane.y * mobility, plane.yaw * machine.yaw_mobility)
     else:
+        pushing = machine.upright != CONTACTS or machine.law == VISCOUS  # forces that do not wait for the loads
         for w in range(len(wheels)):
             part = room.parts[w]
             if not part.known:
-                plane, work = observe_wheel(parameters, mode[w], piece, t, w, body, share, plane, y, dy, watch[w])
+                plane, work = observe_wheel(parameters, mode[w], piece, t, w, body, share, plane, y, dy, watch[w], kept)
                 power, sought = power + work, sought + part.sought
+                pushing = pushing or mode[w].shared or room.contacts[2 * w].rest
         if sought:
             acceleration, regular = settle_forces(machine, wheels, room, load, plane)
         else:
-            acceleration, _, regular = solve(machine, wheels, room, load, plane)
+            acceleration, _, regular = solve(machine, wheels, room, load, plane, pushing)
         for w in range(len(wheels)):
-            watch[w].regular = regular
+            if kept:
+                watch[w].regular = regular
             if not room.parts[w].known:
                 heat += move_wheel(parameters, mode[w], w, acceleration, y, dy, watch[w], kept)
     dy[at.friction_loss], dy[at.drive_work] = heat, power
@@ -138,12 +141,17 @@ def free_wheel(parameters, mode, piece, t, w, body, y, dy):
 
 
 @kernel
-def tell_wheel(parameters, mode, w, free, body, load, watch):
-    """What events and observers want to know of a FreeWheel, into its part of the room and into `watch`."""
+def set_part(parameters, mode, w, free, body, load):
+    """A FreeWheel into its part of the room."""
     part = parameters.room.parts[w]
     part.drive_torque, part.free_spin = free.drive, free.spin
     part.heading_moment = heading_moment(parameters.wheels[w], free.rollers, free.state.spin_rate, body.yaw_rate)
     part.contacts, part.loaded, part.normal_force = 1 + mode.shared, mode.loaded, load
+
+
+@kernel
+def tell(free, load, watch):
+    """What events want to know of a wheel, unless its contacts tell more."""
     watch.command, watch.normal_force, watch.regular = free.command, load, 1.0
     watch.share, watch.share_margin = 1.0, 0.0
 
@@ -166,7 +174,8 @@ def slide_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch, 
     dy[places(parameters).spin_rate + w] = (free.spin + spin) * wheel.spin_mobility
     if kept:
         contact = parameters.room.contacts[2 * w]
-        tell_wheel(parameters, mode, w, free, body, load, watch)
+        set_part(parameters, mode, w, free, body, load)
+        tell(free, load, watch)
         set_contact(contact, state, j, False)
         contact.force[0], contact.force[1], contact.torque = force.h, force.k, torque
         watch.slip_square[0], watch.factor[0], watch.margin[0] = slip.h * slip.h + slip.k * slip.k, factor, 0.0
@@ -176,14 +185,16 @@ def slide_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch, 
 
 
 @merged
-def observe_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch):
+def observe_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch, kept):
     """What a wheel finds at its contacts, into the room; the Plane with its own moment, and the power of its drive.
 
     load: of the wheel, N, unless the contacts carry roll and pitch.
     """
     part = parameters.room.parts[w]
     free = free_wheel(parameters, mode, piece, t, w, body, y, dy)
-    tell_wheel(parameters, mode, w, free, body, load, watch)
+    set_part(parameters, mode, w, free, body, load)
+    if kept:
+        tell(free, load, watch)
     part.sought = mode.loaded and (mode.shared or mode.grip[0] == CREEP)
     observe_contact(parameters, mode, w, 0, body, free.state)
     if mode.shared:
@@ -229,10 +240,12 @@ def observe_contact(parameters, mode, w, side, body, state):
             contact.factor = contact.torque = 0.0
             return
     factor, torque = friction(machine, mode.saturated[side], 1.0, slip, state.turn)
-    unit, constant = (0.0, factor) if machine.law == VISCOUS else (factor, 0.0)
-    contact.unit[0], contact.unit[1], contact.unit_torque = -unit * slip.h, -unit * slip.k, torque
-    contact.constant[0], contact.constant[1] = -constant * slip.h, -constant * slip.k
-    contact.factor = factor
+    contact.factor, contact.unit_torque = factor, torque
+    if machine.law == VISCOUS:  # knows no load
+        contact.unit[0], contact.unit[1] = 0.0, 0.0
+        contact.constant[0], contact.constant[1] = -factor * slip.h, -factor * slip.k
+    else:
+        contact.unit[0], contact.unit[1] = -factor * slip.h, -factor * slip.k
     if contact.rest:
         creep = contact.creep  # where the last search ended is the best place to begin, if it is of this creeping
         if not creep[0] * mode.creep[0] + creep[1] * mode.creep[1] > NEARLY:
@@ -259,7 +272,8 @@ def move_wheel(parameters, mode, w, acceleration, y, dy, watch, kept):
         else:
             contact.force[0] = contact.constant[0] + contact.unit[0] * normal
             contact.force[1] = contact.constant[1] + contact.unit[1] * normal
-            contact.torque = contact.unit_torque * normal
+            if machine.patch_radius > 0.0:
+                contact.torque = contact.unit_torque * normal
         force, slip = Slip(contact.force[0], contact.force[1]), Slip(contact.slip[0], contact.slip[1])
         j = Jacobian(contact.spin[0], contact.spin[1], 0.0, 0.0, contact.arm[0], contact.arm[1])
         rolling, turning, heat = yield_to(j, slip, force)
