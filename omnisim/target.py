@@ -48,6 +48,10 @@ def search(scene: Scene, run: Callable[[Scene], Loop]) -> Trajectory:
         if error <= enough or code == INTERRUPTED:
             break
     found = loop.trajectory() if best is None else best
+    if best is None and code in CURABLE:
+        found.attributes["status"] += (
+            "; solver.error tries no shorter step: choose another method, or give time.step alone"
+        )
     if code == INTERRUPTED and found.complete:
         found.attributes["status"] = f"interrupted by the user before errors below {solver.error:g} were reached"
     found.attributes["error_target"] = solver.error

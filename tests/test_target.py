@@ -142,6 +142,7 @@ def test_a_search_ends_at_the_most_steps(monkeypatch):
     assert run.attributes["error_estimate"] > 1e-9
     stiff = omnisim.simulate(omnisim.load("authors_testbench", ["solver.error=1e-9"]))
     assert "unstable" in stiff.attributes["status"] and "error_estimate" not in stiff.attributes
+    assert "solver.error tries no shorter step" in stiff.attributes["status"]
 
 
 def test_a_motion_that_ends_early_by_itself_is_judged_up_to_there():
