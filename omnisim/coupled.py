@@ -1,6 +1,6 @@
 """Contacts whose force must be sought: those that creep, and wheels that rest on two rollers.
 
-Every other force is linear in the unknowns of body.py; these are found by solving that system again and again.
+Every other force is linear in the unknowns of loads.py; these are found by solving that system again and again.
 
 A creeping contact slips so slowly that its slip has the direction u of its slip acceleration, v' = kappa u under
 F = -mu N u. It is linear like any sliding friction once u is known, and u is found by Newton's method.
@@ -16,10 +16,11 @@ With the loads given its forces at rest obey Gauss' principle, a convex problem:
 contact equations of the one wheel, while the body's acceleration follows at once, until nothing changes.
 """
 
-from omnisim.body import Acceleration, free_rate, place_load, push_of, solve, yielding
+from omnisim.body import Acceleration, free_rate, push_of, yielding
 from omnisim.contact.coulomb import TINY, contact_forces, slip_direction, turned
 from omnisim.contact.kinematics import Slip
 from omnisim.kernel import kernel, merged, outlined
+from omnisim.loads import place_load, solve
 
 MOST_ITERATIONS = 100  # for a share
 MOST_SWEEPS = 500  # over the wheels
@@ -34,7 +35,7 @@ def settle_forces(machine, wheels, room, load, plane):
     """Find the sought forces of an instant and all loads; returns what `solve` does."""
     acceleration, regular, last = Acceleration(0.0, 0.0, 0.0), 1.0, 1e300
     for _ in range(MOST_ROUNDS):
-        acceleration, mobility, regular = solve(machine, wheels, room, load, plane, True)
+        acceleration, mobility, regular = solve(machine, room, load, plane, True)
         change = settle_shared(machine, wheels, room, mobility, acceleration)
         for w in range(len(wheels)):
             part = room.parts[w]

@@ -5,59 +5,25 @@
     (J_k + J_r) phi'' + sum Ia p' s + theta' G_h = tau - R F_h                 G = sum Ia p_i a_i, all rollers
     I_z theta'' = sum (lever . F + M_n (1 - (a . n)^2) + phi' G_h) + yaw torque
 
-Each wheel first finds what is at its contacts (`observe_wheel`). A sliding contact whose load is known has its force at
-once; the others wait in the room until their forces are found together (body.py, coupled.py) and each wheel takes its
-share (`move_wheel`).
+Friction of a sliding wheel is known but for its load (`slide_wheel`); what other wheels find at their contacts waits in
+the room (`observe_wheel`). Then loads and forces are found together (body.py, loads.py, coupled.py), and each wheel
+takes its share (`press_wheel`, `move_wheel`).
 """
 
 import math
 
 from omnisim.angle import cos_sin
-from omnisim.body import (
-    Acceleration,
-    free_plane,
-    heading_moment,
-    holding_force,
-    place_load,
-    pushed_plane,
-    set_contact,
-    set_held,
-    set_lever,
-    set_tilt,
-    solve,
-)
-from omnisim.contact.coulomb import CREEP, SLIP, STICK
-from omnisim.contact.kinematics import (
-    Jacobian,
-    Motion,
-    Slip,
-    joint_rate,
-    slip_acceleration,
-    slip_jacobian,
-)
-from omnisim.contact.reaction import COULOMB, VISCOUS, friction
-from omnisim.contact.tracking import IMPLICIT, Axis, rho_rate, roller_axis
+from omnisim.body import Acceleration, free_plane
+from omnisim.contact.coulomb import SLIP
+from omnisim.contact.reaction import VISCOUS
+from omnisim.contact.tracking import IMPLICIT, rho_rate, roller_axis
 from omnisim.coupled import settle_forces
-from omnisim.kernel import kernel, merged, outlined
+from omnisim.kernel import kernel
+from omnisim.loads import solve
 from omnisim.parameters import CONTACTS
-from omnisim.state import YAW, X, Y, places, rate_place
-from omnisim.wheel import (
-    FreeWheel,
-    all_rollers,
-    bearing_torque,
-    body_motion,
-    centre_acceleration,
-    contact_state,
-    drive_command,
-    drive_input,
-    drive_torque,
-    external_wrench,
-    rho_index,
-    rho_of,
-    world_heading,
-)
-
-NEARLY = 0.99  # cosine between two directions of creeping
+from omnisim.state import YAW, X, Y, places
+from omnisim.wheel import body_motion, external_wrench, rho_index, rho_of, world_heading
+from omnisim.wheel_dynamics import move_wheel, observe_wheel, press_wheel, slide_wheel
 
 
 @kernel
@@ -73,40 +39,46 @@ def rhs(parameters, mode, piece, t, y, dy, watch, kept):
     if machine.upright == CONTACTS:
         external = room.loads.external
         external.x, external.y, external.z, external.yaw_rate = wrench.x, wrench.y, wrench.z, body.yaw_rate
-    load, waiting, sought = machine.mass * machine.gravity - wrench.z, 0, 0
+    load, others, sought = machine.mass * machine.gravity - wrench.z, 0, 0
     plane = free_plane(machine, wrench.x, wrench.y, wrench.yaw)
     heat, power = 0.0, 0.0  # of friction and of the drives, W
     if machine.bearings:
         dy[at.bearing_loss] = 0.0
-    share = load / len(wheels)  # of a wheel, unless the contacts carry roll and pitch
+    carried = machine.upright == CONTACTS
+    share = 1.0 if carried else load / len(wheels)  # of a wheel, unless the contacts carry roll and pitch
     for w in range(len(wheels)):
         part = room.parts[w]
-        part.known = machine.upright != CONTACTS and mode[w].grip[0] == SLIP and not mode[w].shared
-        if part.known:
+        part.slides = mode[w].grip[0] == SLIP and not mode[w].shared and not (carried and machine.law == VISCOUS)
+        if part.slides:
             plane, loss, work = slide_wheel(parameters, mode[w], piece, t, w, body, share, plane, y, dy, watch[w], kept)
             heat, power = heat + loss, power + work
         else:
-            waiting += 1
-    if waiting == 0:
-        mobility = machine.mobility
-        acceleration = Acceleration(plane.x * mobility, plane.y * mobility, plane.yaw * machine.yaw_mobility)
-    else:
-        pushing = machine.upright != CONTACTS or machine.law == VISCOUS  # forces that do not wait for the loads
+            others += 1
+    pushing = False  # forces that do not wait for the loads
+    if others:
+        pushing = not carried or machine.law == VISCOUS
         for w in range(len(wheels)):
             part = room.parts[w]
-            if not part.known:
+            if not part.slides:
                 plane, work = observe_wheel(parameters, mode[w], piece, t, w, body, share, plane, y, dy, watch[w], kept)
                 power, sought = power + work, sought + part.sought
                 pushing = pushing or mode[w].shared or room.contacts[2 * w].rest
+    if others or carried:
+        regular = 1.0
         if sought:
             acceleration, regular = settle_forces(machine, wheels, room, load, plane)
         else:
-            acceleration, _, regular = solve(machine, wheels, room, load, plane, pushing)
+            acceleration, _, regular = solve(machine, room, load, plane, pushing)
         for w in range(len(wheels)):
             if kept:
                 watch[w].regular = regular
-            if not room.parts[w].known:
+            if not room.parts[w].slides:
                 heat += move_wheel(parameters, mode[w], w, acceleration, y, dy, watch[w], kept)
+            elif carried:
+                heat += press_wheel(parameters, mode[w], w, dy, watch[w], kept)
+    else:
+        mobility = machine.mobility
+        acceleration = Acceleration(plane.x * mobility, plane.y * mobility, plane.yaw * machine.yaw_mobility)
     dy[at.friction_loss], dy[at.drive_work] = heat, power
     dy[at.velocity] = acceleration.x * body.cos - acceleration.y * body.sin
     dy[at.velocity + 1] = acceleration.x * body.sin + acceleration.y * body.cos
@@ -116,211 +88,6 @@ def rhs(parameters, mode, piece, t, y, dy, watch, kept):
         odometry_rates(parameters, y, dy)
     if machine.tracking == IMPLICIT:
         rho_rates(parameters, body, y, dy)
-
-
-@kernel
-def free_wheel(parameters, mode, piece, t, w, body, y, dy):
-    """Wheel w without the forces at its contacts: a FreeWheel, and the rates that follow from it alone."""
-    machine, wheel, at = parameters.machine, parameters.wheels[w], places(parameters)
-    spin_rate = y[at.spin_rate + w]
-    dy[at.spin_angle + w] = spin_rate  # first: the sine and cosine of the next stage wait for it
-    state = contact_state(parameters, mode, w, 0, body, y)
-    rollers = all_rollers(parameters, mode, w, state.cos_q, state.sin_q, y)
-    command = drive_command(parameters, piece, t, w, y)
-    drive = drive_torque(wheel, mode.drive, command, spin_rate)
-    if machine.integrals:
-        dy[at.integral + w] = integral_rate(parameters, piece, t, w, mode, command, spin_rate)
-    if machine.bearings:
-        dy[at.bearing_loss] += rollers.bearing_loss
-        air_rates(parameters, mode, w, state, y, dy)
-    else:
-        for side in range(2):
-            dy[rate_place(parameters, mode.roller, w, side)] = 0.0
-    spin = drive - rollers.bearing_k - body.yaw_rate * rollers.g_h
-    return FreeWheel(state, rollers, command, drive, spin, spin_rate * rollers.g_h - rollers.bearing_n)
-
-
-@kernel
-def set_part(parameters, mode, w, free, body, load):
-    """A FreeWheel into its part of the room."""
-    part = parameters.room.parts[w]
-    part.drive_torque, part.free_spin = free.drive, free.spin
-    part.heading_moment = heading_moment(parameters.wheels[w], free.rollers, free.state.spin_rate, body.yaw_rate)
-    part.contacts, part.loaded, part.normal_force = 1 + mode.shared, mode.loaded, load
-
-
-@kernel
-def tell(free, load, watch):
-    """What events want to know of a wheel, unless its contacts tell more."""
-    watch.command, watch.normal_force, watch.regular = free.command, load, 1.0
-    watch.share, watch.share_margin = 1.0, 0.0
-
-
-@merged
-def slide_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch, kept):
-    """A wheel that slides under a known load, N: the rates that follow; the Plane with it, heat and power (W)."""
-    machine, wheel = parameters.machine, parameters.wheels[w]
-    free = free_wheel(parameters, mode, piece, t, w, body, y, dy)
-    state, axis, slip = free.state, free.state.axis, free.state.slip
-    j = slip_jacobian(wheel, axis, state.contact)
-    factor, torque = friction(machine, mode.saturated[0], max(load, 0.0), slip, state.turn)
-    force = Slip(-factor * slip.h, -factor * slip.k)
-    rolling, spin, loss = yield_to(j, slip, force)
-    yaw = j.yaw_h * force.h + j.yaw_k * force.k
-    if machine.patch_radius > 0.0:
-        rolling, spin, loss = twist(axis, state.turn, torque, rolling, spin, loss)
-        yaw += (1.0 - axis.n * axis.n) * torque
-    dy[rate_place(parameters, mode.roller, w, 0)] += rolling * wheel.axial_mobility
-    dy[places(parameters).spin_rate + w] = (free.spin + spin) * wheel.spin_mobility
-    if kept:
-        contact = parameters.room.contacts[2 * w]
-        set_part(parameters, mode, w, free, body, load)
-        tell(free, load, watch)
-        set_contact(contact, state, j, False)
-        contact.force[0], contact.force[1], contact.torque = force.h, force.k, torque
-        watch.slip_square[0], watch.factor[0], watch.margin[0] = slip.h * slip.h + slip.k * slip.k, factor, 0.0
-    cos, sin = wheel.cos_heading, wheel.sin_heading
-    plane = pushed_plane(plane, cos * force.h - sin * force.k, sin * force.h + cos * force.k, free.yaw_moment + yaw)
-    return plane, loss, free.drive * state.spin_rate
-
-
-@merged
-def observe_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch, kept):
-    """What a wheel finds at its contacts, into the room; the Plane with its own moment, and the power of its drive.
-
-    load: of the wheel, N, unless the contacts carry roll and pitch.
-    """
-    part = parameters.room.parts[w]
-    free = free_wheel(parameters, mode, piece, t, w, body, y, dy)
-    set_part(parameters, mode, w, free, body, load)
-    if kept:
-        tell(free, load, watch)
-    part.sought = mode.loaded and (mode.shared or mode.grip[0] == CREEP)
-    observe_contact(parameters, mode, w, 0, body, free.state)
-    if mode.shared:
-        observe_contact(parameters, mode, w, 1, body, contact_state(parameters, mode, w, 1, body, y))
-    if parameters.machine.upright == CONTACTS:
-        place_load(parameters.wheels[w], parameters.room, w)
-    return pushed_plane(plane, 0.0, 0.0, free.yaw_moment), free.drive * free.state.spin_rate
-
-
-@kernel
-def yield_to(j, slip, force):
-    """What a contact's force (N) does: torque on the roller and on the spin (N m), and heat (W)."""
-    return (
-        j.roller_h * force.h + j.roller_k * force.k,
-        j.spin_h * force.h + j.spin_k * force.k,
-        -(force.h * slip.h + force.k * slip.k),
-    )
-
-
-@kernel
-def twist(axis, turn, torque, rolling, spin, heat):
-    """The same with the contact torque (N m); turn: of the roller about the normal, rad/s."""
-    return rolling + torque * axis.n, spin - axis.k * axis.n * torque, heat - torque * turn
-
-
-@kernel
-def observe_contact(parameters, mode, w, side, body, state):
-    """A contact of wheel w and its friction by the load, into the room; state: its ContactState."""
-    machine, wheel, contact = parameters.machine, parameters.wheels[w], parameters.room.contacts[2 * w + side]
-    slip, j = state.slip, slip_jacobian(wheel, state.axis, state.contact)
-    set_contact(contact, state, j, mode.shared)
-    set_lever(wheel, contact, state.axis, j)
-    if machine.upright == CONTACTS:
-        set_tilt(machine, wheel, contact, mode.shared)
-    contact.rest = machine.law == COULOMB and mode.grip[side] != SLIP
-    if contact.rest:
-        spin = 0.0 if mode.shared else parameters.room.parts[w].free_spin * wheel.spin_mobility
-        roller = bearing_torque(wheel, state.joint) * wheel.axial_mobility if machine.bearings else 0.0
-        centre = centre_acceleration(wheel, body, 0.0, 0.0, 0.0)
-        bias = slip_acceleration(wheel, state, Motion(centre.h, centre.k, spin, 0.0, roller))
-        set_held(machine, wheel, contact, state.axis, j, bias)
-        if mode.grip[side] == STICK and not mode.shared:  # its force is what holds it
-            contact.factor = contact.torque = 0.0
-            return
-    factor, torque = friction(machine, mode.saturated[side], 1.0, slip, state.turn)
-    contact.factor, contact.unit_torque = factor, torque
-    if machine.law == VISCOUS:  # knows no load
-        contact.unit[0], contact.unit[1] = 0.0, 0.0
-        contact.constant[0], contact.constant[1] = -factor * slip.h, -factor * slip.k
-    else:
-        contact.unit[0], contact.unit[1] = -factor * slip.h, -factor * slip.k
-    if contact.rest:
-        creep = contact.creep  # where the last search ended is the best place to begin, if it is of this creeping
-        if not creep[0] * mode.creep[0] + creep[1] * mode.creep[1] > NEARLY:
-            creep[0], creep[1] = mode.creep[0], mode.creep[1]
-        contact.turned = 0.0
-        contact.unit[0], contact.unit[1] = -machine.friction * creep[0], -machine.friction * creep[1]
-
-
-@merged
-def move_wheel(parameters, mode, w, acceleration, y, dy, watch, kept):
-    """Forces on wheel w from the body's acceleration and the loads, and the rates that follow."""
-    machine, wheel, room, at = parameters.machine, parameters.wheels[w], parameters.room, places(parameters)
-    part = room.parts[w]
-    normal = max(part.normal_force, 0.0) if part.loaded else 0.0
-    spin, loss = part.free_spin, 0.0
-    for side in range(part.contacts):
-        contact, load = room.contacts[2 * w + side], normal
-        if not part.loaded:
-            contact.force[0], contact.force[1], contact.torque = 0.0, 0.0, 0.0
-        elif part.contacts == 2:
-            load = contact.share * normal
-        elif contact.rest and not part.sought:
-            contact.force[0], contact.force[1] = holding_force(contact, acceleration)
-        else:
-            contact.force[0] = contact.constant[0] + contact.unit[0] * normal
-            contact.force[1] = contact.constant[1] + contact.unit[1] * normal
-            if machine.patch_radius > 0.0:
-                contact.torque = contact.unit_torque * normal
-        force, slip = Slip(contact.force[0], contact.force[1]), Slip(contact.slip[0], contact.slip[1])
-        j = Jacobian(contact.spin[0], contact.spin[1], 0.0, 0.0, contact.arm[0], contact.arm[1])
-        rolling, turning, heat = yield_to(j, slip, force)
-        if machine.patch_radius > 0.0:
-            axis = Axis(contact.axis[0], contact.axis[1], contact.axis[2])
-            rolling, turning, heat = twist(axis, contact.turn, contact.torque, rolling, turning, heat)
-        dy[rate_place(parameters, mode.roller, w, side)] += rolling * wheel.axial_mobility
-        spin, loss = spin + turning, loss + heat
-        if not kept:
-            continue
-        watch.slip_square[side] = slip.h * slip.h + slip.k * slip.k
-        watch.factor[side] = contact.factor * (contact.share * part.loaded if machine.law == VISCOUS else load)
-        watch.margin[side] = 0.0
-        if contact.rest and not mode.shared:
-            size = math.sqrt(force.h * force.h + force.k * force.k)
-            watch.margin[side] = machine.friction * normal - size
-            if part.sought:  # slip along the direction in which it creeps
-                watch.margin[side] = contact.creep[0] * slip.h + contact.creep[1] * slip.k
-    dy[at.spin_rate + w] = 0.0 if mode.shared else spin * wheel.spin_mobility
-    if kept:
-        watch.normal_force = part.normal_force
-    if kept and mode.shared:
-        watch.share, watch.share_margin = room.contacts[2 * w].share, part.share_margin
-    return loss
-
-
-@outlined
-def air_rates(parameters, mode, w, state, y, dy):
-    """p' of the rollers of wheel w as if all were in the air, where their bearings have friction."""
-    wheel = parameters.wheels[w]
-    first, here = wheel.rates, mode.roller % wheel.rollers
-    for i in range(wheel.rollers):
-        sector = parameters.sector[w, (i - here) % wheel.rollers]
-        cos_i = state.cos_q * sector[0] - state.sin_q * sector[1]
-        sin_i = state.sin_q * sector[0] + state.cos_q * sector[1]
-        joint = joint_rate(roller_axis(wheel, cos_i, sin_i), y[first + i], state.spin_rate, state.yaw_rate)
-        dy[first + i] = bearing_torque(wheel, joint) * wheel.axial_mobility
-
-
-@kernel
-def integral_rate(parameters, piece, t, w, mode, command, spin_rate):
-    """Rate of the integrated error of a drive, rad/s: its error, and back from what the limit cuts off its torque."""
-    wheel = parameters.wheels[w]
-    if wheel.drive_integral == 0.0:
-        return 0.0
-    error = drive_input(parameters, piece, t, w) - spin_rate
-    return error if mode.drive == 0 else error + (mode.drive * wheel.drive_limit - command) / wheel.drive_gain
 
 
 @kernel

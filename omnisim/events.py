@@ -24,12 +24,12 @@ import math
 
 import numpy as np
 
-from omnisim.body import LEAST_REGULAR
 from omnisim.contact.coulomb import CREEP, SLIP, STICK
 from omnisim.contact.reaction import COULOMB, SATURATED
 from omnisim.exchange import comes_to_rest_between, leave_edge, release_rollers, stand_on
 from omnisim.grip import CONE, CREEP_SPEED, come_to_rest, rest_speed, start_creep, start_slip, youth
 from omnisim.kernel import kernel, merged, outlined
+from omnisim.loads import LEAST_REGULAR
 from omnisim.parameters import CONTACTS
 from omnisim.runge_kutta import refresh
 from omnisim.state import places

@@ -8,12 +8,14 @@ import hashlib
 import os
 import shutil
 import tempfile
+from functools import partial
 from pathlib import Path
 
 import numba
 import platformdirs
 from numba.core import config as numba_config
 from numba.core.compiler import Compiler
+from numba.core.types import unliteral
 
 DIRECT: dict = {}  # kernels that `direct` has called
 KEPT_CACHES = 4  # how many cache folders of other versions of the sources survive
@@ -96,7 +98,10 @@ def kernel(function):
 
 
 def merged(function):
-    """A kernel that becomes part of its caller's source: for steps of one long computation, each used once."""
+    """A kernel that becomes part of its caller's source: for steps of one long computation.
+
+    It is compiled with its callers only, while inlined ones are compiled by themselves as well.
+    """
     return compiled(function, inline=False, inlining="always")
 
 
@@ -124,7 +129,20 @@ def compiled(function, inline, inlining="never"):
             "_nrt": False,
             "pipeline_class": Disjoint,
             "fastmath": {"contract"},
+            "no_cfunc_wrapper": True,  # nobody calls kernels from C
         }
-        return numba.njit(forceinline=inline, inline=inlining, **options)(function)
+        dispatcher = numba.njit(forceinline=inline, inline=inlining, **options)(function)
     finally:
         numba_config.CACHE_DIR = theirs
+    if hasattr(dispatcher, "overloads"):  # compilation may be switched off
+        dispatcher.compile = partial(compile_once, dispatcher.compile)
+    return dispatcher
+
+
+def compile_once(compile_for, types):
+    """Compile for the types of the arguments alone.
+
+    Numba would do it again for every constant that a caller hands over, and its own optimiser finds those anyway where
+    it inlines.
+    """
+    return compile_for(tuple(map(unliteral, types)) if isinstance(types, tuple) else types)

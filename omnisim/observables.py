@@ -5,11 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from omnisim.body import servo
 from omnisim.config import Config
 from omnisim.contact.kinematics import joint_rate
 from omnisim.contact.tracking import IMPLICIT, roller_axis
 from omnisim.kernel import direct, kernel
+from omnisim.loads import servo
 from omnisim.parameters import SERVO, Parameters
 from omnisim.records import blank, plain
 from omnisim.runge_kutta import evaluate

@@ -84,7 +84,7 @@ CONTACT = np.dtype(
         ("turn", np.float64),  # of the roller about the normal, rad/s
         ("arm", np.float64, (2,)),  # slip by the roller's rate, and torque of the force on the roller, m
         ("spin", np.float64, (2,)),  # the same of the spin, m
-        ("lever", np.float64, (5, 2)),  # of the force in the rows of body.py
+        ("lever", np.float64, (5, 2)),  # of the force in the rows of loads.py
         ("twist", np.float64, (5,)),  # of the contact torque there
         ("mass", np.float64, (3,)),  # E (hh, hk, kk), kg: F = -E v' keeps the slip, as far as spin and roller can
         ("bias", np.float64, (2,)),  # slip acceleration without its force and the body's acceleration, m/s^2
@@ -103,12 +103,16 @@ PART = np.dtype(
     [
         ("loaded", np.int64),  # 1: the floor carries the wheel
         ("contacts", np.int64),  # 1, or 2 while it rests on two rollers
-        ("known", np.int64),  # 1: its forces follow from its own slip, its load being known
+        ("slides", np.int64),  # 1: its friction follows from its own slip and its load
         ("sought", np.int64),  # 1: its forces are sought by iteration, see coupled.py
-        ("point", np.float64, (2,)),  # where it does, from C along chassis axes, m
+        ("point", np.float64, (2,)),  # where its load acts, from C along chassis axes, m
+        ("push", np.float64, (5,)),  # of a sliding wheel in the rows of loads.py by its load: 1, 1, m, m, m
+        ("rolling", np.float64),  # torque on its roller about its axis by its load, m
+        ("turning", np.float64),  # the same on its spin, m
+        ("heat", np.float64),  # by its load, m/s
         ("drive_torque", np.float64),  # tau on the disk about k, N m
         ("free_spin", np.float64),  # J phi'' without the contacts, N m
-        ("heading_moment", np.float64),  # of the wheel on the body without its contacts, about its heading, N m
+        ("tilt", np.float64, (2,)),  # the wheel without its contacts in the rows of tilt, N m
         ("normal_force", np.float64),  # N, N; below 0 of a wheel that the floor does not carry
         ("share_margin", np.float64),  # torque with which both contacts alone would push back to the edge, N m
     ]

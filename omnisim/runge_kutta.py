@@ -1,10 +1,10 @@
 """One explicit Runge-Kutta step with a frozen mode, the tableau as data."""
 
 from omnisim.dynamics import rhs
-from omnisim.kernel import kernel, outlined
+from omnisim.kernel import kernel, merged, outlined
 
 
-@kernel
+@merged
 def explicit_step(parameters, method, run, t, h):
     """One Runge-Kutta step of length h from run.y into run.trial, with the derivative and `watch` at its end."""
     a, b, c, first = method.a, method.b, method.c, method.first
@@ -78,7 +78,7 @@ def evaluate(parameters, mode, piece, t, y, dy, watch):
     rhs(parameters, mode, piece, t, y, dy, watch, True)
 
 
-@kernel
+@merged
 def refresh(parameters, run, t):
     """Derivative at the state itself, after the mode has changed."""
     evaluate(parameters, run.mode, run.clock.piece, t, run.y, run.slopes[0], run.watch)

@@ -193,7 +193,7 @@ def piece_length(parameters, clock, start):
     return rest, False
 
 
-@kernel
+@merged
 def step_to_event(parameters, method, run, t, h):
     """A trial step of at most h, up to its first event: its length, the guard that fired (or -1), wheel and contact."""
     clock = run.clock
@@ -213,7 +213,7 @@ def step_to_event(parameters, method, run, t, h):
             return 0.0, -1, -1, 0
 
 
-@kernel
+@merged
 def cut_at_event(parameters, method, run, t, h):
     """Shorten the trial step to its first event: its length, the guard that fired (or -1), wheel and contact.
 
@@ -325,7 +325,7 @@ def hermite_root(h, g_0, g_1, rate_0, rate_1, s):
     return x * h if 0.0 < x < 1.0 else s
 
 
-@kernel
+@merged
 def advance(parameters, method, run, t, h):
     """One step of length h from run.y into run.trial, explicit or implicit as the clock says."""
     clock = run.clock
@@ -342,7 +342,7 @@ def advance_again(parameters, method, run, t, h):
     advance(parameters, method, run, t, h)
 
 
-@kernel
+@merged
 def trial_guard(parameters, method, run, t, s, kind, w, side):
     """Value of a guard after a step of length s."""
     advance_again(parameters, method, run, t, s)

@@ -7,8 +7,8 @@ from scenes import final_state, of_wheels, reference_scene
 
 import omnisim
 from omnisim.contact.coulomb import CREEP, SLIP, STICK
-from omnisim.grip import align_slip
 from omnisim.ideal import wheel_rows
+from omnisim.impulse import align_slip
 from omnisim.state import places_in
 from omnisim.wheel import body_motion, contact_state
 
