@@ -41,6 +41,7 @@ OURS = {
     "whole_machines": Benchmark("whole_machines", "Whole machines", 20, 1),
     "hard_cases": Benchmark("hard_cases", "Hard cases", 1, 1),
     "targets": Benchmark("targets", "Steps picked for an error", 2, 1),
+    "formulations": Benchmark("formulations", "Every body against the reduced equations", 15, 2),
     "kernels": Benchmark("kernels", "Kernels", 31, 5),
     "scaling": Benchmark("scaling", "64 rollers against 8", 31, 5),
     "startup": Benchmark("startup", "Whole command", 5, 1),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from omnisim_cli.compare import TRACKING
+from omnisim_cli.compare import KINDS
 from omnisim_cli.screen import BAD_INPUT, Failure, Progress, compilation_noted, note
 
 if TYPE_CHECKING:
@@ -25,7 +25,9 @@ LAWS = ("regularized", "saturated", "coulomb", "viscous", "none")
 @click.command()
 @click.argument("scenes", metavar="[SCENE]...", nargs=-1)
 @click.option("--method", "methods", type=click.Choice(METHODS), multiple=True, help="Repeatable; else every method.")
-@click.option("--tracking", "trackings", type=TRACKING, multiple=True, help="Repeatable; else explicit.")
+@click.option(
+    "--tracking", "trackings", type=click.Choice(KINDS["tracking"][0]), multiple=True, help="Repeatable; else explicit."
+)
 @click.option("--law", "laws", type=click.Choice(LAWS), multiple=True, help="Repeatable; else that of the scene.")
 @click.option(
     "--step",

@@ -1,4 +1,4 @@
-"""`omnisim compare`: the two contact trackings side by side, and beside what the paper reports."""
+"""`omnisim compare`: two contact trackings or two formulations side by side, beside what the paper reports."""
 
 from __future__ import annotations
 
@@ -11,67 +11,101 @@ import click
 from omnisim_cli.screen import Failure, compilation_noted, note
 
 if TYPE_CHECKING:
-    from omnisim.analysis import Comparison
+    from omnisim.analysis import Comparison, Divergence
     from omnisim.scene import Scene
     from omnisim.trajectory import Trajectory
 
-TRACKING = click.Choice(["implicit", "explicit"])
-SCENES = ("authors_testbench", "authors_sliding")
+# What is compared: attribute of the trajectory, and the scenes to compare without one from the user.
+KINDS = {
+    "tracking": (("implicit", "explicit"), ("authors_testbench", "authors_sliding")),
+    "formulation": (("reduced", "multibody"), ("coulomb_wheel", "kiwi", "youbot")),
+}
+CHOICE = click.Choice([name for names, _ in KINDS.values() for name in names])
 PAPER = {"acceleration": 1e-8, "velocity": 1e-7, "position": 1e-6}  # largest differences, in SI units
 PAPER_RATIO = 1.5  # time of the implicit tracking / time of the explicit one
 
 
 @click.command()
-@click.argument("a", metavar="A", type=TRACKING)
-@click.argument("b", metavar="B", type=TRACKING)
+@click.argument("a", metavar="A", type=CHOICE)
+@click.argument("b", metavar="B", type=CHOICE)
 @click.argument("scene", required=False)
 def compare(a: str, b: str, scene: str | None) -> None:
-    """Run SCENE with contact tracking A and with B (each implicit or explicit): how far apart, how fast.
+    """Run SCENE with A and with B, two contact trackings (implicit, explicit) or two formulations (reduced,
+    multibody): how far apart, how fast.
 
-    Without SCENE: the testbench of the paper's authors, and the same wheel sliding. Runs are repeated in
-    turn, and times are medians.
+    Without SCENE: for trackings the testbench of the paper's authors, and the same wheel sliding; for
+    formulations a wheel, a kiwi and a youBot. Runs are repeated in turn, and times are medians.
 
     \b
     omnisim compare implicit explicit
-    omnisim compare implicit explicit scene.toml
+    omnisim compare reduced multibody scene.toml
     """
     from omnisim.scene import load
 
-    names = (scene,) if scene else SCENES
-    pairs = [[load(name, [f"solver.tracking={tracking}"]) for tracking in (a, b)] for name in names]
+    kind, scenes = kind_of(a, b)
+    names = (scene,) if scene else scenes
+    pairs = [[load(name, [f"solver.{kind}={choice}"]) for choice in (a, b)] for name in names]
     stopped = []
     for name, pair in zip(names, pairs, strict=True):
-        trajectories = compare_pair(pair)
-        stopped += [early_stop(name, trajectory) for trajectory in trajectories if not trajectory.complete]
+        trajectories = compare_pair(pair, kind, (a, b))
+        ends = zip((a, b), trajectories, strict=True)
+        stopped += [f"{name}, {choice}: {run.attributes['status']}" for choice, run in ends if not run.complete]
     if stopped:
         raise Failure("\n".join(["compared up to where the first of both stopped early", *stopped]))
 
 
-def early_stop(name: str, trajectory: Trajectory) -> str:
-    return f"{name}, {trajectory.attributes['tracking']}: {trajectory.attributes['status']}"
+def kind_of(a: str, b: str) -> tuple[str, tuple[str, ...]]:
+    """What a comparison of a and b is one of, and its scenes."""
+    for kind, (choices, scenes) in KINDS.items():
+        if a in choices and b in choices:
+            return kind, scenes
+    pairs = ", or ".join(" and ".join(choices) for choices, _ in KINDS.values())
+    raise click.BadParameter(f"{a} and {b} are not of one kind; compare {pairs}", param_hint="A B")
 
 
-def compare_pair(pair: Sequence[Scene]) -> Sequence[Trajectory]:
-    """Run one scene with both trackings and print how they compare."""
-    note(f"{pair[0].source}: {' and '.join(scene.config.solver.tracking for scene in pair)}, in turn ...")
+def compare_pair(pair: Sequence[Scene], kind: str, choices: tuple[str, str]) -> Sequence[Trajectory]:
+    """Run one scene in both ways and print how they compare."""
+    note(f"{pair[0].source}: {' and '.join(choices)}, in turn ...")
     from omnisim import analysis, timing
 
     with compilation_noted():
         trajectories, times = timing.race(pair)
-        costs = timing.tracking_costs(pair)
+        costs = timing.tracking_costs(pair) if kind == "tracking" else []
     comparison = analysis.compare(*trajectories)
-    click.echo(headline(trajectories, comparison) + "\n")
-    click.echo(beside_the_paper(trajectories, comparison, times, costs) + "\n")
+    click.echo(headline(trajectories, comparison, choices) + "\n")
+    if kind == "tracking":
+        click.echo(beside_the_paper(trajectories, comparison, times, costs) + "\n")
+    else:
+        click.echo(march_times(choices, times) + "\n")
+    if any(row.difference for row in comparison.differences):
+        click.echo(over_time(analysis.divergence(*trajectories)) + "\n")
     click.echo(everything(comparison) + "\n")
     return trajectories
 
 
-def headline(trajectories: Sequence[Trajectory], comparison: Comparison) -> str:
+def march_times(choices: tuple[str, str], times: list[list[float]]) -> str:
+    """How long the marches took, and their ratio."""
+    a, b = (median(spent) for spent in times)
+    runs = f"medians of {len(times[0])} runs" if len(times[0]) > 1 else "one run"
+    return f"time, {choices[1]} / {choices[0]}: {b / a:.3g} ({b:.3g} s / {a:.3g} s, {runs})"
+
+
+def over_time(pieces: Sequence[Divergence]) -> str:
+    """How the two motions part in the course of time."""
+    lines = [f"{'largest difference until':<26}{'position':<12}{'yaw and spin':<14}{'velocity':<12}normal force"]
+    for piece in pieces:
+        sizes = piece.position, piece.angle, piece.velocity, piece.normal_force
+        shown = [f"{size:.2g} {unit}" for size, unit in zip(sizes, ("m", "rad", "m/s", "N"), strict=True)]
+        lines.append(f"  {f'{piece.until:g} s':<24}{shown[0]:<12}{shown[1]:<14}{shown[2]:<12}{shown[3]}")
+    return "\n".join(lines)
+
+
+def headline(trajectories: Sequence[Trajectory], comparison: Comparison, choices: tuple[str, str]) -> str:
     """What was compared, and which rows and events."""
     a, b = (trajectory.attributes for trajectory in trajectories)
     steps = " and ".join(dict.fromkeys(f"step {each['step']:g} s, {each['steps']} steps" for each in (a, b)))
     how = f"{a['method']}, {steps}, {comparison.rows} rows"
-    lines = [a["title"] or "(no title)", f"{a['tracking']} against {b['tracking']}: {how}"]
+    lines = [a["title"] or "(no title)", f"{choices[0]} against {choices[1]}: {how}"]
     if comparison.apart:
         lines.append(f"{comparison.apart} rows left out: they lie between the exchange times of the two")
     if comparison.events[0] != comparison.events[1]:
@@ -101,8 +135,9 @@ def everything(comparison: Comparison) -> str:
     """Largest difference of every dataset; those without any in one sentence."""
     rows = [row for row in comparison.differences if row.difference > 0.0]
     equal = [row.path for row in comparison.differences if row.difference == 0.0]
-    lines = [f"{'dataset':<42}{'unit':<9}{'largest value':<16}largest difference"] if rows else []
-    lines += [f"{row.path:<42}{row.units:<9}{row.largest:<16.6g}{row.difference:.2g}" for row in rows]
+    width = max((len(row.path) for row in rows), default=0) + 2
+    lines = [f"{'dataset':<{width}}{'unit':<9}{'largest value':<16}largest difference"] if rows else []
+    lines += [f"{row.path:<{width}}{row.units:<9}{row.largest:<16.6g}{row.difference:.2g}" for row in rows]
     if equal:
         lines += ["equal to the last bit:", *(f"  {path}" for path in equal)]
     return "\n".join(lines)

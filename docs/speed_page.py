@@ -36,6 +36,7 @@ SECTIONS = (
     "drake_peer",
     "laws",
     "whole_machines",
+    "formulations",
     "hard_cases",
     "kernels",
     "scaling",

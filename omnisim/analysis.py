@@ -79,6 +79,31 @@ def compare(a: Trajectory, b: Trajectory) -> Comparison:
     return Comparison(rows, rows - int(same.sum()), events, differences, centre_height(a, b, chosen[TIME]))
 
 
+@dataclass(frozen=True)
+class Divergence:
+    """Largest differences of two trajectories in all rows until a time (s): of the body's position (m) and velocity
+    (m/s), of yaw and spin angles (rad), and of normal forces (N)."""
+
+    until: float
+    position: float
+    angle: float
+    velocity: float
+    normal_force: float
+
+
+def divergence(a: Trajectory, b: Trajectory, pieces: int = 5) -> list[Divergence]:
+    """How two trajectories of one scene part: until each of so many equal parts of the time that both have."""
+    rows, found = min(len(a.time), len(b.time)), []
+    angles = ["body/yaw", *(f"wheels/{wheel}/spin_angle" for wheel in a.wheels)]
+    groups = (["body/position"], angles, ["body/velocity"], [f"wheels/{wheel}/normal_force" for wheel in a.wheels])
+    for end in dict.fromkeys(np.linspace(0, rows, pieces + 1).round().astype(int)[1:].tolist()):
+        if not end:
+            continue
+        sizes = [max(float(np.abs(a[path][:end] - b[path][:end]).max()) for path in group) for group in groups]
+        found.append(Divergence(float(a.time[end - 1]), *sizes))
+    return found
+
+
 def distance(a: Trajectory, b: Trajectory) -> float:
     """Largest over the rows that both have of that of positions (m), yaws and spin angles (rad)."""
     rows = min(len(a.time), len(b.time))

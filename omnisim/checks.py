@@ -13,6 +13,7 @@ from omnisim.vector import dot
 from omnisim.wheel import rho_of
 
 UNBALANCED_PART = 0.05  # of the energy of the scene
+STILL = 1e-9  # m/s: slower than that moves what stands, in rounding
 STIFF_STEPS = 3  # surplus of steps too large for the rate at which slip relaxes, before the run stops
 LOST = 1e-3  # |rho|^2 - 1 at which the implicit tracking is no longer worth its name
 
@@ -70,7 +71,7 @@ def check_energy(parameters, run):
     balance = 0.5 * doubled - clock.energy + loss - y[at.drive_work] - y[at.wrench_work]
     turned_over = clock.energy + abs(y[at.drive_work]) + abs(y[at.wrench_work])
     clock.turnover = max(clock.turnover, turned_over)  # the works may have come back to nothing
-    if abs(balance) > UNBALANCED_PART * clock.turnover and clock.status == RUNNING:
+    if abs(balance) > UNBALANCED_PART * clock.turnover + machine.mass * STILL * STILL and clock.status == RUNNING:
         clock.status, clock.wheel = UNBALANCED, -1
 
 

@@ -44,6 +44,7 @@ def collect(
         "wheels": names,
         "model": describe(config, parameters).line,
         "tracking": config.solver.tracking,
+        "formulation": config.solver.formulation,
         "method": method,
         "step": config.time.step,
         "steps": clock.step,

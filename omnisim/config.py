@@ -139,7 +139,8 @@ class Time(Table):
 
 
 class Solver(Table):
-    """[solver]: Runge-Kutta method, which of the two contact tracking algorithms runs, and the error that is allowed.
+    """[solver]: Runge-Kutta method, which of the two contact tracking algorithms runs, formulation of the equations of
+    motion, and the error that is allowed.
 
     error: of position (m), yaw and spin angles (rad) in any row of output; a step is picked for it, and that of [time]
     is not used. None: no step is picked.
@@ -147,6 +148,7 @@ class Solver(Table):
 
     method: _choice("heun", "rk4", "dopri5", "radau5", "auto") = "rk4"
     tracking: _choice("explicit", "implicit") = "explicit"
+    formulation: _choice("reduced", "multibody") = "reduced"
     error: PositiveOrNone = None
 
 
@@ -302,6 +304,12 @@ class Command(Table):
     twist: Twists
 
 
+class Output(Table):
+    """[output]: what is written beside the motion. bearing_loads: force and moment of every bearing."""
+
+    bearing_loads: Boolean = False
+
+
 class Initial(Table):
     """[initial]: position (m), yaw (deg), velocity (m/s, world) and yaw rate (rad/s) at t = 0."""
 
@@ -328,11 +336,17 @@ class Config(Table):
     command: Command | None = None
     wrench: Wrench = Wrench()
     initial: Initial = Initial()
+    output: Output = Output()
 
     @property
     def upright(self) -> str:
         """What carries roll and pitch: "servo" or "contacts"."""
         return self.world.upright or ("contacts" if self.chassis else "servo")
+
+    @property
+    def bearing_loads(self) -> bool:
+        """Whether what bearings carry is written; multipliers of the multibody formulation are there anyway."""
+        return self.output.bearing_loads or self.solver.formulation == "multibody"
 
     def type_of(self, wheel: Wheel) -> WheelType:
         return self.wheel_types[wheel.type]

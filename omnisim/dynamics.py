@@ -18,9 +18,10 @@ from omnisim.contact.coulomb import SLIP
 from omnisim.contact.reaction import VISCOUS
 from omnisim.contact.tracking import IMPLICIT, rho_rate, roller_axis
 from omnisim.coupled import settle_forces
-from omnisim.kernel import kernel
-from omnisim.loads import solve
-from omnisim.parameters import CONTACTS
+from omnisim.kernel import kernel, merged
+from omnisim.loads import set_body_tilt, solve
+from omnisim.multibody import multibody_rhs
+from omnisim.parameters import CONTACTS, MULTIBODY
 from omnisim.state import YAW, X, Y, places
 from omnisim.wheel import body_motion, external_wrench, rho_index, rho_of, world_heading
 from omnisim.wheel_dynamics import move_wheel, observe_wheel, press_wheel, slide_wheel
@@ -31,14 +32,26 @@ def rhs(parameters, mode, piece, t, y, dy, watch, kept):
     """Write y' into `dy`; if `kept`, also what the events need to know of each wheel into `watch` and what else is of
     interest into the room: inside a step nobody looks at them.
     """
+    if parameters.machine.formulation == MULTIBODY:
+        multibody_rhs(parameters, mode, piece, t, y, dy, watch, kept)
+    else:
+        reduced_rhs(parameters, mode, piece, t, y, dy, watch, kept)
+    if parameters.machine.odometry:
+        odometry_rates(parameters, y, dy)
+    if parameters.machine.tracking == IMPLICIT:
+        rho_rates(parameters, body_motion(parameters, y), y, dy)
+
+
+@merged
+def reduced_rhs(parameters, mode, piece, t, y, dy, watch, kept):
+    """The same of the reduced formulation, without odometry and rho."""
     machine, wheels, room, at = parameters.machine, parameters.wheels, parameters.room, places(parameters)
     # Rates of positions first: the sine and cosine of the next stage can then start while the forces are computed.
     dy[X], dy[Y], dy[YAW] = y[at.velocity], y[at.velocity + 1], y[at.yaw_rate]
     body = body_motion(parameters, y)
     wrench = external_wrench(parameters, piece, t, body)
     if machine.upright == CONTACTS:
-        external = room.loads.external
-        external.x, external.y, external.z, external.yaw_rate = wrench.x, wrench.y, wrench.z, body.yaw_rate
+        set_body_tilt(machine, room.loads, wrench, body.yaw_rate)
     load, others, sought = machine.mass * machine.gravity - wrench.z, 0, 0
     plane = free_plane(machine, wrench.x, wrench.y, wrench.yaw)
     heat, power = 0.0, 0.0  # of friction and of the drives, W
@@ -84,10 +97,6 @@ def rhs(parameters, mode, piece, t, y, dy, watch, kept):
     dy[at.velocity + 1] = acceleration.x * body.sin + acceleration.y * body.cos
     dy[at.yaw_rate] = acceleration.yaw
     dy[at.wrench_work] = wrench.x * body.x + wrench.y * body.y + wrench.yaw * body.yaw_rate
-    if machine.odometry:
-        odometry_rates(parameters, y, dy)
-    if machine.tracking == IMPLICIT:
-        rho_rates(parameters, body, y, dy)
 
 
 @kernel

@@ -172,7 +172,7 @@ def transition(parameters, run, log, kind, w, side, time):
         start_slip(parameters, run, w, side, time)
 
 
-@outlined
+@merged
 def change_load(parameters, run, log, w, time):
     """A wheel leaves the floor or touches down; of fewer than three that the machine stands on it falls."""
     mode, clock = run.mode[w], run.clock

@@ -148,7 +148,7 @@ def take_rollers(parameters, run, w, roller, shared):
     mode.air_cos, mode.air_sin, mode.air_sum = 0.0, 0.0, 0.0
     for i in range(count):
         rate, place = run.rates[w, i], -1
-        if parameters.machine.bearings:
+        if parameters.machine.every_rate:
             place = parameters.wheels[w].rates + i
         elif i == here or (shared and i == behind):
             place = rate_place(parameters, roller, w, 0 if i == here else 1)
@@ -165,7 +165,7 @@ def take_rollers(parameters, run, w, roller, shared):
 def release_rollers(parameters, run, w):
     """Write the roller rates of the state back to `rates`, where those of all rollers stand."""
     mode, count = run.mode[w], parameters.wheels[w].rollers
-    if parameters.machine.bearings:
+    if parameters.machine.every_rate:
         for i in range(count):
             run.rates[w, i] = run.y[parameters.wheels[w].rates + i]
     else:

@@ -19,7 +19,7 @@ from omnisim.contact.coulomb import CREEP, SLIP, STICK, TINY
 from omnisim.contact.kinematics import Motion, Slip, inverse_mass, largest, slip_acceleration
 from omnisim.contact.reaction import COULOMB
 from omnisim.impulse import align_slip, change_slip
-from omnisim.kernel import kernel, outlined
+from omnisim.kernel import kernel, merged, outlined
 from omnisim.runge_kutta import refresh
 from omnisim.state import places, rate_place
 from omnisim.tableau import EXPLICIT, IMPLICIT
@@ -262,7 +262,7 @@ def start_creep(parameters, run, w, t):
     keep_creep(parameters, run, w)
 
 
-@outlined
+@merged
 def begin_to_stop(parameters, run, t):
     """Let slips that are about to stop go on in the direction of the contact equation, in which they will."""
     for w in range(len(run.mode)):
@@ -285,7 +285,7 @@ def keep_creep(parameters, run, w):
     mode.creep[0], mode.creep[1] = creep[0], creep[1]
 
 
-@outlined
+@merged
 def start_slip(parameters, run, w, side, t):
     """Let a contact slip whose slip has grown; a creeping one in the direction of the contact equation."""
     mode = run.mode[w]
@@ -299,7 +299,7 @@ def start_slip(parameters, run, w, side, t):
     refresh(parameters, run, t)
 
 
-@kernel
+@merged
 def hold(parameters, run, t):
     """Take drift away: sticking contacts hold the slip acceleration at zero, the slip only to rounding; creeping ones
     have a direction that turns, and their slip follows."""

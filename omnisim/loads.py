@@ -109,6 +109,15 @@ def set_point(wheel, part, along):
 
 
 @kernel
+def set_body_tilt(machine, loads, wrench, yaw_rate):
+    """The rows of tilt of the machine without its wheels: the wrench, and the turning of S."""
+    by_y, by_x = external_tilt(machine, wrench, yaw_rate)
+    about_y, about_x = loads.tilt[0], loads.tilt[1]
+    about_y[0], about_y[1], about_y[2], about_y[3] = 0.0, 0.0, -machine.moment[1], -by_y
+    about_x[0], about_x[1], about_x[2], about_x[3] = 0.0, 0.0, machine.moment[0], -by_x
+
+
+@kernel
 def external_tilt(machine, wrench, yaw_rate):
     """The wrench and the turning of S in the rows of tilt: about -y and about x."""
     lever, moment, turning = machine.lever, machine.moment, yaw_rate * yaw_rate
@@ -186,11 +195,10 @@ def reduced(row, by_0, by_1, by_2, motion, x, y, mean):
 @kernel
 def carry(machine, room):
     """What the loads do to the body: Pushes, the rows of Tilt about -y and about x, and the LoadedPlaces."""
-    nothing, external = ByLoad(0.0, 0.0, 0.0), room.loads.external
+    nothing, tilt = ByLoad(0.0, 0.0, 0.0), room.loads.tilt
     push_x, push_y, push_yaw = nothing, nothing, nothing
-    by_y, by_x = external_tilt(machine, external, external.yaw_rate)
-    about_y = Tilt(0.0, 0.0, -machine.moment[1], nothing, -by_y)
-    about_x = Tilt(0.0, 0.0, machine.moment[0], nothing, -by_x)
+    about_y = Tilt(tilt[0, 0], tilt[0, 1], tilt[0, 2], nothing, tilt[0, 3])
+    about_x = Tilt(tilt[1, 0], tilt[1, 1], tilt[1, 2], nothing, tilt[1, 3])
     count, s_x, s_y, s_xx, s_xy, s_yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for w in range(len(room.parts)):
         part = room.parts[w]

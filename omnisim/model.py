@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from omnisim.config import Config, Drive, Friction, Roller, Wheel, unused_keys
 from omnisim.ideal import rms_distance, undetermined, wheel_rows
-from omnisim.parameters import CONTACTS, Parameters
+from omnisim.parameters import CONTACTS, MULTIBODY, Parameters
 from omnisim.records import plain
 from omnisim.state import places_in
 from omnisim.text import hanging
@@ -61,16 +61,15 @@ def describe(config: Config, parameters: Parameters) -> Model:
 def integrated(config: Config, parameters: Parameters) -> Iterator[Part]:
     """What has states, or would have."""
     machine, at, (wheels, most) = parameters.machine, places_in(parameters), parameters.sector.shape[:2]
-    bearings, implicit, count = (
-        bool(machine.bearings),
-        config.solver.tracking == "implicit",
-        at.integral - at.roller_rate,
-    )
+    bearings, implicit = bool(machine.bearings), config.solver.tracking == "implicit"
+    multibody, count = machine.formulation == MULTIBODY, at.integral - at.roller_rate
+    every = bearings or multibody
     yield Part("plane motion", True, 6, motion_reason(config))
     yield Part("spin", True, 2 * wheels, wheels_reason(config))
-    yield Part("rollers in contact", True, 0 if bearings else count, contacts_reason(config))
-    if bearings:
-        yield Part("roller rates", True, count, f"all, since bearings have friction; {most} states a wheel")
+    yield Part("rollers in contact", True, 0 if every else count, contacts_reason(config))
+    if every:
+        why = "bearings have friction" if bearings else "they are bodies"
+        yield Part("roller rates", True, count, f"all, since {why}; {most} states a wheel")
     else:
         yield Part("rollers in the air", False, 0, air_reason(config))
     if any(wheel.drive.kind == "rate" for wheel in config.wheels):
@@ -83,6 +82,10 @@ def integrated(config: Config, parameters: Parameters) -> Iterator[Part]:
     why = "implicit tracking integrates the unit vector of each roller"
     why = why if implicit else "explicit tracking has the contact point in closed form"
     yield Part("rho", implicit, 3 * most * wheels * implicit, why)
+    why = "formulation 'multibody' has chassis, disks and rollers in space, and multipliers of joints and floor"
+    if not multibody:
+        why = "formulation 'reduced' has eliminated the joints; 'multibody' keeps every body, for ten times the time"
+    yield Part("rigid bodies", multibody, (at.drift + 2 - at.bodies) * multibody, why)
 
 
 def algebraic(config: Config, parameters: Parameters) -> Iterator[Part]:
@@ -105,6 +108,8 @@ def algebraic(config: Config, parameters: Parameters) -> Iterator[Part]:
     )
     yield Part("heave, roll and pitch", False, 0, takes)
     yield Part("compliance", False, 0, "bodies and floor are rigid: no suspension, no rolling resistance")
+    loads, why = config.bearing_loads, "force and moment of every bearing, from the accelerations of a row"
+    yield Part("bearing loads", loads, 0, why if loads else "output.bearing_loads = true writes them")
     yield Part("contact torque", friction.contact_torque != "none", 0, patch_reason(friction))
     yield Part("bearing friction", bool(parameters.machine.bearings), 0, bearing_reason(config))
 

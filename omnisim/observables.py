@@ -5,12 +5,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from omnisim.bearings import recover, resolve_joints
 from omnisim.config import Config
+from omnisim.constraints import residuals
 from omnisim.contact.kinematics import joint_rate
 from omnisim.contact.tracking import IMPLICIT, roller_axis
 from omnisim.kernel import direct, kernel
 from omnisim.loads import servo
-from omnisim.parameters import SERVO, Parameters
+from omnisim.parameters import MULTIBODY, SERVO, Parameters
 from omnisim.records import blank, plain
 from omnisim.runge_kutta import evaluate
 from omnisim.state import WATCH, YAW, Places, Rows, X, Y, places, places_in
@@ -43,7 +45,9 @@ class Observed(NamedTuple):
     """What `observe` finds in T rows of W wheels of at most N rollers.
 
     slopes (T, n): y'; servo (T, 2): torque about chassis x and y, N m; contacts (T, W): records CONTACT; joint_rate
-    (T, W, N), rad/s; motion (3, T, W, N, 3): position, velocity and acceleration of every roller centre, world axes.
+    (T, W, N), rad/s; motion (3, T, W, N, 3): position, velocity and acceleration of every roller centre, world axes;
+    bearings (T, W, N + 1, 2, 3): force (N) and moment (N m) of the axles of each wheel and its rollers, along their own
+    directions, or no rows if nobody asks for them.
     """
 
     slopes: np.ndarray
@@ -51,6 +55,7 @@ class Observed(NamedTuple):
     contacts: np.recarray
     joint_rate: np.ndarray
     motion: np.ndarray
+    bearings: np.ndarray
 
 
 @kernel
@@ -60,11 +65,14 @@ def observe(parameters, rows, times, watch, observed):
     for row in range(len(times)):
         y, mode, slopes = rows.y[row], rows.mode[row], observed.slopes[row]
         evaluate(parameters, mode, rows.piece[row], times[row], y, slopes, watch)
-        body = body_motion(parameters, y)
+        body, multibody = body_motion(parameters, y), parameters.machine.formulation == MULTIBODY
         wrench, turning = external_wrench(parameters, rows.piece[row], times[row], body), slopes[at.yaw_rate]
-        observed.servo[row, 0], observed.servo[row, 1] = servo(
-            parameters.machine, parameters.wheels, room, wrench, body.yaw_rate, turning
-        )
+        if multibody:
+            observed.servo[row, 0], observed.servo[row, 1] = room.loads.servo[0], room.loads.servo[1]
+        else:
+            observed.servo[row, 0], observed.servo[row, 1] = servo(
+                parameters.machine, parameters.wheels, room, wrench, body.yaw_rate, turning
+            )
         for w in range(len(parameters.wheels)):
             wheel, seen, part = parameters.wheels[w], observed.contacts[row, w], room.parts[w]
             contact, heading = room.contacts[2 * w], world_heading(wheel, body)
@@ -77,6 +85,10 @@ def observe(parameters, rows, times, watch, observed):
             for i in range(2):
                 seen.slip_velocity[i], seen.friction_force[i] = contact.slip[i], contact.force[i]
             observe_rollers(parameters, rows, row, w, body, observed)
+            if len(observed.bearings):
+                if not multibody:
+                    recover(parameters, mode[w], w, y, slopes, rows.rates[row, w])
+                resolve_joints(parameters, w, y, observed.bearings[row, w])
 
 
 @kernel
@@ -130,13 +142,15 @@ def store(target, vector):
 def datasets(parameters: Parameters, rows: Rows, interval: float, config: Config) -> dict[str, np.ndarray]:
     """All datasets of T rows, `interval` seconds apart, but the events: by path in the trajectory file."""
     times, (count, wheels, rollers) = np.arange(len(rows.y)) * interval, rows.rates.shape
-    watch = blank(WATCH, wheels)
+    multibody = parameters.machine.formulation == MULTIBODY
+    bearings, watch = config.bearing_loads, blank(WATCH, wheels)
     observed = Observed(
         slopes=np.empty_like(rows.y),
         servo=np.empty((count, 2)),
         contacts=blank(CONTACT, count, wheels),
         joint_rate=np.empty((count, wheels, rollers)),
         motion=np.empty((3, count, wheels, rollers, 3)),
+        bearings=np.zeros((count if bearings else 0, wheels, rollers + 1, 2, 3)),
     )
     direct(observe, parameters, rows, times, watch, observed)
     parameters = parameters._replace(machine=plain(parameters.machine))
@@ -146,10 +160,14 @@ def datasets(parameters: Parameters, rows: Rows, interval: float, config: Config
         data |= odometry(parameters, rows.y, data["body/position"])
     if config.chassis is not None and parameters.machine.upright == SERVO:
         data["body/servo_torque"] = observed.servo
+    if multibody:
+        data |= residuals(parameters, rows.y)
     for w, (wheel, number) in enumerate(zip(config.wheels, parameters.wheels.rollers.tolist(), strict=True)):
         group = wheel_datasets(places_in(parameters), w, number, rows, observed)
         if config.chassis is None:
             group["servo_torque"] = observed.servo[:, 0]
+        if bearings:
+            group |= bearing_loads(observed.bearings[:, w], number, config.chassis is not None)
         data |= {f"wheels/{wheel.name}/{path}": values for path, values in group.items()}
     return data
 
@@ -207,6 +225,13 @@ def energy(parameters: Parameters, rows: Rows) -> dict[str, np.ndarray]:
         "energy/wrench_work": wrench,
         "energy/balance": kinetic - kinetic[:1] + loss + bearings - drive - wrench,
     }
+
+
+def bearing_loads(found: np.ndarray, rollers: int, chassis: bool) -> dict[str, np.ndarray]:
+    """Datasets of what the bearings of a wheel carry, by path below its group; its own only if it has an axle."""
+    force, moment = found[:, : rollers + 1, 0], found[:, : rollers + 1, 1]
+    own = {"bearing_force": force[:, 0], "bearing_moment": moment[:, 0]} if chassis else {}
+    return own | {"rollers/bearing_force": force[:, 1:], "rollers/bearing_moment": moment[:, 1:]}
 
 
 def wheel_datasets(at: Places, w: int, rollers: int, rows: Rows, observed: Observed) -> dict[str, np.ndarray]:

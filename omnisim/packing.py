@@ -13,14 +13,18 @@ from omnisim.contact.tracking import TRACKINGS
 from omnisim.drives import drive_law
 from omnisim.ideal import inverse, rms_distance, wheel_rows
 from omnisim.parameters import (
+    ARTICULATED,
     CONTACT,
     CONTACTS,
     DRIVE,
     FORCE_X,
     FORCE_Y,
     FORCE_Z,
+    FORMULATIONS,
+    JOINT,
     LOADS,
     MACHINE,
+    MULTIBODY,
     PART,
     RESTING,
     SERVO,
@@ -49,16 +53,26 @@ def pack(config: Config) -> Parameters:
         starts = np.radians([wheel.spin_angle_deg for wheel in config.wheels])
         wheels = [wheel | {"odometry": tuple(column)} for wheel, column in zip(wheels, twists.T, strict=True)]
         machine["odometry_yaw"] = math.radians(config.initial.yaw_deg) - twists[2] @ starts
-    flags = (machine["integrals"], machine["bearings"], machine["odometry"])
-    machine["places"] = places_of(len(wheels), machine["slots"], *map(int, flags))
+    most = max(kind.roller_count for kind in types)
+    machine["places"] = places_of(
+        len(wheels),
+        machine["slots"],
+        *(int(machine[flag]) for flag in ("integrals", "bearings", "odometry")),
+        rhos=len(wheels) * most if config.solver.tracking == "implicit" else 0,
+        bodies=1 + len(wheels) * (1 + most) if machine["formulation"] == MULTIBODY else 0,
+    )
     wheels = [wheel | {"rates": machine["places"].roller_rate + machine["slots"] * w} for w, wheel in enumerate(wheels)]
     machine["slip_mobility"] = max(slip_mobility_bound(machine, wheel) for wheel in wheels)
     packed, starts_inputs = records(WHEEL, wheels), merge_tables(config, rows)
-    return Parameters(records(MACHINE, [machine])[0], packed, sectors(packed.rollers), *starts_inputs, room(len(types)))
+    constants = records(MACHINE, [machine])[0], packed, sectors(packed.rollers)
+    return Parameters(*constants, *starts_inputs, room(len(types), most))
 
 
-def room(wheels: int) -> Room:
-    return Room(blank(CONTACT, 2 * wheels), blank(PART, wheels), blank(LOADS, 1)[0], blank(RESTING, 2))
+def room(wheels: int, rollers: int) -> Room:
+    return Room(
+        blank(CONTACT, 2 * wheels), blank(PART, wheels), blank(LOADS, 1)[0], blank(RESTING, 2),
+        blank(ARTICULATED, wheels), blank(JOINT, wheels, rollers + 1),
+    )  # fmt: skip
 
 
 class Bodies(NamedTuple):
@@ -98,6 +112,8 @@ def machine_values(config: Config, types: list[WheelType]) -> dict:
     """Values of the MACHINE record, but those that take all wheels to know."""
     friction, whole = config.friction, bodies(config)
     bearings = any(kind.roller.has_bearing_friction for kind in types)
+    formulation = FORMULATIONS[config.solver.formulation]
+    every_rate = bearings or formulation == MULTIBODY
     pushed = whole.centre if config.chassis is None else np.array(config.chassis.center_of_mass)
     return {
         "gravity": config.world.gravity,
@@ -117,9 +133,13 @@ def machine_values(config: Config, types: list[WheelType]) -> dict:
         "slip_floor": slip_floor(friction, whole.mass * config.world.gravity),
         "tracking": TRACKINGS[config.solver.tracking],
         "patch_radius": friction.patch_radius if friction.contact_torque != "none" else 0.0,
+        "formulation": formulation,
+        "chassis_mass": config.chassis.mass if config.chassis else 0.0,
+        "chassis_inertia": config.chassis.inertia if config.chassis else (0.0, 0.0, 0.0),
         "bearings": bearings,
+        "every_rate": every_rate,
         "bearing_relaxation": max(bearing_relaxation(kind.roller) for kind in types),
-        "slots": max(kind.roller_count for kind in types) if bearings else 2,
+        "slots": max(kind.roller_count for kind in types) if every_rate else 2,
         "integrals": any(drive_law(wheel.drive).integral > 0.0 for wheel in config.wheels),
         "odometry_yaw": 0.0,
         "pushed": any(any(force) or torque for force, torque in zip(*config.wrench.table[1:], strict=True)),
@@ -161,6 +181,10 @@ def wheel_values(kind: WheelType, wheel: Wheel, centre: np.ndarray) -> dict:
         "phase": math.radians(wheel.phase_deg),
         "axle_inertia": axle,
         "rotor_inertia": law.rotor_inertia,
+        "disk_mass": kind.disk.mass,
+        "disk_inertia": (kind.disk.inertia_diameter, kind.disk.inertia_axle),
+        "roller_mass": kind.roller.mass,
+        "transverse_inertia": kind.roller.inertia_transverse,
         "axial_inertia": kind.roller.inertia_axial,
         "spin_mobility": 1.0 / (axle + law.rotor_inertia),
         "axial_mobility": 1.0 / kind.roller.inertia_axial,

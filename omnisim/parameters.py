@@ -23,7 +23,11 @@ MACHINE = np.dtype(
         ("slip_floor", np.float64),  # slip over which friction changes near zero slip, m/s
         ("patch_radius", np.float64),  # of the contact patch, m; 0: no contact torque
         ("tracking", np.int64),  # tracking.TRACKINGS
-        ("bearings", np.int64),  # 1: bearing friction, so that every roller is in the state
+        ("formulation", np.int64),  # REDUCED or MULTIBODY
+        ("chassis_mass", np.float64),  # kg; 0 of a bare wheel
+        ("chassis_inertia", np.float64, (3,)),  # about its own axes, kg m^2
+        ("bearings", np.int64),  # 1: bearing friction
+        ("every_rate", np.int64),  # 1: the rates of all rollers are states
         ("bearing_relaxation", np.float64),  # fastest rate at which bearing friction stops a roller, 1/s
         ("slots", np.int64),  # of roller rates in the state, for each wheel
         ("integrals", np.int64),  # 1: drives integrate the error of their rate, a state for each wheel
@@ -55,6 +59,10 @@ WHEEL = np.dtype(
         ("phase", np.float64),  # azimuth of roller 0 at spin angle 0, rad
         ("axle_inertia", np.float64),  # J_k, kg m^2
         ("rotor_inertia", np.float64),  # of the motor, reflected to the axle, kg m^2
+        ("disk_mass", np.float64),  # without rollers, kg
+        ("disk_inertia", np.float64, (2,)),  # about its diameter and its axle, kg m^2
+        ("roller_mass", np.float64),  # of one roller, kg
+        ("transverse_inertia", np.float64),  # It of one roller, kg m^2
         ("axial_inertia", np.float64),  # Ia of one roller, kg m^2
         ("spin_mobility", np.float64),  # 1 / (J_k + rotor): of what the drive has to turn, 1/(kg m^2)
         ("axial_mobility", np.float64),  # 1 / Ia, 1/(kg m^2)
@@ -73,6 +81,8 @@ WHEEL = np.dtype(
 )
 FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE, DRIVE = range(5)  # channels of the inputs; DRIVE + w is the drive of wheel w
 SERVO, CONTACTS = 0, 1
+REDUCED, MULTIBODY = 0, 1
+FORMULATIONS = {"reduced": REDUCED, "multibody": MULTIBODY}
 
 # What the right-hand side finds at a contact (two of each wheel) and at a wheel.
 CONTACT = np.dtype(
@@ -117,19 +127,10 @@ PART = np.dtype(
         ("share_margin", np.float64),  # torque with which both contacts alone would push back to the edge, N m
     ]
 )
-
-
-EXTERNAL = np.dtype(
-    [
-        ("x", np.float64),  # force, along chassis axes, N
-        ("y", np.float64),
-        ("z", np.float64),
-        ("yaw_rate", np.float64),  # of the body, rad/s
-    ]
-)
 LOADS = np.dtype(
     [
-        ("external", EXTERNAL),
+        ("tilt", np.float64, (2, 4)),  # rows of tilt without contacts: by the acceleration (x, y, yaw), right side
+        ("servo", np.float64, (2,)),  # torque about chassis x and y that keeps the bodies upright, N m
         ("mobility", np.float64, (2, 2, 2, 2)),  # 1/kg: slip acceleration of one of RESTING by the force of another
     ]
 )
@@ -143,17 +144,41 @@ RESTING = np.dtype(
 )
 
 
+# What the bodies of a scene are found to carry, and what stands between their joints.
+ARTICULATED = np.dtype(
+    [
+        ("axle", np.float64, (3,)),  # k, world axes
+        ("inertia", np.float64, (6,)),  # of the wheel about O without the spins of its rollers: xx, xy, xz, yy, yz, zz
+        ("lift", np.float64, (3,)),  # sum of m (r - O), kg m
+        ("mass", np.float64),  # kg
+        ("spin_inertia", np.float64),  # about the axle, with the rotor, kg m^2
+        ("torque", np.float64, (3,)),  # of its motion and weight about O, N m
+        ("force", np.float64, (3,)),  # the same, N
+        ("drive", np.float64),  # torque on the disk about k, N m
+    ]
+)
+JOINT = np.dtype(
+    [
+        ("force", np.float64, (3,)),  # of the joint on the body that it carries, world axes, N
+        ("moment", np.float64, (3,)),  # about the joint, N m
+    ]
+)
+
+
 class Room(NamedTuple):
-    """Room for the forces of an instant, W wheels; not constant, but without memory either.
+    """Room for the forces of an instant, W wheels of at most N rollers; not constant, but without memory either.
 
     contacts: (2 W,) records CONTACT, two for each wheel. parts: (W,) records PART. loads: record LOADS. resting (2,):
-    records RESTING of the contacts of one wheel.
+    records RESTING of the contacts of one wheel. articulated (W,): records ARTICULATED. joints (W, N + 1): records
+    JOINT of each wheel's disk and rollers.
     """
 
     contacts: np.recarray
     parts: np.recarray
     loads: np.record
     resting: np.recarray
+    articulated: np.recarray
+    joints: np.recarray
 
 
 class Parameters(NamedTuple):

@@ -6,6 +6,7 @@ from itertools import pairwise
 
 from omnisim.config import DRIVE_KEYS, FRICTION_KEYS, Config, Drive, Wheel
 from omnisim.problems import Problem, allowed_at, did_you_mean
+from omnisim.tableau import EXPLICIT, METHODS
 from omnisim.toml_text import KeyPath
 
 MAX_STEPS = 10**10
@@ -36,6 +37,14 @@ def _time_rules(config: Config) -> Iterator[Problem]:
 def is_whole(ratio: float) -> bool:
     """Whether a ratio of times is an integer > 0, as far as decimals can say it."""
     return math.isfinite(ratio) and ratio > 0.5 and abs(ratio - round(ratio)) <= GRID_TOLERANCE * ratio
+
+
+def _formulation_rules(config: Config) -> Iterator[Problem]:
+    """Implicit steps solve for all states that forces depend on: of every body these are too many."""
+    method, explicit = config.solver.method, [name for name, method in METHODS.items() if method.choice == EXPLICIT]
+    if config.solver.formulation == "multibody" and method not in explicit:
+        names = ", ".join(f"'{name}'" for name in explicit)
+        yield Problem(("solver", "method"), f"must be one of {names} with formulation = 'multibody'")
 
 
 def _friction_rules(config: Config) -> Iterator[Problem]:
@@ -194,6 +203,7 @@ def _table_rules(path: KeyPath, times: tuple[float, ...], **columns: tuple) -> I
 
 RULES = (
     _time_rules,
+    _formulation_rules,
     _friction_rules,
     _contact_torque_rules,
     _wheel_type_rules,

@@ -1,7 +1,9 @@
 """One explicit Runge-Kutta step with a frozen mode, the tableau as data."""
 
 from omnisim.dynamics import rhs
+from omnisim.joints import hold_bodies
 from omnisim.kernel import kernel, merged, outlined
+from omnisim.parameters import MULTIBODY
 
 
 @merged
@@ -80,7 +82,9 @@ def evaluate(parameters, mode, piece, t, y, dy, watch):
 
 @merged
 def refresh(parameters, run, t):
-    """Derivative at the state itself, after the mode has changed."""
+    """Derivative at the state itself, after the mode or the state have changed; bodies follow."""
+    if parameters.machine.formulation == MULTIBODY:
+        hold_bodies(parameters, run, False)
     evaluate(parameters, run.mode, run.clock.piece, t, run.y, run.slopes[0], run.watch)
     run.clock.rhs += 1
 

@@ -7,7 +7,7 @@ import numpy as np
 from omnisim.config import Config, Time
 from omnisim.contact.tracking import IMPLICIT
 from omnisim.grip import alignment, fineness, stopping_alignment
-from omnisim.parameters import Parameters
+from omnisim.parameters import MULTIBODY, Parameters
 from omnisim.records import blank, plain, records
 from omnisim.state import CLOCK, MODE, WATCH, YAW, Newton, Rows, Run, X, Y, places_in
 from omnisim.stiffness import resolve
@@ -86,7 +86,8 @@ def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, n
     machine, wheels, at = parameters.machine, np.asarray(parameters.wheels), places_in(parameters)
     count, rollers = parameters.sector.shape[:2]
     implicit = machine.tracking == IMPLICIT
-    y, rates = np.zeros(at.rho + 3 * count * rollers * implicit), np.zeros((count, rollers))
+    states = at.drift + 2 if machine.formulation == MULTIBODY else at.bodies
+    y, rates = np.zeros(states), np.zeros((count, rollers))
     yaw, yaw_rate, velocity = math.radians(config.initial.yaw_deg), config.initial.yaw_rate, config.initial.velocity
     cos, sin, (x, y_centre) = math.cos(yaw), math.sin(yaw), machine.centre
     to_centre = (x * cos - y_centre * sin, x * sin + y_centre * cos)  # C from the chassis origin, world axes
@@ -107,7 +108,7 @@ def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, n
     rates[~there] = 0.0
     if implicit:
         headings = yaw + np.radians([wheel.heading_deg for wheel in config.wheels])
-        y[at.rho :].reshape(count, rollers, 3)[there] = -roller_directions(q, headings)[there]
+        y[at.rho : at.bodies].reshape(count, rollers, 3)[there] = -roller_directions(q, headings)[there]
     return y, rates
 
 

@@ -3,13 +3,15 @@
     y = [ positions: x y yaw, spin_angle of each wheel | their rates, in the same order |
           roller rates of each wheel | integrated rate error of each wheel's drive |
           friction_loss drive_work wrench_work, with bearing friction bearing_loss | x y of the wheels' odometry |
-          rho of every roller (implicit tracking) ]
+          rho of every roller (implicit tracking) | r Q v w of every body, drift (formulation "multibody") ]
 
 x, y: of the common centre of mass C. Drive integrals, bearing loss and odometry are there only if the scene has them.
 
 Roller rates are absolute axial rates p. A roller in the air keeps its own exactly, so only those of the rollers in
 contact are states: two slots for each wheel, the second in use while two rollers carry it; the others stand in
-`rates`. With bearing friction every roller has its slot. The works are integrated with the motion.
+`rates`. With bearing friction, and where rollers are bodies, every roller has its slot. The works are integrated with
+the motion. Bodies are held where these joint coordinates put them, at the end of every step; the drift is the largest
+distance (m or rad; m/s or rad/s) by which a step has taken a body from there so far.
 """
 
 from typing import NamedTuple
@@ -19,6 +21,7 @@ import numpy as np
 from omnisim.kernel import kernel
 
 X, Y, YAW = range(3)
+BODY_STATES = 13  # of each rigid body: see rigid.py
 
 
 class Places(NamedTuple):
@@ -36,6 +39,8 @@ class Places(NamedTuple):
     bearing_loss: int
     odometry: int
     rho: int
+    bodies: int
+    drift: int  # of positions, then of velocities
 
 
 # No index made of unsigned numbers can count from the end, so compiled code need not ask.
@@ -53,20 +58,24 @@ def places_in(parameters):
     return Places(*map(int, parameters.machine.places))
 
 
-def places_of(wheels, slots, integrals, bearings, odometry):
-    """Places for so many wheels with so many slots of roller rates each; the others: 1 if the scene has them."""
+def places_of(wheels, slots, integrals, bearings, odometry, rhos=0, bodies=0):
+    """Places for so many wheels with so many slots of roller rates each, rollers with a rho, and bodies; the others: 1
+    if the scene has them."""
     rates, rollers, integral = 3 + wheels, 6 + 2 * wheels, 6 + 2 * wheels + slots * wheels
     works = integral + integrals * wheels
     pose = works + 3 + bearings
     rho = pose + 2 * odometry
-    return Places(3, rates, rates + 2, rates + 3, rollers, integral, works, works + 1, works + 2, works + 3, pose, rho)
+    first = rho + 3 * rhos
+    drift = first + BODY_STATES * bodies
+    works = works, works + 1, works + 2, works + 3
+    return Places(3, rates, rates + 2, rates + 3, rollers, integral, *works, pose, rho, first, drift)
 
 
 @kernel
 def rate_place(parameters, roller, w, side):
     """Where the rate of a contact's roller stands in the state: `roller` is that of side 0, side 1 is behind it."""
     first = parameters.wheels[w].rates
-    if parameters.machine.bearings:
+    if parameters.machine.every_rate:
         return first + (roller - side) % parameters.wheels[w].rollers
     return first + side
 

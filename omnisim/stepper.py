@@ -26,7 +26,9 @@ from omnisim.events import (
 from omnisim.exchange import release_rollers, settle, stand_up
 from omnisim.grip import begin_to_stop, hold, outrun, rests, step_length, stopped_speed, stops
 from omnisim.implicit import implicit_step
+from omnisim.joints import hold_bodies
 from omnisim.kernel import kernel, merged, outlined
+from omnisim.parameters import MULTIBODY
 from omnisim.runge_kutta import accept, copy, explicit_step, refresh
 from omnisim.state import places
 from omnisim.status import (
@@ -96,7 +98,7 @@ def march(parameters, method, run, rows, log):
     return clock.status
 
 
-@outlined
+@merged
 def enter_piece(parameters, run, rows, log):
     """Enter a piece of the tables set while the march stood still; a row of this instant is renewed."""
     clock = run.clock
@@ -150,6 +152,8 @@ def grid_step(parameters, method, run, log):
             h = step_length(parameters, run, t, h)
         h, kind, w, side = step_to_event(parameters, method, run, t, h)
         accept(run)
+        if parameters.machine.formulation == MULTIBODY:
+            hold_bodies(parameters, run, True)
         clock.elapsed += h
         if coulomb:
             hold(parameters, run, start + clock.elapsed)

@@ -21,15 +21,15 @@ FORMAT_VERSION = 1
 COMPLETE = "complete"
 EVENT_KINDS = ("exchange", "stick", "slip", "lift_off", "touch_down", "share_begin", "share_end", "stop")
 
-# Root attributes and their types; Trajectory itself fills the first two. Optional ones are those of runs whose step was
-# picked for an error.
+# Root attributes and their types; Trajectory itself fills the first two. Optional are those of runs whose step was
+# picked for an error, and the formulation, which older files do not name.
 ATTRIBUTES = {
     "format": str, "format_version": int, "omnisim_version": str, "title": str, "scene": str, "wheels": tuple,
     "model": str, "tracking": str, "method": str, "step": float, "steps": int, "rhs_evaluations": int,
     "wall_time": float, "status": str, "stop_time": float, "stop_wheel": str,
-    "error_target": float, "error_estimate": float,
+    "error_target": float, "error_estimate": float, "formulation": str,
 }  # fmt: skip
-OPTIONAL_ATTRIBUTES = frozenset(("error_target", "error_estimate"))
+OPTIONAL_ATTRIBUTES = frozenset(("error_target", "error_estimate", "formulation"))
 
 
 @dataclass(frozen=True)
@@ -53,12 +53,14 @@ class Quantity:
         return replace(self, path=self.path.format(wheel=wheel), axes=axes)
 
 
-TIME, AXIS, PLANE, TANGENT = "time", "axis", "plane", "tangent"
+TIME, AXIS, PLANE, TANGENT, HUB, MOUNT = "time", "axis", "plane", "tangent", "hub", "mount"
 ROLLER, EVENT = "wheels/{wheel}/rollers/roller", "events/event"
 LABELS = {
     AXIS: ("x", "y", "z"),
     PLANE: ("x", "y"),
     TANGENT: ("h", "k"),
+    HUB: ("h", "k", "n"),
+    MOUNT: ("radial", "lateral", "axial"),
 }  # the other two, ROLLER and EVENT, count from 0
 
 BODY = "wheel centre (bare wheel) or chassis origin on the floor (vehicle)"
@@ -71,6 +73,9 @@ TABLE = (
     Quantity(AXIS, (AXIS,), "1", "world axes: x and y on the floor, z up", "str"),
     Quantity(PLANE, (PLANE,), "1", "directions in the plane of the floor", "str", optional=True),
     Quantity(TANGENT, (TANGENT,), "1", "directions along the floor: h heading, k axle (left)", "str"),
+    Quantity(HUB, (HUB,), "1", "directions at a wheel's axle: h heading, k left, n up", "str", optional=True),
+    Quantity(MOUNT, (MOUNT,), "1", "directions of a roller's axle: radial from the wheel centre, axial along it", "str",
+             optional=True),
     Quantity("body/position", (TIME, AXIS), "m", f"position of the {BODY}"),
     Quantity("body/velocity", (TIME, AXIS), "m/s", f"velocity of the {BODY}"),
     Quantity("body/acceleration", (TIME, AXIS), "m/s^2", f"acceleration of the {BODY}"),
@@ -99,12 +104,24 @@ TABLE = (
              "1, or the share of contact_roller (the one at q = +alpha) while two rollers carry the load"),
     Quantity(f"{WHEEL}/contact_torque", T, "N m", "torque of the floor on contact_roller about the normal"),
     Quantity(f"{WHEEL}/servo_torque", T, "N m", "torque about h that keeps a bare wheel upright", optional=True),
+    Quantity(f"{WHEEL}/bearing_force", (TIME, HUB), "N", "force of the axle on the wheel", optional=True),
+    Quantity(f"{WHEEL}/bearing_moment", (TIME, HUB), "N m",
+             "moment of the axle on the wheel about its centre; along k that of drive and rotor", optional=True),
     Quantity(ROLLER, (ROLLER,), "1", "rollers of this wheel, counted from 0", "int64"),
     Quantity(f"{ROLLERS}/axial_rate", (TIME, ROLLER), "rad/s", "absolute angular velocity about the axis"),
     Quantity(f"{ROLLERS}/joint_rate", (TIME, ROLLER), "rad/s", "angular velocity relative to the wheel"),
     Quantity(f"{ROLLERS}/center_position", (TIME, ROLLER, AXIS), "m", "position of the centre"),
     Quantity(f"{ROLLERS}/center_velocity", (TIME, ROLLER, AXIS), "m/s", "velocity of the centre"),
     Quantity(f"{ROLLERS}/center_acceleration", (TIME, ROLLER, AXIS), "m/s^2", "acceleration of the centre"),
+    Quantity(f"{ROLLERS}/bearing_force", (TIME, ROLLER, MOUNT), "N", "force of its axle on the roller", optional=True),
+    Quantity(f"{ROLLERS}/bearing_moment", (TIME, ROLLER, MOUNT), "N m",
+             "moment of its axle on the roller about its centre", optional=True),
+    Quantity("constraints/position", T, "1", "largest residual of a joint or of the floor, m or rad", optional=True),
+    Quantity("constraints/velocity", T, "1", "largest rate of such a residual, m/s or rad/s", optional=True),
+    Quantity("constraints/position_drift", T, "1",
+             "largest distance by which any step so far took a body from its joints, before it was put back, m or rad",
+             optional=True),
+    Quantity("constraints/velocity_drift", T, "1", "the same of velocities, m/s or rad/s", optional=True),
     Quantity("energy/kinetic", T, "J", "kinetic energy of all bodies"),
     Quantity("energy/friction_loss", T, "J", "energy lost to friction since t = 0"),
     Quantity("energy/bearing_loss", T, "J", "energy lost in the rollers' bearings since t = 0"),
@@ -210,7 +227,34 @@ class Trajectory:
 
 def summary(trajectory: Trajectory) -> str:
     """What a trajectory holds, for people: several aligned lines without a final newline."""
-    return f"{aligned(_facts(trajectory))}\n\n{_datasets(trajectory)}"
+    return "\n\n".join(filter(None, [aligned(_facts(trajectory)), bearings(trajectory), _datasets(trajectory)]))
+
+
+def bearings(trajectory: Trajectory) -> str:
+    """Peak and RMS of what each wheel's axle and its rollers carry, for the sizing of bearings; empty if not recorded.
+
+    Of the rollers, those of the one that carries most.
+    """
+    lines = []
+    for wheel in trajectory.wheels if len(trajectory.time) else ():
+        for name, path, along in ((f"{wheel}, axle", WHEEL, 1), (f"{wheel}, rollers", ROLLERS, 2)):
+            path = path.format(wheel=wheel)
+            if f"{path}/bearing_force" in trajectory:
+                force, moment = trajectory[f"{path}/bearing_force"], trajectory[f"{path}/bearing_moment"]
+                across = [np.linalg.norm(np.delete(load, along, axis=-1), axis=-1) for load in (force, moment)]
+                loads = across[0], np.abs(force[..., along]), across[1]
+                lines.append((name, *(f"{_peak(load):.4g} ({_rms(load):.4g})" for load in loads)))
+    header = ("bearing loads: peak (RMS)", "radial, N", "axial, N", "tilting moment, N m")
+    return columns([header, *lines]) if lines else ""
+
+
+def _peak(load: np.ndarray) -> float:
+    return float(load.max())
+
+
+def _rms(load: np.ndarray) -> float:
+    """Of a load (T) or of several (T, N): the largest."""
+    return float(np.sqrt(np.mean(load**2, axis=0)).max())
 
 
 def odometry(trajectory: Trajectory) -> str:
@@ -240,7 +284,9 @@ def _facts(trajectory: Trajectory) -> dict[str, str]:
     return {
         "title": a["title"] or "(none)",
         "model": a["model"],
-        "method": f"{a['method']}, step {a['step']:g} s, {a['tracking']} tracking",
+        "method": ", ".join(
+            [a["method"], f"step {a['step']:g} s", f"{a['tracking']} tracking", *_formulation(trajectory)]
+        ),
         "error": accuracy(trajectory),
         "run": f"{a['steps']} steps, {a['rhs_evaluations']} right-hand sides, {a['wall_time']:.3g} s{speed}",
         "duration": f"{end:g} s, {len(time)} rows{interval}",
@@ -249,8 +295,25 @@ def _facts(trajectory: Trajectory) -> dict[str, str]:
         "events": ", ".join(f"{n} {kind}" for kind, n in kinds.most_common()) or "none",
         "energy": _energy(trajectory),
         "odometry": odometry(trajectory),
+        "constraints": _constraints(trajectory),
         "format": f"{a['format']} {a['format_version']}, written by omnisim {a['omnisim_version']}",
     }
+
+
+def _formulation(trajectory: Trajectory) -> list[str]:
+    """The formulation, if it is not the reduced one."""
+    formulation = trajectory.attributes.get("formulation", "reduced")
+    return [] if formulation == "reduced" else [f"{formulation} formulation"]
+
+
+def _constraints(trajectory: Trajectory) -> str:
+    """How well joints and floor hold the bodies; empty unless they are bodies."""
+    if "constraints/position" not in trajectory or not len(trajectory.time):
+        return ""
+    position, velocity = (trajectory[f"constraints/{name}"].max() for name in ("position", "velocity"))
+    drifts = (trajectory[f"constraints/{name}_drift"][-1] for name in ("position", "velocity"))
+    drift = " and ".join(f"{value:.2g} {unit}" for value, unit in zip(drifts, ("m", "m/s"), strict=True))
+    return f"kept to {position:.2g} m and {velocity:.2g} m/s; put back at every step, by {drift} at most"
 
 
 def _energy(trajectory: Trajectory) -> str:

@@ -14,6 +14,21 @@ class Vec3(NamedTuple):
 
 
 @kernel
+def plus(a, b):
+    return Vec3(a.x + b.x, a.y + b.y, a.z + b.z)
+
+
+@kernel
+def minus(a, b):
+    return Vec3(a.x - b.x, a.y - b.y, a.z - b.z)
+
+
+@kernel
+def times(factor, a):
+    return Vec3(factor * a.x, factor * a.y, factor * a.z)
+
+
+@kernel
 def dot(a, b):
     return a.x * b.x + a.y * b.y + a.z * b.z
 

@@ -163,11 +163,19 @@ def twist(axis, turn, torque, rolling, spin, heat):
 def observe_contact(parameters, mode, w, side, body, state):
     """A contact of wheel w and its friction by the load, into the room; state: its ContactState."""
     machine, wheel, contact = parameters.machine, parameters.wheels[w], parameters.room.contacts[2 * w + side]
-    slip, j = state.slip, slip_jacobian(wheel, state.axis, state.contact)
+    j = slip_jacobian(wheel, state.axis, state.contact)
     set_contact(contact, state, j, mode.shared)
     set_lever(wheel, contact, state.axis, j)
     if machine.upright == CONTACTS:
         set_tilt(machine, wheel, contact, mode.shared)
+    find_friction(parameters, mode, w, side, body, state, j)
+
+
+@kernel
+def find_friction(parameters, mode, w, side, body, state, j):
+    """Friction by the load at a contact of wheel w, and how it holds if it rests, into the room; j: its Jacobian."""
+    machine, wheel, contact = parameters.machine, parameters.wheels[w], parameters.room.contacts[2 * w + side]
+    slip = state.slip
     contact.rest = machine.law == COULOMB and mode.grip[side] != SLIP
     if contact.rest:
         spin = 0.0 if mode.shared else parameters.room.parts[w].free_spin * wheel.spin_mobility
@@ -198,21 +206,10 @@ def move_wheel(parameters, mode, w, acceleration, y, dy, watch, kept):
     """Forces on wheel w from the body's acceleration and the loads, and the rates that follow."""
     machine, wheel, room, at = parameters.machine, parameters.wheels[w], parameters.room, places(parameters)
     part = room.parts[w]
-    normal = max(part.normal_force, 0.0) if part.loaded else 0.0
     spin, loss = part.free_spin, 0.0
     for side in range(part.contacts):
-        contact, load = room.contacts[2 * w + side], normal
-        if not part.loaded:
-            contact.force[0], contact.force[1], contact.torque = 0.0, 0.0, 0.0
-        elif part.contacts == 2:
-            load = contact.share * normal
-        elif contact.rest and not part.sought:
-            contact.force[0], contact.force[1] = holding_force(contact, acceleration)
-        else:
-            contact.force[0] = contact.constant[0] + contact.unit[0] * normal
-            contact.force[1] = contact.constant[1] + contact.unit[1] * normal
-            if machine.patch_radius > 0.0:
-                contact.torque = contact.unit_torque * normal
+        contact = room.contacts[2 * w + side]
+        react(machine, mode, part, contact, side, acceleration, watch, kept)
         force, slip = Slip(contact.force[0], contact.force[1]), Slip(contact.slip[0], contact.slip[1])
         j = Jacobian(contact.spin[0], contact.spin[1], 0.0, 0.0, contact.arm[0], contact.arm[1])
         rolling, turning, heat = yield_to(j, slip, force)
@@ -221,22 +218,46 @@ def move_wheel(parameters, mode, w, acceleration, y, dy, watch, kept):
             rolling, turning, heat = twist(axis, contact.turn, contact.torque, rolling, turning, heat)
         dy[rate_place(parameters, mode.roller, w, side)] += rolling * wheel.axial_mobility
         spin, loss = spin + turning, loss + heat
-        if not kept:
-            continue
-        watch.slip_square[side] = slip.h * slip.h + slip.k * slip.k
-        watch.factor[side] = contact.factor * (contact.share * part.loaded if machine.law == VISCOUS else load)
-        watch.margin[side] = 0.0
-        if contact.rest and not mode.shared:
-            size = math.sqrt(force.h * force.h + force.k * force.k)
-            watch.margin[side] = machine.friction * normal - size
-            if part.sought:  # slip along the direction in which it creeps
-                watch.margin[side] = contact.creep[0] * slip.h + contact.creep[1] * slip.k
     dy[at.spin_rate + w] = 0.0 if mode.shared else spin * wheel.spin_mobility
     if kept:
-        watch.normal_force = part.normal_force
-    if kept and mode.shared:
-        watch.share, watch.share_margin = room.contacts[2 * w].share, part.share_margin
+        tell_loads(mode, part, room.contacts[2 * w], watch)
     return loss
+
+
+@kernel
+def react(machine, mode, part, contact, side, acceleration, watch, kept):
+    """Force at a contact of a wheel from the body's acceleration and the loads, into the room; if `kept`, what events
+    want to know of it."""
+    normal = load = max(part.normal_force, 0.0) if part.loaded else 0.0
+    if not part.loaded:
+        contact.force[0], contact.force[1], contact.torque = 0.0, 0.0, 0.0
+    elif part.contacts == 2:
+        load = contact.share * normal
+    elif contact.rest and not part.sought:
+        contact.force[0], contact.force[1] = holding_force(contact, acceleration)
+    else:
+        contact.force[0] = contact.constant[0] + contact.unit[0] * normal
+        contact.force[1] = contact.constant[1] + contact.unit[1] * normal
+        if machine.patch_radius > 0.0:
+            contact.torque = contact.unit_torque * normal
+    if not kept:
+        return
+    force, slip = contact.force, contact.slip
+    watch.slip_square[side] = slip[0] * slip[0] + slip[1] * slip[1]
+    watch.factor[side] = contact.factor * (contact.share * part.loaded if machine.law == VISCOUS else load)
+    watch.margin[side] = 0.0
+    if contact.rest and not mode.shared:
+        watch.margin[side] = machine.friction * normal - math.sqrt(force[0] * force[0] + force[1] * force[1])
+        if part.sought:  # slip along the direction in which it creeps
+            watch.margin[side] = contact.creep[0] * slip[0] + contact.creep[1] * slip[1]
+
+
+@kernel
+def tell_loads(mode, part, contact, watch):
+    """What events want to know of the load of a wheel; contact: its first."""
+    watch.normal_force = part.normal_force
+    if mode.shared:
+        watch.share, watch.share_margin = contact.share, part.share_margin
 
 
 @outlined

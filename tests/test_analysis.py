@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from synthetic import synthetic_attributes, synthetic_data, synthetic_trajectory
 
-from omnisim.analysis import compare, energy_error
+from omnisim.analysis import compare, divergence, energy_error
 from omnisim.trajectory import Trajectory
 
 ROLLER = "wheels/wheel/contact_roller"
@@ -35,6 +35,18 @@ def test_the_largest_difference_of_every_dataset_is_found_with_its_unit():
     row = found(compare(trajectory(), trajectory(body__velocity=moved)), "body/velocity")
     assert row.difference == pytest.approx(0.75, rel=1e-15)
     assert (row.units, row.largest) == ("m/s", np.abs(velocity).max())
+
+
+def test_divergence_is_the_largest_difference_so_far():
+    position, yaw = synthetic_data()["body/position"].copy(), synthetic_data()["body/yaw"].copy()
+    position[3, 1] += 0.25
+    yaw[9] -= 0.5
+    parts = divergence(trajectory(), trajectory(body__position=position, body__yaw=yaw))
+    time = synthetic_trajectory().time
+    assert [part.until for part in parts] == [time[row] for row in (1, 3, 6, 8, 10)]  # of 11 rows
+    assert [part.position for part in parts] == pytest.approx([0.0, 0.25, 0.25, 0.25, 0.25])
+    assert [part.angle for part in parts] == pytest.approx([0.0, 0.0, 0.0, 0.0, 0.5])
+    assert all(part.velocity == part.normal_force == 0.0 for part in parts)
 
 
 def test_the_centre_height_is_z_of_roller_0_alone():

@@ -9,6 +9,7 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 from scenes import REFERENCE
@@ -320,6 +321,25 @@ def test_compare_shows_both_trackings_beside_the_paper(folder):
     assert "in turn" in result.stderr
 
 
+def test_compare_shows_both_formulations_over_time(folder):
+    result = command("compare", "reduced", "multibody", SCENE)
+    assert result.exit_code == 0, result.stderr
+    assert "reduced against multibody: rk4, step 0.001 s" in result.stdout
+    slower = float(re.search(r"time, multibody / reduced: (\S+) \(", result.stdout)[1])
+    assert slower > 1.0  # 9
+    rows = re.findall(r"^  (\S+) s +(\S+) m +(\S+) rad +(\S+) m/s +(\S+) N$", result.stdout, re.MULTILINE)
+    until, position, *_ = np.array(rows, float).T
+    assert until[-1] == 2.0 and len(until) == 5
+    assert (np.diff(position) >= 0.0).all() and 0.0 < position[-1] < 1e-6  # 1e-7 m
+    assert "the paper" not in result.stdout
+
+
+def test_compare_of_unlike_things_names_what_goes_together():
+    result = command("compare", "reduced", "explicit", SCENE)
+    assert result.exit_code == 2
+    assert "compare implicit and explicit, or reduced and multibody" in result.stderr
+
+
 def test_a_tracking_does_not_differ_from_itself():
     result = command("compare", "explicit", "explicit", SCENE)
     assert result.exit_code == 0 and "largest difference" not in result.stdout
@@ -404,6 +424,18 @@ def test_info_tells_scenes_from_trajectories_by_content(folder):
     (folder / "scene.h5").write_text(Path(SCENE).read_text())
     assert "15 exchange" in command("info", "run.toml").stdout
     assert "left out" in command("info", "scene.h5").stdout
+
+
+def test_info_sums_up_what_bearings_carry(folder):
+    overrides = settings("output.bearing_loads=true", "time.end=0.2")
+    assert command("run", "youbot", "-o", "loads.h5", *overrides).exit_code == 0
+    shown, run = command("info", "loads.h5").stdout, omnisim.open_trajectory("loads.h5")
+    axle = re.search(r"^rear_left, axle +(\S+) \((\S+)\) +(\S+) ", shown, re.MULTILINE)
+    force = run["wheels/rear_left/bearing_force"]
+    radial = np.hypot(force[:, 0], force[:, 2])
+    expected = radial.max(), np.sqrt(np.mean(radial**2)), np.abs(force[:, 1]).max()
+    np.testing.assert_allclose([float(number) for number in axle.groups()], expected, rtol=1e-3)
+    assert "/wheels/NAME/rollers/bearing_moment" in shown and "constraints" not in shown
 
 
 def test_warmup_compiles_and_says_where(folder):

@@ -115,6 +115,14 @@ DEFECTS = {
     "psi of 90 deg": ("deg = 0.0", "deg = 90", 21, "roller_angle_deg = 90", "number between -90 and 90"),
     "string for a boolean": (SPIN, "mirrored = 'no'", 27, "wheels.wheel.mirrored = 'no'", "must be true or false"),
     "unknown word": ('"rk4"', '"rk5"', 11, "solver.method = 'rk5'", '"radau5" or "auto"; did you mean'),
+    "unknown formulation": (
+        '"rk4"', '"rk4"\nformulation = "full"', 12, "solver.formulation = 'full'", 'must be "reduced" or "multibody"',
+    ),
+    "implicit steps of bodies": (
+        '"rk4"', '"radau5"\nformulation = "multibody"', 11, "solver.method = 'radau5'",
+        "must be one of 'heun', 'rk4', 'dopri5' with formulation = 'multibody'",
+    ),
+    "loads in words": ("[time]", "[output]\nbearing_loads = 'yes'\n[time]", 7, "output.bearing_loads = 'yes'", "true or false"),
     "misspelt law": ('"regularized"', '"Regularised"', 14, "friction.law = 'Regularised'", "mean 'regularized'?"),
     "list for a word": ('"rk4"', '["rk4"]', 11, "solver.method = ['rk4']", 'must be "heun", "rk4", "dopri5", "radau5" or "auto"'),
     "bad wheel name": ('"wheel"', '"1 wheel"', 25, "wheels[0].name = '1 wheel'", "must be a name (a letter"),

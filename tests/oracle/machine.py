@@ -122,6 +122,7 @@ class Reactions(NamedTuple):
     servo_torque: np.ndarray  # on the base, about h of a bare wheel, or about x and y of a chassis
     friction: np.ndarray  # by wheel, on the roller, world axes
     touches: list[Touch]
+    joints: np.ndarray  # force and moment of the joint on each body that hangs on one, at its centre (N_joints, 6)
 
 
 class Wheel:
@@ -282,7 +283,22 @@ class Machine:
         multipliers = found[self.moves :]
         normal = shares @ multipliers[self.floor]
         friction = np.array([n * touch.per_normal + touch.free for n, touch in zip(normal, touches, strict=True)])
-        return Reactions(found[: self.moves].reshape(-1, 6), normal, multipliers[self.servo], friction, touches)
+        held = self.joint_wrenches(time, bodies, mode, jacobian, multipliers)
+        accelerations = found[: self.moves].reshape(-1, 6)
+        return Reactions(accelerations, normal, multipliers[self.servo], friction, touches, held)
+
+    def joint_wrenches(
+        self, time: float, bodies: np.ndarray, mode: Mode, jacobian: np.ndarray, multipliers: np.ndarray
+    ) -> np.ndarray:
+        """What the joints do to the bodies that hang on them: multipliers, and about the axle the drive."""
+        rows = np.concatenate([self.hinge, self.align], axis=1)
+        columns = np.concatenate([self.turn - 3, self.turn], axis=1)[self.child]
+        blocks = jacobian[rows[:, :, None], columns[:, None, :]]
+        wrenches = np.einsum("jrc,jr->jc", blocks, multipliers[rows])
+        drives = (mode.value + mode.slope * (time - mode.begin))[: len(self.wheels)]
+        for wheel, drive in zip(self.wheels, drives, strict=True):
+            wrenches[self.child == wheel.disk, 3:] += drive * bodies[wheel.disk, AXIS]
+        return wrenches
 
     def add_bodies(self, bodies: np.ndarray, matrix: np.ndarray, applied: np.ndarray) -> None:
         """Inertia, weight, and the gyroscopic torque -w x (I w)."""

@@ -1,0 +1,104 @@
+"""The multibody formulation moves as the reduced one does, keeps its constraints, and loads its bearings equally.
+
+Both are marched by dopri5 with steps in which its error is lost; measured values stand beside the bounds.
+"""
+
+import numpy as np
+import pytest
+from oracle.cases import REFERENCE
+
+import omnisim
+from omnisim.analysis import distance, divergence, energy_error
+
+COULOMB = "friction={law='coulomb', coefficient=0.5}"
+SCENES = {
+    "bare wheel, regularized": (REFERENCE / "testbench_psi0.toml", 2e-4, []),
+    "bare wheel, angled rollers": (REFERENCE / "testbench_psi30.toml", 2e-4, []),
+    "bare wheel, coulomb": ("coulomb_wheel", 2e-4, []),
+    "implicit tracking": (REFERENCE / "testbench_psi30.toml", 2e-4, ["solver.tracking=implicit"]),
+    "kiwi, regularized": (REFERENCE / "kiwi.toml", 1e-4, []),
+    "kiwi, coulomb": (REFERENCE / "kiwi.toml", 5e-5, [COULOMB]),
+    "mecanum, regularized": (REFERENCE / "mecanum.toml", 1e-5, []),
+    "mecanum, coulomb": (REFERENCE / "mecanum.toml", 1e-4, [COULOMB]),
+    "bearing friction, three types": ("mixed", 2e-4, ["wheel_types.omni.roller.bearing_viscosity=1e-6"]),
+}
+
+
+@pytest.fixture(scope="module", params=SCENES)
+def pair(request):
+    scene, step, overrides = SCENES[request.param]
+    time = f"time={{end=2.0, step={step}, output_interval=0.01}}"
+    solver = ["solver.method=dopri5", time, "output.bearing_loads=true"]
+    runs = [
+        omnisim.simulate(omnisim.load(scene, [*overrides, *solver, f"solver.formulation={formulation}"]))
+        for formulation in ("reduced", "multibody")
+    ]
+    assert all(run.complete for run in runs)
+    return runs
+
+
+def test_both_formulations_are_one_motion(pair):
+    """Positions, angles and velocities to 1e-9; normal forces to 1e-9 of the weight."""
+    last, weight = divergence(*pair)[-1], sum(pair[0][f"wheels/{wheel}/normal_force"][0] for wheel in pair[0].wheels)
+    assert max(last.position, last.angle, last.velocity) < 1e-9  # measured: 7e-12, rotating rollers; most 1e-13
+    assert last.normal_force < 1e-9 * weight  # measured: 4e-11, kiwi with coulomb friction; the others below 1e-12
+
+
+def test_both_see_the_same_events(pair):
+    reduced, multibody = pair
+    assert reduced["events/kind"].tolist() == multibody["events/kind"].tolist() != []
+    np.testing.assert_allclose(reduced["events/time"], multibody["events/time"], rtol=0, atol=1e-9)
+
+
+def test_multipliers_are_the_loads_that_inverse_dynamics_recovers(pair):
+    reduced, multibody = pair
+    paths = [path for path in reduced if path.endswith(("bearing_force", "bearing_moment"))]
+    assert len(paths) >= 2
+    for path in paths:  # measured: 3e-9, kiwi with coulomb friction; the others below 1e-11
+        assert np.abs(reduced[path] - multibody[path]).max() < 1e-8 * np.abs(reduced[path]).max()
+
+
+def test_energy_balances_in_both(pair):
+    for run in pair:
+        assert energy_error(run).relative < 1e-9  # measured: 2e-10 in both, mecanum with regularized friction
+
+
+def test_constraints_are_kept_for_long():
+    """A hundred seconds of a youBot on 36 rollers: residuals of joints, floor and quaternion norms, and the energy."""
+    overrides = ["time={end=100.0, step=1e-3, output_interval=0.5}"]
+    reduced, multibody = (
+        omnisim.simulate(omnisim.load("youbot", [*overrides, f"solver.formulation={formulation}"]))
+        for formulation in ("reduced", "multibody")
+    )
+    assert multibody.complete
+    assert multibody["constraints/position"].max() < 1e-10  # m, rad; measured: 5e-14
+    assert multibody["constraints/velocity"].max() < 1e-10  # m/s, rad/s; measured: 4e-14
+    drift = multibody["constraints/position_drift"]
+    assert 0.0 < drift[-1] < 1e-7  # what each step's projection takes away; measured: 5e-9
+    assert (np.diff(drift) >= 0.0).all()
+    errors = [energy_error(run).relative for run in (reduced, multibody)]
+    assert errors[1] < 10.0 * errors[0] < 1e-6  # measured: 6e-8 and 5e-8
+
+
+def test_drift_falls_with_the_step():
+    """What a step takes a body from its joints is its local error: two fifths of the step, a hundredth of the drift."""
+    drifts = []
+    for step in ("1e-3", "4e-4"):
+        overrides = ["solver.formulation=multibody", f"time={{end=1.0, step={step}, output_interval=0.1}}"]
+        run = omnisim.simulate(omnisim.load("six_rollers", overrides))
+        drifts.append(run["constraints/position_drift"][-1])
+    order = np.log(drifts[0] / drifts[1]) / np.log(2.5)
+    assert 4.5 < order < 5.5  # local error of a method of order 4; measured: 5.2
+
+
+def test_implicit_methods_are_refused_with_what_is_allowed():
+    with pytest.raises(omnisim.SceneError, match=r"solver\.method.*'rk4'.*formulation = 'multibody'"):
+        omnisim.load("coulomb_wheel", ["solver.formulation=multibody", "solver.method=radau5"])
+
+
+def test_a_step_is_picked_for_an_error_too():
+    overrides = ["solver.formulation=multibody", "solver.error=1e-6", "time.end=0.5"]
+    run = omnisim.simulate(omnisim.load("kiwi", overrides))
+    exact = omnisim.simulate(omnisim.load("kiwi", ["solver.method=dopri5", "time.end=0.5", "time.step=1e-4"]))
+    assert run.attributes["error_estimate"] < 1e-6
+    assert distance(run, exact) < 1e-6
