@@ -13,8 +13,8 @@ def residuals(parameters: Parameters, y: np.ndarray) -> dict[str, np.ndarray]:
     axes, height and tilt of the chassis, and norms of the quaternions less 1; of velocities their rates (m/s, rad/s).
     """
     at, machine = places_in(parameters), parameters.machine
-    most = parameters.sector.shape[1]
-    bodies = y[:, at.bodies : at.drift].reshape(len(y), -1, BODY_STATES)
+    wheels, most = parameters.sector.shape[:2]
+    bodies = y[:, at.bodies : at.drift].reshape(len(y), 1 + wheels * (most + 1), BODY_STATES)
     position, velocity, rate, rotation = (
         bodies[..., :3],
         bodies[..., 7:10],

@@ -27,7 +27,7 @@ import numpy as np
 from omnisim.contact.coulomb import CREEP, SLIP, STICK
 from omnisim.contact.reaction import COULOMB, SATURATED
 from omnisim.exchange import comes_to_rest_between, leave_edge, release_rollers, stand_on
-from omnisim.grip import CONE, CREEP_SPEED, come_to_rest, rest_speed, start_creep, start_slip, youth
+from omnisim.grip import CONE, CREEP_SPEED, come_to_rest, cone_rounding, rest_speed, start_creep, start_slip, youth
 from omnisim.kernel import kernel, merged, outlined
 from omnisim.loads import LEAST_REGULAR
 from omnisim.parameters import CONTACTS
@@ -88,7 +88,7 @@ def guard(parameters, clock, mode, kind, w, side, y, watch):
     if machine.law != COULOMB or mode[w].grip[side] == SLIP:
         return 0.0
     if kind == GRIP and mode[w].grip[side] == STICK:
-        return watch[w].margin[side] + CONE * machine.friction * watch[w].normal_force
+        return watch[w].margin[side] + cone_rounding(machine, watch[w])
     if kind == GRIP:  # contacts that let go together leave one another some rounding
         return watch[w].margin[side] + CREEP_ROUNDING * rest_speed(parameters, mode[w], w, side, y)
     if mode[w].shared:

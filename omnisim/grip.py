@@ -45,7 +45,7 @@ STOPPED_OF_STOPPING = 1e-3  # of that which may be taken away across its directi
 LEAST_ALIGNED = 1e-13  # m/s of slip, of the finest step: taking the last slip away at REST costs more
 MOST_FREED = 20  # times in a step, after which slip is followed by sub-steps to its end
 LEAST_STIFF = 2.0  # relaxation of slip within a step, below which sub-steps cost nothing
-CONE = 1e-12  # of mu N, by which a sticking force may pass the cone in rounding
+CONE = 1e-12  # of mu times load and weight, by which a sticking force may pass the cone in rounding
 
 
 @kernel
@@ -226,6 +226,12 @@ def rest_speed(parameters, mode, w, side, y):
     return REST * (1.0 + abs(y[at.velocity]) + abs(y[at.velocity + 1]) + spin + yaw + roller)
 
 
+@kernel
+def cone_rounding(machine, watch):
+    """By how much a sticking force may pass the cone, N: one that is about to lift has forces of the others' size."""
+    return CONE * machine.friction * (abs(watch.normal_force) + machine.mass * machine.gravity)
+
+
 @outlined
 def come_to_rest(parameters, run, w, side, others, t):
     """Take the rest of the slip of contact `side` of wheel w away (-1: of none) and, if `others`, of all that rest.
@@ -246,7 +252,7 @@ def come_to_rest(parameters, run, w, side, others, t):
     refresh(parameters, run, t)
     for v in range(len(run.mode)):
         mode, watch = run.mode[v], run.watch[v]
-        outside = watch.margin[0] < -CONE * parameters.machine.friction * watch.normal_force
+        outside = watch.margin[0] < -cone_rounding(parameters.machine, watch)
         if mode.stopped[0] and not mode.shared and outside:
             mode.stopped[0] = 0
             start_creep(parameters, run, v, t)

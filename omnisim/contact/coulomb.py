@@ -54,6 +54,8 @@ def slip_direction(a, b, limit):
     cos, sin = math.cos(angle), math.sin(angle)  # the eigenvector of the larger eigenvalue
     s_1, s_2 = mean + spread, mean - spread
     b_1, b_2 = b.h * cos + b.k * sin, b.k * cos - b.h * sin
+    if b_1 == 0.0 and b_2 == 0.0:  # nothing accelerates it
+        return Direction(cos, sin, -s_1)
     kappa = max(abs(b_1) - s_1, abs(b_2) - s_2)
     for _ in range(40):
         u_1, u_2 = b_1 / max(s_1 + kappa, TINY), b_2 / max(s_2 + kappa, TINY)
@@ -66,8 +68,6 @@ def slip_direction(a, b, limit):
             break
     u_1, u_2 = b_1 / max(s_1 + kappa, TINY), b_2 / max(s_2 + kappa, TINY)
     norm = math.sqrt(u_1 * u_1 + u_2 * u_2)
-    if norm == 0.0:  # nothing accelerates it
-        return Direction(cos, sin, -s_1)
     u_1, u_2 = u_1 / norm, u_2 / norm
     return Direction(u_1 * cos - u_2 * sin, u_1 * sin + u_2 * cos, kappa)
 

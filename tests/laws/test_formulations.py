@@ -5,11 +5,14 @@ Both are marched by dopri5 with steps in which its error is lost; measured value
 
 import numpy as np
 import pytest
+from machines import CHASSIS, machine, wheel_mass
+from machines import run as simulate
 from oracle.cases import REFERENCE
 
 import omnisim
 from omnisim.analysis import distance, divergence, energy_error
 
+FORMULATIONS = ("reduced", "multibody")
 COULOMB = "friction={law='coulomb', coefficient=0.5}"
 SCENES = {
     "bare wheel, regularized": (REFERENCE / "testbench_psi0.toml", 2e-4, []),
@@ -31,7 +34,7 @@ def pair(request):
     solver = ["solver.method=dopri5", time, "output.bearing_loads=true"]
     runs = [
         omnisim.simulate(omnisim.load(scene, [*overrides, *solver, f"solver.formulation={formulation}"]))
-        for formulation in ("reduced", "multibody")
+        for formulation in FORMULATIONS
     ]
     assert all(run.complete for run in runs)
     return runs
@@ -63,12 +66,52 @@ def test_energy_balances_in_both(pair):
         assert energy_error(run).relative < 1e-9  # measured: 2e-10 in both, mecanum with regularized friction
 
 
+def both(scene, *overrides):
+    """The scene by dopri5 in both formulations, with the loads of bearings."""
+    overrides = [*overrides, "solver.method=dopri5", "output.bearing_loads=true"]
+    return [omnisim.simulate(omnisim.load(scene, [*overrides, f"solver.formulation={f}"])) for f in FORMULATIONS]
+
+
+def test_a_wheel_rests_on_two_rollers_alike():
+    """Coasting to rest on an edge: the share of the load, and what both rollers hand on."""
+    runs = both(REFERENCE / "testbench_psi30.toml", "time={end=7.5, step=1e-4, output_interval=0.05}")
+    for run in runs:
+        assert "share_begin" in run["events/kind"]
+    reduced, multibody = runs
+    rows = reduced.time > 6.62  # before, swings about the edge too short for a step
+    assert reduced["wheels/wheel/contact_share"][rows].max() < 1.0
+    for name, bound in (("contact_share", 1e-9), ("spin_angle", 1e-9), ("rollers/bearing_force", 1e-6)):
+        path = f"wheels/wheel/{name}"  # measured: 1e-11, 1e-13, 2e-8 N
+        assert np.abs(reduced[path][rows] - multibody[path][rows]).max() < bound, path
+
+
+def test_a_wheel_lifts_and_lands_alike():
+    """Pressed down behind and released, by coulomb friction: the wheel in the air carries its own weight alone."""
+    data = machine(
+        "mecanum",
+        chassis=CHASSIS | {"center_of_mass": [-0.14, -0.1, 0.1]},
+        friction={"law": "coulomb", "coefficient": 0.5},
+        wrench={"times": [0.0, 1.0, 2.0], "force": [[0.0, 0.0, 0.0], [0.0, 0.0, -80.0], [0.0, 0.0, 0.0]]},
+    )
+    time = "time={end=2.0, step=1e-3, output_interval=0.02}"
+    reduced, multibody = (
+        simulate(data, time, "output.bearing_loads=true", f"solver.formulation={formulation}")
+        for formulation in FORMULATIONS
+    )
+    assert reduced["events/kind"].tolist() == multibody["events/kind"].tolist() == ["lift_off", "touch_down", "stick"]
+    np.testing.assert_allclose(reduced["events/time"], multibody["events/time"], rtol=0, atol=1e-12)
+    air = multibody["wheels/w0/normal_force"] == 0.0
+    weight = wheel_mass("mecanum") * 9.81
+    for run in (reduced, multibody):  # measured: 4e-15 N
+        assert np.abs(run["wheels/w0/bearing_force"][air] - [0.0, 0.0, weight]).max() < 1e-12
+
+
 def test_constraints_are_kept_for_long():
     """A hundred seconds of a youBot on 36 rollers: residuals of joints, floor and quaternion norms, and the energy."""
     overrides = ["time={end=100.0, step=1e-3, output_interval=0.5}"]
     reduced, multibody = (
         omnisim.simulate(omnisim.load("youbot", [*overrides, f"solver.formulation={formulation}"]))
-        for formulation in ("reduced", "multibody")
+        for formulation in FORMULATIONS
     )
     assert multibody.complete
     assert multibody["constraints/position"].max() < 1e-10  # m, rad; measured: 5e-14
