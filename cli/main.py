@@ -7,10 +7,13 @@ import click
 
 from omnisim_cli.bench import bench
 from omnisim_cli.compare import compare
+from omnisim_cli.export import export
 from omnisim_cli.info import info
 from omnisim_cli.run import run
 from omnisim_cli.screen import BAD_INPUT, Failure, leave_at_once
+from omnisim_cli.view import view
 from omnisim_cli.warmup import warmup
+from omnisim_cli.wheel import wheel
 
 
 class Commands(click.Group):
@@ -52,14 +55,17 @@ def cli() -> None:
     omnisim info authors_testbench          what a scene models, and why
     omnisim run scene.toml                  writes scene.h5
     omnisim info scene.h5                   what a trajectory holds
+    omnisim export scene.h5 scene.csv       for spreadsheets; .parquet, .mat
+    omnisim view scene.h5                   the machine in 3-D, as a web page
     omnisim compare implicit explicit       the two contact trackings side by side
     omnisim bench scene.toml                speed against error, by method and step
+    omnisim wheel youbot -o youbot.png      dimensions, drawing, mesh, or model for other simulators
 
     Exit codes: 0 done; 1 the run stopped early or was interrupted; 2 bad input, checked before anything runs.
     """
 
 
-for command in (run, compare, bench, info, warmup):
+for command in (run, compare, bench, info, view, export, wheel, warmup):
     cli.add_command(command)
 
 

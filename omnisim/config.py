@@ -96,7 +96,7 @@ class Table(BaseModel):
 
 
 class World(Table):
-    """[scene]: gravity in m/s^2, and what carries roll and pitch (None: see Config.upright)."""
+    """[scene]: gravity in m/s^2, and what carries roll and pitch."""
 
     gravity: NonNegative = 9.81
     upright: _choice("servo", "contacts") = None
@@ -218,11 +218,11 @@ class Chassis(Table):
 
 
 class Drive(Table):
-    """drive of a wheel: what turns it about its axle. The kind says which keys it reads (DRIVE_KEYS).
+    """drive of a wheel: what turns it about its axle. The kind says which keys it reads.
 
     free      nothing
     torque    a torque (N m)
-    rate      a controller of the spin rate: a target (rad/s; None: that of [command]), proportional gain (N m s/rad),
+    rate      a controller of the spin rate: a target (rad/s; absent: that of [command]), proportional gain (N m s/rad),
               integral gain (N m/rad), and the largest torque (N m)
     dc_motor  a voltage (V) on a resistance (ohm); torque constant (N m/A, which is V s/rad too), gear ratio, inertia
               of the rotor itself (kg m^2); friction at the wheel: viscosity (N m s), and a Coulomb torque (N m)

@@ -7,9 +7,6 @@ file of a smooth motion 20 % smaller, but takes 15 times as long.
 
 from __future__ import annotations
 
-import errno
-import os
-import secrets
 from io import BytesIO
 from os import PathLike
 from pathlib import Path
@@ -17,6 +14,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from omnisim.files import write_whole
 from omnisim.trajectory import ATTRIBUTES, EVENT, FORMAT, FORMAT_VERSION, Quantity, Trajectory, layout
 
 TEXT = h5py.string_dtype()  # variable length, UTF-8
@@ -36,7 +34,7 @@ def write(trajectory: Trajectory, path: str | PathLike[str]) -> None:
     image = BytesIO()  # HDF5 writing to a full disk crashes the process, bytes written by Python do not
     with h5py.File(image, "w", track_order=True) as file:
         _fill(file, trajectory)
-    _replace(Path(path), image.getbuffer())
+    write_whole({Path(path): image.getbuffer()})
 
 
 def read(path: str | PathLike[str]) -> Trajectory:
@@ -60,25 +58,6 @@ def read(path: str | PathLike[str]) -> Trajectory:
     except Exception as error:  # a damaged file makes h5py raise nearly anything
         reason = str(error).partition("\n")[0]
         raise TrajectoryError(f"{path}: truncated or damaged ({reason})") from error
-
-
-def _replace(path: Path, image: memoryview) -> None:
-    """Write a temporary file beside `path`, make sure that it is on the disk, and let it take the place."""
-    target = Path(os.path.realpath(path))  # a link keeps pointing to the file behind it
-    if target.exists() and not target.is_file():
-        code = errno.EISDIR if target.is_dir() else errno.EEXIST  # /dev/null must survive
-        raise OSError(code, "not a regular file", str(path))
-    temporary = target.with_name(f".omnisim-{secrets.token_hex(8)}.tmp")
-    try:
-        with open(temporary, "xb") as file:
-            file.write(image)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(temporary, target)
-    except OSError as error:
-        raise OSError(error.errno, error.strerror, str(path)) from error
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def _fill(file: h5py.File, trajectory: Trajectory) -> None:

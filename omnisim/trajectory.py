@@ -10,11 +10,15 @@ from difflib import get_close_matches
 from functools import cached_property, lru_cache
 from os import PathLike
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from omnisim.text import aligned, columns
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
 
 FORMAT = "omnisim-trajectory"
 FORMAT_VERSION = 1
@@ -205,6 +209,18 @@ class Trajectory:
         from omnisim import storage
 
         storage.write(self, path)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A DataFrame by time, a column for each component of each dataset; `attrs` has attributes and units."""
+        from omnisim import export
+
+        return export.data_frame(self)
+
+    def to_xarray(self) -> xarray.DataTree:
+        """The tree that xarray opens from the saved file."""
+        from omnisim import export
+
+        return export.data_tree(self)
 
     def __getitem__(self, path: str) -> np.ndarray:
         name = path.strip("/")

@@ -139,7 +139,7 @@ def test_a_scene_is_not_overwritten_by_its_own_result(folder):
     text = Path(SCENE).read_text()
     (folder / "scene.toml").write_text(text)
     result = command("run", "scene.toml", "-o", "scene.toml", "--force")
-    assert result.exit_code == 2 and "the scene itself" in result.stderr
+    assert result.exit_code == 2 and "the input itself" in result.stderr
     assert (folder / "scene.toml").read_text() == text
 
 
@@ -148,7 +148,7 @@ def test_a_file_that_cannot_be_written_is_one_line(broken, monkeypatch, folder):
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("omnisim.storage._replace" if broken == "write" else "omnisim.storage.os.replace", full)
+    monkeypatch.setattr("omnisim.storage.write_whole" if broken == "write" else "omnisim.files.os.replace", full)
     result = command("run", SCENE)
     assert result.exit_code == 1
     last = result.stderr.splitlines()[-1]
@@ -445,7 +445,7 @@ def test_warmup_compiles_and_says_where(folder):
     assert os.listdir(folder) == []
 
 
-@pytest.mark.parametrize("name", ["run", "compare", "bench", "info", "warmup"])
+@pytest.mark.parametrize("name", ["run", "compare", "bench", "info", "export", "warmup"])
 def test_help_has_an_example(name):
     result = command(name, "--help")
     assert result.exit_code == 0

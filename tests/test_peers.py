@@ -11,6 +11,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1] / "bench"))
 from peers import drake_peer, mujoco_peer, mujoco_platform, wheel_scene
 
+from omnisim.geometry import roller_frames
 from omnisim.packing import bodies, pack
 from omnisim.roller import axial_coordinate, profile_radius
 
@@ -55,7 +56,7 @@ def test_the_points_of_a_mesh_lie_on_the_rim_circle_about_the_centre_of_the_whee
 def test_roller_axes_are_turned_by_psi_out_of_the_wheel_plane_at_the_bottom_forward_to_the_right(mirrored):
     """As in a standard mecanum machine the axis of the lowest roller lies along h - k where psi = +45 deg."""
     kind = mujoco_platform.scene("forward").config.wheel_types["wheel"]
-    frames = wheel_scene.roller_frames(kind, mirrored)
+    frames = roller_frames(kind, mirrored)
     for centre, axis in frames:
         assert np.linalg.norm(centre) == pytest.approx(kind.roller_distance)
         assert np.linalg.norm(axis) == pytest.approx(1.0)

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from common import Claim, table
 
+from omnisim.geometry import roller_frames
 from peers import wheel_scene
 from peers.wheel_scene import BEST, CELLS, FAILED, FASTEST, LEVEL, NOTES, SMOOTH
 
@@ -97,7 +98,7 @@ class Wheel:
         kind, disk = wheel_scene.wheel_type(), self.plant.GetBodyByName("spin")
         roller, axle, geometries = kind.roller, np.array([0.0, 1.0, 0.0]), []
         inertia = rotor(roller.mass, roller.inertia_transverse, roller.inertia_transverse, roller.inertia_axial)
-        for number, (centre, axis) in enumerate(wheel_scene.roller_frames(kind)):
+        for number, (centre, axis) in enumerate(roller_frames(kind)):
             name = f"roller {number}"
             turned = RotationMatrix(np.column_stack([axle, np.cross(axis, axle), axis]))
             seat = FixedOffsetFrame(f"seat {number}", disk.body_frame(), RigidTransform(turned, centre))

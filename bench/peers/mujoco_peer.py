@@ -13,6 +13,8 @@ from typing import NamedTuple
 from common import Claim, table
 
 from omnisim.config import WheelType
+from omnisim.geometry import roller_frames
+from omnisim.robot_description import numbers
 from peers import wheel_scene
 from peers.wheel_scene import BEST, CAPSULE, CELLS, FASTEST, LEVEL, NOTES, SMOOTH, Shape
 
@@ -126,7 +128,7 @@ def roller_bodies(kind: WheelType, geom: str, mirrored: bool = False) -> str:
     inertia = numbers(roller.inertia_transverse, roller.inertia_transverse, roller.inertia_axial)
     return "".join(
         ROLLER.format(pos=numbers(*centre), axis=numbers(*axis), mass=roller.mass, inertia=inertia, geom=geom)
-        for centre, axis in wheel_scene.roller_frames(kind, mirrored)
+        for centre, axis in roller_frames(kind, mirrored)
     )
 
 
@@ -136,10 +138,6 @@ def geometry(shape: Shape) -> tuple[str, str]:
         vertices = numbers(*shape.size.ravel())
         return f'<mesh name="roller" inertia="convex" vertex="{vertices}"/>', 'type="mesh" mesh="roller"'
     return "", f'type="{shape.kind}" size="{numbers(*shape.size)}"'
-
-
-def numbers(*values: float) -> str:
-    return " ".join(repr(float(value)) for value in values)
 
 
 class Running:

@@ -17,10 +17,11 @@ from whole_machines import reference
 
 import omnisim
 from omnisim.packing import pack
+from omnisim.robot_description import numbers
 from omnisim.scene import Scene
 from omnisim.trajectory import Trajectory
 from peers import wheel_scene
-from peers.mujoco_peer import CONTACTS, MISSING, geometry, mujoco, numbers, roller_bodies
+from peers.mujoco_peer import CONTACTS, MISSING, geometry, mujoco, roller_bodies
 from peers.wheel_scene import LEVEL, LOST, SMOOTH
 
 SHAPES = {LEVEL: wheel_scene.level_ellipsoid, SMOOTH: wheel_scene.smooth_ellipsoid}

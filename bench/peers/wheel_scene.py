@@ -30,8 +30,9 @@ from common import Claim, interleaved, median_ratio, ready, simulation, table
 
 import omnisim
 from omnisim.config import WheelType
+from omnisim.mesh import roller
 from omnisim.packing import pack
-from omnisim.roller import axial_coordinate, length, profile_radius
+from omnisim.roller import length
 from omnisim.scene import Scene
 
 SCENE = "coulomb_wheel"
@@ -132,27 +133,12 @@ def capsule(kind: WheelType) -> Shape:
 
 def mesh(rings: int, corners: int) -> Shape:
     """Points of the true surface, rings x corners; engines take their convex hull."""
-    wheel, turn = packed(), 2.0 * np.pi * np.arange(corners) / corners
-    points = []
-    for q in np.linspace(-wheel.alpha, wheel.alpha, rings):
-        u, r = axial_coordinate(wheel, q), profile_radius(wheel, q)
-        points.append(np.column_stack([r * np.cos(turn), r * np.sin(turn), np.full(corners, u)]))
-    return Shape("mesh", np.concatenate(points))
+    return Shape("mesh", roller(wheel_type(), rings, corners).vertices[:-2])  # without those on the axis
 
 
 def packed() -> np.record:
     """The wheel as kernels know it."""
     return pack(scene().config).wheels[0]
-
-
-def roller_frames(kind: WheelType, mirrored: bool = False) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Centre R1 d and axis a = c t + s k of every roller at spin angle 0: x along h, y along k, z up."""
-    azimuths = 2.0 * np.pi * np.arange(kind.roller_count) / kind.roller_count
-    psi = math.radians(-kind.roller_angle_deg if mirrored else kind.roller_angle_deg)
-    sine, cosine, zero = np.sin(azimuths), np.cos(azimuths), np.zeros(kind.roller_count)
-    centres = kind.roller_distance * np.column_stack([sine, zero, -cosine])
-    axes = np.column_stack([-math.cos(psi) * cosine, zero + math.sin(psi), -math.cos(psi) * sine])
-    return list(zip(centres, axes, strict=True))
 
 
 # --- outcomes -------------------------------------------------------------------------------------

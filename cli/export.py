@@ -1,0 +1,65 @@
+"""`omnisim export`: a trajectory file for spreadsheets, data frames and MATLAB."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import click
+
+from omnisim_cli.screen import BAD_INPUT, Failure
+
+
+@click.command()
+@click.argument("file")
+@click.argument("out")
+@click.option("--force", is_flag=True, help="Replace output files that exist.")
+def export(file: str, out: str, force: bool) -> None:
+    """Write the trajectory FILE to OUT for other tools: .csv, .parquet or .mat.
+
+    A table has a row for each output time and a column for each component, body/position.x for one; the events go to a
+    table of their own beside it. A .mat file has it all as structs.
+
+    \b
+    omnisim export scene.h5 scene.csv           writes scene.csv and scene.events.csv
+    omnisim export scene.h5 scene.parquet       needs pyarrow
+    omnisim export scene.h5 scene.mat           needs scipy
+    """
+    from omnisim.export import ExportError, outputs, write
+    from omnisim.storage import TrajectoryError, read
+    from omnisim_cli.output import output_path
+
+    try:
+        paths = [output_path(str(path), file, force) for path in outputs(out)]
+        trajectory = read(file)
+        with interruptible():
+            write(trajectory, out)
+    except (ExportError, TrajectoryError) as error:
+        raise Failure(str(error), BAD_INPUT) from None
+    except OSError as error:
+        raise Failure(f"{error.filename or out}: cannot be written: {error.strerror or error}") from None
+    click.echo(f"written: {', '.join(described(path) for path in paths)}")
+
+
+def described(path: Path) -> str:
+    return f"{path} ({path.stat().st_size / 1e6:.3g} MB)"
+
+
+@contextmanager
+def interruptible() -> Iterator[None]:
+    """Ctrl-C and SIGTERM clean up in this block, and leave no file."""
+
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    numbers = [n for n in (signal.SIGINT, signal.SIGTERM) if signal.getsignal(n) != signal.SIG_IGN]
+    handlers = {number: signal.signal(number, interrupted) for number in numbers}
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise Failure("interrupted; nothing was written") from None
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)

@@ -1,0 +1,40 @@
+"""`omnisim view`: a trajectory as a page that shows the machine in 3-D."""
+
+import webbrowser
+from pathlib import Path
+
+import click
+
+from omnisim_cli.screen import BAD_INPUT, Failure
+
+
+@click.command()
+@click.argument("file")
+@click.option("-o", "output", metavar="OUT.html", help="Output file; else STEM.html in the current directory.")
+@click.option("--force", is_flag=True, help="Replace an output file that exists.")
+@click.option("--open", "show", is_flag=True, help="Show the page in the browser.")
+def view(file: str, output: str | None, force: bool, show: bool) -> None:
+    """Make a page of the trajectory FILE: the machine in 3-D, its contacts and forces, moving.
+
+    The page is one file, and needs no network: mail it, or put it beside a paper.
+
+    \b
+    omnisim view youbot.h5                  writes youbot.html
+    omnisim view youbot.h5 -o demo.html --open
+    """
+    from omnisim.scene import SceneError
+    from omnisim.storage import TrajectoryError, read
+    from omnisim.viewer import NothingToShow, page
+    from omnisim_cli.output import output_path
+
+    path = output_path(f"{Path(file).stem}.html" if output is None else output, file, force)
+    try:
+        text = page(read(file))
+    except TrajectoryError as error:
+        raise Failure(str(error), BAD_INPUT) from None
+    except (NothingToShow, SceneError) as error:
+        raise Failure(f"{file}: {error}", BAD_INPUT) from None
+    path.write_text(text, encoding="utf-8")
+    click.echo(f"{path} ({path.stat().st_size / 1e6:.2g} MB)")
+    if show:
+        webbrowser.open(path.resolve().as_uri())

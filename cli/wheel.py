@@ -1,0 +1,195 @@
+"""`omnisim wheel`: what a workshop and other simulators want to know of a wheel, as text or as a file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from omnisim.text import aligned, columns
+from omnisim_cli.screen import BAD_INPUT, Failure, note
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from omnisim.config import WheelType
+    from omnisim.scene import Scene
+
+STATIONS = 17  # of the profile
+DRAWINGS, MESHES, MODELS = (".png", ".svg", ".pdf"), (".stl", ".obj"), (".xml", ".urdf")
+
+
+@click.command()
+@click.argument("scene")
+@click.option("--type", "name", metavar="NAME", help="A wheel type of the scene; else its first.")
+@click.option("-o", "output", metavar="FILE", help="Output file; its suffix says what it holds.")
+@click.option("--part", type=click.Choice(("wheel", "roller")), help="What a mesh holds; else the wheel.")
+@click.option("--force", is_flag=True, help="Replace output files that exist.")
+def wheel(scene: str, name: str | None, output: str | None, part: str | None, force: bool) -> None:
+    """Dimensions, room and ripple of a wheel of SCENE; its drawing, its mesh, or a model for other simulators.
+
+    \b
+    omnisim wheel youbot                             dimensions for the workshop
+    omnisim wheel mixed --type omni -o omni.png      drawing: .png, .svg, .pdf
+    omnisim wheel youbot --part roller -o roller.stl mesh in metres: .stl, .obj
+    omnisim wheel youbot -o youbot.xml               the whole scene: .xml (MuJoCo), .urdf, meshes beside it
+    """
+    from omnisim.scene import load
+
+    loaded, suffix = load(scene), Path(output or "").suffix.lower()
+    if output is not None and suffix not in (*DRAWINGS, *MESHES, *MODELS):
+        known = ", ".join((*DRAWINGS, *MESHES, *MODELS))
+        raise Failure(f"{output}: the suffix says what to write, one of {known}", BAD_INPUT)
+    if part and suffix not in MESHES:
+        raise Failure(f"--part is for meshes: {', '.join(MESHES)}", BAD_INPUT)
+    if name and suffix in MODELS:
+        raise Failure(f"--type: a {suffix} has all wheels of the scene", BAD_INPUT)
+    name, kind = wheel_type(loaded, name)
+    if output is None:
+        click.echo(about(name, kind))
+    elif suffix in MODELS:
+        write_model(loaded, scene, output, force)
+    else:
+        from omnisim_cli.output import output_path
+
+        path = output_path(output, scene, force)
+        if suffix in DRAWINGS:
+            write_drawing(path, name, kind)
+        else:
+            write_mesh(path, part or "wheel", name, kind)
+        click.echo(path)
+
+
+def wheel_type(scene: Scene, name: str | None) -> tuple[str, WheelType]:
+    """The type of this name, or the first one."""
+    from omnisim.problems import did_you_mean
+
+    kinds = scene.config.wheel_types
+    name = next(iter(kinds)) if name is None else name
+    if name not in kinds:
+        hint = did_you_mean(name, kinds) or "."
+        raise Failure(f"--type {name}: no such wheel type{hint} The scene has: {', '.join(kinds)}", BAD_INPUT)
+    return name, kinds[name]
+
+
+# --- text -----------------------------------------------------------------------------------------
+
+
+def about(name: str, kind: WheelType) -> str:
+    from omnisim.geometry import of_type
+
+    record = of_type(kind)
+    sections = {
+        f"wheel type '{name}'": aligned(dimensions(kind, record), indent="  "),
+        "profile of a roller: u along its axis from the middle, r from its axis": profile_table(record),
+        "room": aligned(room(record), indent="  "),
+        "rolling straight, by the shape of the rollers": ripple_table(record),
+    }
+    return "\n\n".join(f"{heading}\n{body}" for heading, body in sections.items())
+
+
+def dimensions(kind: WheelType, record: np.record) -> dict[str, str]:
+    from omnisim.geometry import solid
+    from omnisim.roller import length, profile_radius, tip_radius
+
+    body, roller = solid(record), kind.roller
+    density = roller.mass / body.volume
+    return {
+        "rolling radius": f"{mm(kind.radius)}, for the controller: {kind.radius:g} m at every angle",
+        "rollers": f"{kind.roller_count}, axes at {mm(kind.roller_distance)}, angle {kind.roller_angle_deg:g} deg",
+        "roller length": mm(length(record)),
+        "roller diameter": f"{mm(2.0 * profile_radius(record, 0.0))} amid, {mm(2.0 * tip_radius(record))} at the tips",
+        "roller volume": f"{body.volume * 1e6:.5g} cm^3; {roller.mass:g} kg is {density:.4g} kg/m^3",
+        "roller inertia": f"{roller.inertia_axial:.4g} kg m^2 about its axis, {roller.inertia_transverse:.4g} across; "
+        f"of a solid {density * body.axial:.4g} and {density * body.transverse:.4g}",
+    }
+
+
+def profile_table(record: np.record) -> str:
+    import numpy as np
+
+    from omnisim.geometry import profile
+
+    q = np.linspace(-record.alpha, record.alpha, STATIONS)
+    rows = [
+        (f"{u * 1e3:10.4f}", f"{r * 1e3:9.4f}", f"{2e3 * r:12.4f}") for u, r in zip(*profile(record, q), strict=True)
+    ]
+    return columns([("     u, mm", "    r, mm", "diameter, mm"), *rows], indent="  ")
+
+
+def room(record: np.record) -> dict[str, str]:
+    from omnisim.geometry import gap, hub_radius
+
+    margin, hub = record.radius * record.cos_alpha - record.roller_distance, hub_radius(record)
+    return {
+        "tips": f"{mm(max(margin, 0.0))} until they are points (R cos alpha - R1)",
+        "neighbours": told(gap(record)) or "they overlap: in one row the exact rollers do not fit",
+        "next but one": told(gap(record, 2)) or "they overlap: in two rows the exact rollers do not fit",
+        "hub": f"{mm(hub)} is the largest radius free of rollers" if hub > 0.0 else "rollers reach the axle",
+        "": "Gaps are distances of surfaces: the widest slab that fits between two rollers, so never too large.",
+    }
+
+
+def told(distance: float) -> str:
+    return f"gap of {mm(distance)}" if distance > 0.0 else ""
+
+
+def ripple_table(record: np.record) -> str:
+    from omnisim.geometry import ripple, shapes
+
+    rows = [("roller", "height of the centre, peak to peak, mm", "rolling radius: mean", "lowest", "highest")]
+    for shape, reach in shapes(record).items():
+        found = ripple(record, reach)
+        relative = [
+            f"{(value / record.radius - 1.0) * 100.0 + 0.0:+.3f} %"
+            for value in (found.mean, found.lowest, found.highest)
+        ]
+        rows.append((shape, f"{(found.highest - found.lowest) * 1e3:.4f}", *relative))
+    return columns(rows, indent="  ")
+
+
+def mm(metres: float) -> str:
+    return f"{metres * 1e3:.4f} mm"
+
+
+# --- files ----------------------------------------------------------------------------------------
+
+
+def write_drawing(path: Path, name: str, kind: WheelType) -> None:
+    try:
+        from omnisim.wheel_drawing import draw
+    except ImportError:
+        raise Failure("a drawing needs matplotlib: pip install 'omnisim-engine[plot]'", BAD_INPUT) from None
+    draw(path, name, kind)
+
+
+def write_mesh(path: Path, part: str, name: str, kind: WheelType) -> None:
+    from omnisim.geometry import gap, of_type
+    from omnisim.mesh import roller, whole, write
+
+    if part == "wheel" and gap(of_type(kind)) < 0.0:
+        note("Warning: the rollers of this wheel overlap in one row, and so do those of the mesh")
+    write(roller(kind) if part == "roller" else whole(kind), path, controller_note(name, kind))
+
+
+def controller_note(name: str, kind: WheelType) -> str:
+    return f"omnisim, metres; rolling radius for the controller {kind.radius:g} m ({name})"
+
+
+def write_model(scene: Scene, source: str, output: str, force: bool) -> None:
+    """The model, and the roller of each wheel type in use as STEM_TYPE_roller.stl beside it."""
+    from omnisim.mesh import FINE, roller, write
+    from omnisim.mjcf import mjcf
+    from omnisim.robot_description import text
+    from omnisim.urdf import urdf
+    from omnisim_cli.output import output_path
+
+    config, path = scene.config, output_path(output, source, force)
+    used = dict.fromkeys(wheel.type for wheel in config.wheels)
+    files = {name: output_path(str(path.with_name(f"{path.stem}_{name}_roller.stl")), source, force) for name in used}
+    for name, file in files.items():
+        write(roller(config.wheel_types[name], *FINE), file, controller_note(name, config.wheel_types[name]))
+    describe = urdf if path.suffix.lower() == ".urdf" else mjcf
+    path.write_text(text(describe(config, {name: file.name for name, file in files.items()})), encoding="utf-8")
+    click.echo("\n".join(map(str, (path, *files.values()))))

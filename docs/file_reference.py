@@ -1,0 +1,60 @@
+"""Writes docs/pages/file.md, what a trajectory file holds, from omnisim/trajectory.py: python docs/file_reference.py"""
+
+from pathlib import Path
+
+from omnisim.trajectory import ATTRIBUTES, FORMAT, LABELS, OPTIONAL_ATTRIBUTES, TABLE, Quantity
+
+PAGE = Path(__file__).parent / "pages/file.md"
+INTRODUCTION = f"""# Trajectory file
+
+Written by `python docs/file_reference.py` from the table that checks every trajectory.
+
+A run is one HDF5 file (format `{FORMAT}`). Every dataset has `units`, a `description`, and a dimension scale on each
+axis, so that HDF5 tools, netCDF and xarray all read it. Numbers are float64 or int64 and always finite, text is UTF-8.
+Angles are continuous, never wrapped. A row at the instant of an event holds the state after it. A run that stops early
+has the rows it reached, and a `stop` event.
+
+T is the number of output times, N_r that of rollers of a wheel, E that of events. NAME is the name of a wheel.
+"""
+MEANING = {
+    "format": "what the file is", "format_version": "of the format", "omnisim_version": "that wrote it",
+    "title": "of the scene", "scene": "the whole TOML text with all overrides: loading it repeats the run",
+    "wheels": "names, in the order of the scene", "model": "what is modelled, in one line",
+    "tracking": "of the contact", "method": "as used", "step": "s", "steps": "taken",
+    "rhs_evaluations": "calls of the right-hand side", "wall_time": "of the march, s",
+    "status": "`complete`, or a sentence that says why the run stopped", "stop_time": "last time reached, s",
+    "stop_wheel": "wheel that stopped the run, or empty", "error_target": "`solver.error` of the scene",
+    "error_estimate": "estimated error, m or rad", "formulation": "of the equations of motion",
+}  # fmt: skip
+SIZES = {"time": "T", "event": "E", "roller": "N_r"} | {axis: str(len(labels)) for axis, labels in LABELS.items()}
+GROUPS = {
+    "": "Scales of the root", "body": "Body", "odometry": "Odometry", "wheels/{wheel}": "Wheels",
+    "wheels/{wheel}/rollers": "Rollers", "constraints": "Constraints", "energy": "Energy", "events": "Events",
+}  # fmt: skip
+
+
+def page() -> str:
+    """The whole page as Markdown."""
+    lines = [INTRODUCTION, "## Attributes of the root\n", "| attribute | type | |", "| --- | --- | --- |"]
+    for name, kind in ATTRIBUTES.items():
+        where = " (where it applies)" if name in OPTIONAL_ATTRIBUTES else ""
+        kind_name = "list of str" if kind is tuple else kind.__name__
+        lines.append(f"| `{name}` | {kind_name} | {MEANING[name]}{where} |")
+    for group, title in GROUPS.items():
+        members = [row for row in TABLE if row.path.rpartition("/")[0] == group]
+        lines += ["", f"## {title}\n", "| dataset | shape | units | |", "| --- | --- | --- | --- |"]
+        lines += map(line, members)
+    return "\n".join([*lines, "", "Datasets in *italics* are only in files of scenes that have them.", ""])
+
+
+def line(row: Quantity) -> str:
+    path = row.path.format(wheel="NAME")
+    shape = ", ".join(SIZES[axis.rpartition("/")[2]] for axis in row.axes)
+    along = LABELS.get(row.path) if row.is_scale else None
+    values = f": {', '.join(along)}" if along else ""
+    name = f"*`{path}`*" if row.optional else f"`{path}`"
+    return f"| {name} | ({shape}) | {row.units} | {row.description}{values} |"
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")

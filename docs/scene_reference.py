@@ -1,0 +1,164 @@
+"""Writes docs/pages/scene.md, every key of a scene file, from omnisim/config.py: python docs/scene_reference.py"""
+
+import inspect
+import math
+from pathlib import Path
+from typing import Any, get_args
+
+from pydantic.fields import FieldInfo
+
+from omnisim.config import DRIVE_KEYS, FRICTION_DEFAULTS, FRICTION_KEYS, Config, DriveKeys, Table
+
+PAGE = Path(__file__).parent / "pages/scene.md"
+INTRODUCTION = """# Scene file
+
+Written by `python docs/scene_reference.py` from the schema that checks every scene.
+
+A scene is a TOML file. Units are SI; angles are radians, and degrees in keys that end in `_deg`. Integers pass for
+numbers; booleans and strings never do. An unknown key, a missing one or a value out of bounds is answered with file,
+line, key, value and what is allowed. `omnisim run SCENE --set KEY=VALUE` changes any key: `time.step=1e-4`,
+`wheels.front_left.spin_rate=12`.
+
+Tables over `times` are linear between their points and held outside. Times never decrease; two equal times are a jump.
+"""
+RULES = """## Rules across keys
+
+- `output_interval / step` and `end / output_interval` are integers, to 1e-9; a run has at most 1e10 steps.
+- `formulation = "multibody"` takes `heun`, `rk4` or `dopri5`. `contact_torque = "contensou"` needs the regularized law.
+- `roller_distance` is at most `radius cos(pi / roller_count)`, where the tips of the rollers are points.
+- Moments of inertia are those that a body can have: `inertia_axial` at most twice `inertia_transverse`; each of a
+  chassis at most the sum of the other two.
+- A scene without `[chassis]` has one wheel, and `[initial]` places it. With one, every wheel has a position; names are
+  unique.
+- `upright = "contacts"` needs three wheels or more, not on one line, with the common centre of mass between them.
+- `[command]` needs a chassis, and wheels with rate drives of no `rate` that together determine the motion.
+- A list over `times` is as long as `times`; in `[wrench]` and `[command]` too.
+"""
+# Defaults that depend on other keys, or that are no value.
+DERIVED = {
+    "[scene] upright": '`"servo"` for a bare wheel, `"contacts"` for a machine',
+    "[time] step": "required, unless `solver.error` picks one",
+    "[time] output_interval": "about `end / 100`, on the grid of the steps",
+    "[solver] error": "none: `time.step` is used",
+    "[friction] patch_radius": 'required by `contact_torque = "contensou"`',
+    "[[wheels]] position": "required in a machine, absent on a bare wheel",
+    "[[wheels]] drive rate": "that of `[command]`",
+    "[[wheels]] drive times": "absent: constant",
+    "[wrench] times": "required in the table",
+    "[wrench] force": "absent: zero",
+    "[wrench] yaw_torque": "absent: zero",
+}
+
+
+def page() -> str:
+    """The whole page as Markdown."""
+    keys = "\n".join([*rows("[]", Config), ""])
+    return "\n".join([INTRODUCTION, "## Keys outside of tables\n", keys, *sections(Config), RULES])
+
+
+def sections(model: type[Table], above: str = "") -> list[str]:
+    """One section for each table, those inside it after it."""
+    found = []
+    for name, field in model.model_fields.items():
+        table = table_of(field)
+        if table:
+            heading = header(field.alias or name, field, above)
+            found += [f"## `{heading}`\n", about(table), "", *rows(heading, table), "", *choices(heading)]
+            found += sections(table, heading)
+    return found
+
+
+def table_of(field: FieldInfo) -> type[Table] | None:
+    """The table that a key holds, one or several of them; None if it holds a value."""
+    waiting = [field.annotation]
+    while waiting:
+        kind = waiting.pop()
+        if inspect.isclass(kind) and issubclass(kind, Table):
+            return kind
+        waiting += get_args(kind)
+    return None
+
+
+def header(name: str, field: FieldInfo, above: str) -> str:
+    """How the table is opened in the file, or the key that holds it as an inline table."""
+    if above:
+        return f"{above} {name}"
+    kind = str(field.annotation)
+    return f"[[{name}]]" if kind.startswith("tuple") else f"[{name}.NAME]" if kind.startswith("dict") else f"[{name}]"
+
+
+def about(table: type[Table]) -> str:
+    """The docstring without the name of the table; columns as they are."""
+    paragraphs = inspect.cleandoc(table.__doc__).split("\n\n")
+    start, _, rest = paragraphs[0].partition(": ")
+    if start.startswith("[") or start == "drive of a wheel":
+        paragraphs[0] = rest[:1].upper() + rest[1:]
+    return "\n\n".join(map(prose, paragraphs))
+
+
+def prose(paragraph: str) -> str:
+    if "   " in paragraph:
+        return f"```text\n{paragraph}\n```"
+    return paragraph.replace(". None", ". Absent").replace("None", "absent")
+
+
+def rows(heading: str, model: type[Table]) -> list[str]:
+    """The keys that hold values, as a table."""
+    values = [(field.alias or name, field) for name, field in model.model_fields.items() if not table_of(field)]
+    lines = [f"| `{key}` | {field.description or 'a finite number > 0'} | {default(heading, key, field)} |"
+             for key, field in values]  # fmt: skip
+    return ["| key | value | default |", "| --- | --- | --- |", *lines]
+
+
+def default(heading: str, key: str, field: FieldInfo) -> str:
+    if f"{heading} {key}" in DERIVED:
+        return DERIVED[f"{heading} {key}"]
+    if field.is_required():
+        return "required"
+    return needed(heading, key) or shown(field.default)
+
+
+def needed(heading: str, key: str) -> str:
+    """By which laws or drives a key is needed; empty if it is not."""
+    if heading == "[friction]":
+        by = [law for law, keys in FRICTION_KEYS.items() if key in keys and key not in FRICTION_DEFAULTS.get(law, {})]
+        given = [f"{shown(keys[key])} for `{law}`" for law, keys in FRICTION_DEFAULTS.items() if key in keys]
+    elif heading == "[[wheels]] drive":
+        by, given = [kind for kind, keys in DRIVE_KEYS.items() if key in keys.needed], []
+    else:
+        return ""
+    return ", ".join([f"required by {', '.join(f'`{name}`' for name in by)}"] * bool(by) + given)
+
+
+def shown(value: Any) -> str:
+    if value == math.inf:
+        return "none"
+    if isinstance(value, tuple):
+        return f"`[{', '.join(f'{number:g}' for number in value)}]`"
+    if isinstance(value, bool):
+        return f"`{str(value).lower()}`"
+    return f'`"{value}"`' if isinstance(value, str) else f"`{value:g}`"
+
+
+def choices(heading: str) -> list[str]:
+    """Which keys a law or a kind of drive reads."""
+    if heading == "[friction]":
+        lines = [f"| `{law}` | {listed(keys)} |" for law, keys in FRICTION_KEYS.items()]
+        return ["| law | reads |", "| --- | --- |", *lines, "", "Keys of other laws are allowed, and not used.", ""]
+    if heading == "[[wheels]] drive":
+        titles = ["| kind | needs | may have | a number, or a list over `times` |", "| --- | --- | --- | --- |"]
+        return [*titles, *(drive_line(kind, keys) for kind, keys in DRIVE_KEYS.items()), ""]
+    return []
+
+
+def drive_line(kind: str, keys: DriveKeys) -> str:
+    given = f"`{keys.given}`" if keys.given else "-"
+    return f"| `{kind}` | {listed(keys.needed)} | {listed(keys.optional)} | {given} |"
+
+
+def listed(keys: Any) -> str:
+    return ", ".join(f"`{key}`" for key in keys) or "-"
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")

@@ -1,0 +1,103 @@
+"""A scene for MuJoCo."""
+
+import math
+from collections.abc import Mapping
+from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
+
+from omnisim.config import Config
+from omnisim.robot_description import LAID, Body, bodies, headed, numbers
+
+STEP = 1e-4  # s
+# As near to rigid as this step allows: less stiffness and damping by mass (1/s^2, 1/s), critically damped.
+CONTACT = {"solref": "-1e6 -2e3", "solimp": "0.999 0.9999 0.0001", "condim": "3"}
+RUBBER, STAND_IN = "0.25 0.25 0.28 1", "0.5 0.65 0.8 0.4"  # colours
+UNTOUCHED = {"contype": "0", "conaffinity": "0", "rgba": STAND_IN}
+
+
+def mjcf(config: Config, meshes: Mapping[str, str]) -> Element:
+    """The scene on a floor; the keyframe "start" has its initial pose and velocities.
+
+    A rate drive is a velocity actuator with its proportional gain and its limit, without the integral; any other drive
+    is a torque (N m), of a motor at the axle. Actuators have the names of the wheels.
+    """
+    root = headed(Element("mujoco", model=config.title or "omnisim"), config)
+    SubElement(root, "compiler", angle="radian", eulerseq="XYZ")
+    gravity = numbers(0.0, 0.0, -config.world.gravity)
+    SubElement(root, "option", timestep=repr(STEP), integrator="implicitfast", cone="elliptic", gravity=gravity)
+    friction = numbers(config.friction.coefficient, 0.0, 0.0)
+    SubElement(SubElement(root, "default"), "geom", CONTACT | {"friction": friction})
+    asset, world = SubElement(root, "asset"), SubElement(root, "worldbody")
+    SubElement(world, "light", pos="0 0 3", directional="true")
+    SubElement(world, "geom", name="floor", type="plane", size="10 10 1", rgba="0.85 0.85 0.85 1")
+    for file in meshes.values():
+        SubElement(asset, "mesh", name=file, file=file)
+    elements = {}
+    for body in bodies(config, meshes):
+        element = SubElement(elements.get(body.parent, world), "body", name=body.name)
+        element.attrib |= {"pos": numbers(*body.place), "euler": numbers(*body.angles)}
+        if body.parent is None:
+            base_joints(element, config)
+        mjcf_parts(element, body)
+        elements[body.name] = element
+    actuators(SubElement(root, "actuator"), config)
+    start(SubElement(SubElement(root, "keyframe"), "key", name="start"), config)
+    return root
+
+
+def base_joints(element: Element, config: Config) -> None:
+    """All six motions, or those of a body that is held upright."""
+    if config.upright == "contacts":
+        SubElement(element, "freejoint", name="base")
+        return
+    for axis, direction in (("x", "1 0 0"), ("y", "0 1 0"), ("z", "0 0 1")):
+        SubElement(element, "joint", name=axis, type="slide", axis=direction)
+    SubElement(element, "joint", name="yaw", type="hinge", axis="0 0 1")
+
+
+def mjcf_parts(element: Element, body: Body) -> None:
+    """Its hinge, inertia and shape."""
+    if body.hinge:
+        friction = {"damping": body.damping, "frictionloss": body.friction, "armature": body.armature}
+        shown = {key: repr(value) for key, value in friction.items() if value > 0.0}
+        SubElement(element, "joint", shown, name=body.name, axis=body.hinge)
+    inertia = numbers(*body.inertia)
+    SubElement(element, "inertial", pos=numbers(*body.centre), mass=repr(body.mass), diaginertia=inertia)
+    kind, size = body.shape
+    if kind == "mesh":  # touches what touches all, but no other roller
+        SubElement(element, "geom", type=kind, mesh=size, contype="0", conaffinity="1", rgba=RUBBER)
+    elif kind == "box":
+        place, half = numbers(*body.centre), numbers(*(0.5 * np.array(size)))
+        SubElement(element, "geom", UNTOUCHED, type=kind, pos=place, size=half)
+    elif size[0] > 0.0:
+        half = numbers(size[0], 0.5 * size[1])
+        SubElement(element, "geom", UNTOUCHED, type=kind, euler=numbers(*LAID), size=half)
+
+
+def actuators(element: Element, config: Config) -> None:
+    for wheel in config.wheels:
+        target = {"name": wheel.name, "joint": f"{wheel.name}_wheel"}
+        if wheel.drive.kind != "rate":
+            SubElement(element, "motor", target)
+            continue
+        velocity = SubElement(element, "velocity", target, kv=repr(wheel.drive.proportional))
+        if wheel.drive.torque_limit < math.inf:
+            velocity.set("forcerange", numbers(-wheel.drive.torque_limit, wheel.drive.torque_limit))
+
+
+def start(key: Element, config: Config) -> None:
+    """Pose and velocities in the order of the joints."""
+    initial, half = config.initial, 0.5 * math.radians(config.initial.yaw_deg)
+    place, speed = [*initial.position, 0.0], [*initial.velocity, 0.0]
+    if config.upright == "contacts":
+        place += [math.cos(half), 0.0, 0.0, math.sin(half)]
+        speed += [0.0, 0.0, initial.yaw_rate]
+    else:
+        place.append(2.0 * half)
+        speed.append(initial.yaw_rate)
+    for wheel in config.wheels:
+        count = config.type_of(wheel).roller_count
+        place += [math.radians(wheel.spin_angle_deg), *[0.0] * count]
+        speed += [wheel.spin_rate, *np.broadcast_to(wheel.roller_rates, count)]
+    key.attrib |= {"qpos": numbers(*place), "qvel": numbers(*speed)}

@@ -1,0 +1,93 @@
+"""A scene as the bodies of other simulators, for MJCF (MuJoCo) and URDF, with rollers as meshes of the exact profile.
+
+Masses, inertias, friction and bearings are those of the scene. It has no shapes of disks and chassis: plain stand-ins,
+which touch nothing, are drawn for them. x is forward, y left, z up; wheels turn about y, rollers about their own z.
+"""
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Comment, Element
+
+from omnisim.config import Config, Wheel
+from omnisim.drives import drive_law
+from omnisim.geometry import hub_radius, of_type, roller_frames
+from omnisim.mesh import hub_half_width
+
+LAID = (-0.5 * math.pi, 0.0, 0.0)  # roll, pitch, yaw of a cylinder along the axle
+
+
+class Body(NamedTuple):
+    """A rigid body on a hinge about `hinge` of its own frame: the chassis, a disk, a roller.
+
+    place, angles: of its frame in that of its parent, m and roll, pitch, yaw (rad, about fixed x, y, z). centre: of
+    mass, in its own frame. shape: mesh (file), cylinder (radius, length) or box (x, y, z), m.
+    """
+
+    name: str
+    parent: str | None
+    hinge: str
+    place: tuple[float, ...]
+    angles: tuple[float, float, float]
+    mass: float
+    centre: tuple[float, ...]
+    inertia: tuple[float, float, float]
+    shape: tuple[str, str | tuple[float, ...]]
+    damping: float = 0.0  # of the hinge, N m s
+    friction: float = 0.0  # of the hinge, N m
+    armature: float = 0.0  # at the hinge, kg m^2
+
+
+def note(config: Config) -> str:
+    """What whoever programs the controller has to know."""
+    radii = {wheel.type: config.type_of(wheel).radius for wheel in config.wheels}
+    return "rolling radius for the controller: " + ", ".join(f"{r:g} m ({name})" for name, r in radii.items())
+
+
+def bodies(config: Config, meshes: Mapping[str, str]) -> Iterator[Body]:
+    """Parents before what they carry. meshes: file of the roller of each wheel type in use."""
+    if config.chassis is not None:
+        low = 0.5 * min(config.type_of(wheel).radius for wheel in config.wheels)
+        x, y = (max(low, 1.4 * max(abs(wheel.position[axis]) for wheel in config.wheels)) for axis in (0, 1))
+        chassis, still = config.chassis, (0.0, 0.0, 0.0)
+        inertia = chassis.inertia
+        yield Body(
+            "chassis", None, "", still, still, chassis.mass, chassis.center_of_mass, inertia, ("box", (x, y, low))
+        )
+    for wheel in config.wheels:
+        yield from wheel_bodies(config, wheel, meshes[wheel.type])
+
+
+def wheel_bodies(config: Config, wheel: Wheel, mesh: str) -> Iterator[Body]:
+    kind, name, centre = config.type_of(wheel), f"{wheel.name}_wheel", (0.0, 0.0, 0.0)
+    disk, roller, across = kind.disk, kind.roller, kind.disk.inertia_diameter
+    yield Body(
+        name, "chassis" if config.chassis else None, "0 1 0",
+        (*wheel.position, kind.radius), (0.0, 0.0, math.radians(wheel.heading_deg)),
+        disk.mass, centre, (across, disk.inertia_axle, across),
+        ("cylinder", (hub_radius(of_type(kind)), 2.0 * hub_half_width(kind))),
+        armature=drive_law(wheel.drive).rotor_inertia,
+    )  # fmt: skip
+    inertia = (roller.inertia_transverse, roller.inertia_transverse, roller.inertia_axial)
+    frames = roller_frames(kind, wheel.mirrored, math.radians(wheel.phase_deg))
+    for number, (place, (x, y, z)) in enumerate(frames):
+        yield Body(
+            f"{wheel.name}_roller_{number}", name, "0 0 1",
+            tuple(place), (0.0, math.atan2(math.hypot(x, y), z), math.atan2(y, x)),
+            roller.mass, centre, inertia, ("mesh", mesh), roller.bearing_viscosity, roller.bearing_torque,
+        )  # fmt: skip
+
+
+def text(root: Element) -> str:
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, encoding="unicode") + "\n"
+
+
+def numbers(*values: float) -> str:
+    return " ".join(repr(float(value)) for value in values)
+
+
+def headed(root: Element, config: Config) -> Element:
+    root.append(Comment(f" {note(config).replace('--', '-')} "))  # two hyphens would end the comment
+    return root

@@ -1,0 +1,126 @@
+// The machine: chassis, wheels and every roller, put where the motion has them.
+
+import { Color, Group, InstancedMesh, Matrix4, Mesh, MeshStandardMaterial, Vector3 } from "vendor";
+import { chassisOf } from "omnisim/chassis";
+import { hubGeometry, rollerFrame, rollerGeometry } from "omnisim/wheels";
+
+const RUBBER = new Color(0x2b3036);
+const TOUCHING = new Color(0xe07b1a);
+const EDGE = 1e-6; // rad by which a roller at rest on its edge may seem beyond it
+const UP = new Vector3(0, 0, 1);
+const AXLE = new Vector3(0, 1, 0);
+
+export class Machine {
+  constructor({ types, wheels, chassis }, motion) {
+    this.motion = motion;
+    this.group = new Group();
+    this.place = new Matrix4(); // of the chassis origin, on the floor
+    this.wheels = wheels.map((wheel) => new Wheel(wheel, types[wheel.type], motion));
+    this.rollers = Object.entries(types).map(
+      ([name, type]) =>
+        new Rollers(
+          type,
+          this.wheels.filter(({ wheel }) => wheel.type === name),
+        ),
+    );
+    this.group.add(...this.wheels.map(({ hub }) => hub), ...this.rollers.map(({ mesh }) => mesh));
+    if (chassis) {
+      this.chassis = chassisOf(this.wheels);
+      this.group.add(this.chassis);
+    }
+    this.size = Math.max(...this.wheels.map(({ wheel, type }) => Math.hypot(...wheel.position) + 2 * type.radius));
+    this.height = Math.max(...this.wheels.map(({ type }) => type.radius));
+  }
+
+  // Everything at the present time of the motion.
+  update() {
+    const at = (component) => this.motion.smooth("body/position", "body/velocity", component);
+    const yaw = this.motion.smooth("body/yaw", "body/yaw_rate");
+    this.position = new Vector3(at(0), at(1), 0);
+    this.place.makeRotationAxis(UP, yaw).setPosition(this.position);
+    this.chassis?.matrix.copy(this.place);
+    for (const wheel of this.wheels) wheel.update(this.place);
+    for (const rollers of this.rollers) rollers.update();
+  }
+
+  // Centre of roller i of wheel w, as drawn.
+  rollerPosition(w, i) {
+    const place = new Matrix4();
+    for (const { drawn, mesh } of this.rollers) {
+      const index = drawn.findIndex((one) => one.wheel === this.wheels[w] && one.i === i);
+      if (index >= 0) mesh.getMatrixAt(index, place);
+    }
+    return new Vector3().setFromMatrixPosition(place);
+  }
+}
+
+class Wheel {
+  constructor(wheel, type, motion) {
+    Object.assign(this, { wheel, type, motion, path: `wheels/${wheel.name}` });
+    this.hub = new Mesh(
+      hubGeometry(type, wheel),
+      new MeshStandardMaterial({ color: 0xb4bcc4, metalness: 0.75, roughness: 0.38 }),
+    );
+    this.hub.matrixAutoUpdate = false;
+    this.hub.castShadow = this.hub.receiveShadow = true;
+    const [x, y] = wheel.position;
+    this.mount = new Matrix4().makeRotationAxis(UP, wheel.heading).setPosition(x, y, type.radius);
+    this.frame = new Matrix4(); // heading, axle, up at the wheel centre
+  }
+
+  update(place) {
+    this.spin = this.motion.smooth(`${this.path}/spin_angle`, `${this.path}/spin_rate`);
+    this.frame.multiplyMatrices(place, this.mount);
+    this.hub.matrix.copy(this.frame).multiply(new Matrix4().makeRotationAxis(AXLE, this.spin));
+    this.touching = this.contactRoller();
+  }
+
+  azimuth(i) {
+    const q = this.wheel.phase + (2 * Math.PI * i) / this.type.rollers - this.spin;
+    return q - 2 * Math.PI * Math.round(q / (2 * Math.PI));
+  }
+
+  // That of the last row while it reaches the floor; else the nearest, which has taken over since.
+  contactRoller() {
+    const [recorded, n] = [this.motion.held(`${this.path}/contact_roller`), this.type.rollers];
+    if (Math.abs(this.azimuth(recorded)) <= Math.PI / n + EDGE) return recorded;
+    const nearest = Math.round(((this.spin - this.wheel.phase) * n) / (2 * Math.PI));
+    return ((nearest % n) + n) % n;
+  }
+
+  // Where it touches: P = O - R n + R1 tan q tan psi k.
+  contactPoint() {
+    const { radius, rollerDistance } = this.type;
+    const along = rollerDistance * Math.tan(this.azimuth(this.touching)) * Math.tan(this.wheel.psi);
+    return new Vector3(0, along, -radius).applyMatrix4(this.frame);
+  }
+}
+
+// All rollers of one type of wheel, mirrored or not: they have one geometry.
+class Rollers {
+  constructor(type, wheels) {
+    const count = type.rollers;
+    this.drawn = wheels.flatMap((wheel) =>
+      Array.from({ length: count }, (_, i) => ({
+        wheel,
+        i,
+        frame: rollerFrame(type, wheel.wheel, i),
+        path: `${wheel.path}/rollers/joint_angle`,
+      })),
+    );
+    const material = new MeshStandardMaterial({ vertexColors: true, roughness: 0.72, metalness: 0.05 });
+    this.mesh = new InstancedMesh(rollerGeometry(type), material, this.drawn.length);
+    this.mesh.frustumCulled = false;
+    this.mesh.castShadow = this.mesh.receiveShadow = true;
+  }
+
+  update() {
+    const [place, turn] = [new Matrix4(), new Matrix4()];
+    this.drawn.forEach(({ wheel, i, frame, path }, index) => {
+      turn.makeRotationAxis(AXLE, wheel.motion.linear(path, i));
+      this.mesh.setMatrixAt(index, place.multiplyMatrices(wheel.hub.matrix, frame).multiply(turn));
+      this.mesh.setColorAt(index, i === wheel.touching ? TOUCHING : RUBBER);
+    });
+    this.mesh.instanceMatrix.needsUpdate = this.mesh.instanceColor.needsUpdate = true;
+  }
+}

@@ -1,0 +1,64 @@
+"""The pages of the site: those on files are what the schema and the table say, and every link leads somewhere."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import omnisim
+from omnisim.config import Config
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "docs"))
+import file_reference
+import scene_reference
+
+pytestmark = pytest.mark.short
+
+
+@pytest.mark.parametrize("script", [scene_reference, file_reference])
+def test_the_committed_page_is_what_the_script_makes(script):
+    assert script.PAGE.read_text(encoding="utf-8") == script.page()
+
+
+def keys(model):
+    for name, field in model.model_fields.items():
+        yield field.alias or name
+        if table := scene_reference.table_of(field):
+            yield from keys(table)
+
+
+def test_every_key_of_a_scene_is_on_the_page():
+    page = scene_reference.page()
+    assert len(list(keys(Config))) > 50
+    assert all(re.search(rf"[`\[ ]{key}[`.\]]", page) for key in keys(Config))
+
+
+def test_every_default_that_is_told_belongs_to_a_key():
+    """No note outlives its key."""
+    page = scene_reference.page()
+    assert all(note in page for note in scene_reference.DERIVED.values())
+
+
+def test_every_public_name_is_on_the_page_of_the_interface():
+    page = (scene_reference.PAGE.parent / "api.md").read_text(encoding="utf-8")
+    assert all(f"`{name}" in page or f"omnisim.{name}" in page for name in omnisim.__all__)
+
+
+def test_every_test_and_module_that_the_theory_names_is_there():
+    root, page = scene_reference.PAGE.parents[2], (scene_reference.PAGE.parent / "theory.md").read_text("utf-8")
+    named = re.findall(r"`((?:\w+/)*\w+\.py)`", page)
+    assert len(named) > 50
+    for name in named:
+        assert (root / ("tests" if "test_" in name else "omnisim") / name).exists(), name
+
+
+def test_the_site_builds_without_a_warning(tmp_path):
+    pytest.importorskip("material", reason="needs the extra docs")
+    configuration = scene_reference.PAGE.parents[1] / "mkdocs.yml"
+    build = [sys.executable, "-m", "mkdocs", "build", "--strict", "-f", configuration, "-d", tmp_path]
+    done = subprocess.run(build, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert {"index.html", "scene.html", "machines.html", "speed_and_accuracy.html"} <= set(os.listdir(tmp_path))

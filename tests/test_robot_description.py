@@ -1,0 +1,168 @@
+"""MJCF and URDF of scenes: MuJoCo reads them, with the masses and inertias of the scene, and their wheels roll."""
+
+import math
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import omnisim
+from omnisim import mesh
+from omnisim.ideal import wheel_rows
+from omnisim.mjcf import mjcf
+from omnisim.packing import bodies, pack
+from omnisim.robot_description import text
+from omnisim.urdf import urdf
+
+SCENES = ("youbot", "kiwi", "mixed", "six_rollers", "authors_vehicle")
+
+
+@pytest.fixture
+def mujoco():
+    return pytest.importorskip("mujoco", reason="needs MuJoCo")
+
+
+def written(folder, scene, describe, resolution=(9, 16)):
+    """A description and its meshes in a folder; its path."""
+    config, files = scene.config, {}
+    for name in {wheel.type for wheel in config.wheels}:
+        files[name] = f"{name}_roller.stl"
+        mesh.write(mesh.roller(config.wheel_types[name], *resolution), folder / files[name], "")
+    path = folder / f"scene.{describe.__name__}"
+    path.write_text(text(describe(config, files)))
+    return str(path)
+
+
+def free_inertia(mujoco, model, joint, held):
+    """Of a joint with all others free but those in `held`: 1 / (M^-1)_ii; both are degrees of freedom."""
+    data, inverse = mujoco.MjData(model), np.zeros((model.nv, model.nv))
+    mujoco.mj_forward(model, data)
+    mujoco.mj_solveM(model, data, inverse, np.eye(model.nv))
+    mass = np.linalg.inv(inverse)
+    free = [i for i in range(model.nv) if i not in held]
+    return 1.0 / np.linalg.inv(mass[np.ix_(free, free)])[free.index(joint), free.index(joint)]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_mujoco_has_the_mass_the_yaw_inertia_and_the_spin_inertia_of_the_scene(mujoco, tmp_path, name):
+    """On the plane: heave, roll and pitch are held."""
+    scene = omnisim.load(name)
+    model, whole = mujoco.MjModel.from_xml_path(written(tmp_path, scene, mjcf)), bodies(scene.config)
+    assert model.body_mass.sum() == pytest.approx(whole.mass, rel=1e-12)
+    yaw, held = (5, (2, 3, 4)) if scene.config.upright == "contacts" else (3, (2,))
+    assert free_inertia(mujoco, model, yaw, held) == pytest.approx(whole.yaw_inertia, rel=1e-9)
+    if scene.config.chassis is None:
+        spin = model.joint("wheel_wheel").dofadr[0]
+        exact = pack(scene.config).wheels[0].axle_inertia
+        assert free_inertia(mujoco, model, spin, held) == pytest.approx(exact, rel=1e-12)
+
+
+def test_the_keyframe_has_the_start_of_the_scene(mujoco, tmp_path):
+    scene = omnisim.load("six_rollers")
+    model = mujoco.MjModel.from_xml_path(written(tmp_path, scene, mjcf))
+    key, initial = model.key("start"), scene.config.initial
+    assert key.qvel[:4] == pytest.approx([*initial.velocity, 0.0, initial.yaw_rate])
+    assert key.qvel[4:] == pytest.approx([12.0, 3.0, -2.0, 5.0, 1.0, -4.0, 2.0])
+    assert key.qpos[3:5] == pytest.approx(np.radians([22.918311805232932, 5.729577951308233]))
+
+
+def test_a_mirrored_wheel_at_a_heading_and_phase_has_its_rollers_in_their_places(mujoco, tmp_path):
+    """The lowest roller has its axis along h + k, since psi is -45 deg; the others are turned about the axle."""
+    scene = omnisim.load("youbot", ["wheels.front_right.heading_deg=30", "wheels.front_right.phase_deg=11"])
+    data = placed(mujoco, mujoco.MjModel.from_xml_path(written(tmp_path, scene, mjcf)))
+    for number in range(6):
+        turn = Rotation.from_euler("ZY", [30.0, -(11.0 + 60.0 * number)], degrees=True)
+        body = data.body(f"front_right_roller_{number}")
+        centre = np.array([0.235, -0.15, 0.0475]) + turn.apply([0.0, 0.0, -0.036])
+        np.testing.assert_allclose(body.xpos, centre, atol=1e-15)
+        along = body.xmat.reshape(3, 3)[:, 2] @ turn.apply([math.sqrt(0.5), math.sqrt(0.5), 0.0])
+        assert abs(along) == pytest.approx(1.0, abs=1e-15)
+
+
+def test_rate_drives_are_velocity_actuators_with_their_limit_and_others_torques(mujoco, tmp_path):
+    model = mujoco.MjModel.from_xml_path(written(tmp_path, omnisim.load("youbot"), mjcf))
+    assert model.actuator("front_left").forcerange == pytest.approx([-2.1, 2.1])
+    assert model.actuator("front_left").gainprm[0] == 0.5
+    motors = mujoco.MjModel.from_xml_path(written(tmp_path, omnisim.load("authors_vehicle"), mjcf))
+    assert (motors.actuator_gainprm[:, 0] == 1.0).all()
+
+
+def test_urdf_has_every_mass_and_a_continuous_joint_for_every_wheel_and_roller(mujoco, tmp_path):
+    scene = omnisim.load("mixed")
+    path = written(tmp_path, scene, urdf)
+    root = ET.parse(path).getroot()
+    masses = [float(mass.get("value")) for mass in root.iter("mass")]
+    assert sum(masses) == pytest.approx(bodies(scene.config).mass, rel=1e-12)
+    turning = sum(1 + scene.config.type_of(wheel).roller_count for wheel in scene.config.wheels)
+    assert [joint.get("type") for joint in root.iter("joint")] == ["continuous"] * turning
+    model = mujoco.MjModel.from_xml_path(path)
+    same = mujoco.MjModel.from_xml_path(written(tmp_path, scene, mjcf))
+    found, expected = (placed(mujoco, read) for read in (model, same))
+    for name in names(scene):
+        np.testing.assert_allclose(found.body(name).xpos, expected.body(name).xpos, atol=1e-12)
+
+
+def names(scene):
+    for wheel in scene.config.wheels:
+        yield f"{wheel.name}_wheel"
+        yield from (f"{wheel.name}_roller_{i}" for i in range(scene.config.type_of(wheel).roller_count))
+
+
+def placed(mujoco, model):
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    return data
+
+
+def test_names_with_hyphens_leave_the_comment_whole(tmp_path):
+    config = omnisim.load("six_rollers").config
+    kinds = {"o--x": config.wheel_types["omni"]}
+    wheels = (config.wheels[0].model_copy(update={"type": "o--x"}),)
+    hyphened = config.model_copy(update={"wheel_types": kinds, "wheels": wheels})
+    for describe in (mjcf, urdf):
+        assert "0.05 m (o-x)" in text(describe(hyphened, {"o--x": "roller.stl"}))
+        ET.fromstring(text(describe(hyphened, {"o--x": "roller.stl"})))
+
+
+STRAIGHT = ("initial.velocity=[0.5, 0.0]",)
+SIDES = ("front_left", "front_right", "rear_left", "rear_right")
+ROLLING = {  # settings by which a packaged scene rolls straight at 0.5 m/s
+    "coulomb_wheel": STRAIGHT,
+    "youbot": (*STRAIGHT, *(f"wheels.{side}.spin_rate={0.5 / 0.0475!r}" for side in SIDES)),
+}
+SOFT = [0.02, 1.0], [0.9, 0.95, 0.001]  # solref and solimp that MuJoCo has by default
+
+
+def speed_left(mujoco, path, contact=None):
+    """Of a scene that rolls straight at 0.5 m/s, after 2 s without drives, m/s."""
+    model = mujoco.MjModel.from_xml_path(path)
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ACTUATION
+    if contact:
+        model.geom_solref[:], model.geom_solimp[:, :3] = contact
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_step(model, data, nstep=round(2.0 / model.opt.timestep))
+    return data.qvel[0]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "least"), [("coulomb_wheel", 0.49), ("youbot", 0.48)])
+def test_what_rolls_straight_keeps_its_speed_the_better_the_stiffer_its_contact(mujoco, tmp_path, name, least):
+    """omnisim keeps 0.5 m/s."""
+    path = written(tmp_path, omnisim.load(name, ROLLING[name]), mjcf, mesh.FINE)
+    assert least < speed_left(mujoco, path) < 0.5  # measured 0.4975 and 0.4860
+    assert speed_left(mujoco, path, SOFT) < 0.42  # measured 0.3947 and 0.2692
+
+
+def test_a_machine_goes_where_its_ideal_wheels_would(mujoco, tmp_path):
+    """Rate drives of a kiwi: forward, to the left and counterclockwise."""
+    scene = omnisim.load("kiwi")
+    model = mujoco.MjModel.from_xml_path(written(tmp_path, scene, mjcf, (33, 64)))
+    model.opt.timestep = 5e-4
+    for component, twist in enumerate(np.diag([0.3, 0.2, 0.5])):
+        data = mujoco.MjData(model)
+        data.ctrl[:] = wheel_rows(scene.config) @ twist
+        mujoco.mj_step(model, data, nstep=2000)
+        speeds = data.qvel[[0, 1, 5]]
+        assert speeds[component] == pytest.approx(twist[component], rel=0.1)  # few facets; measured 3.7 % below

@@ -1,0 +1,293 @@
+"""The page of a trajectory: what is in it, and what a browser makes of it."""
+
+import base64
+import json
+import shutil
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from synthetic import synthetic_data, synthetic_trajectory
+
+import omnisim
+from omnisim.packing import pack
+from omnisim.roller import axial_coordinate, profile_radius
+from omnisim.scene import packaged_scenes
+from omnisim.trajectory import Trajectory
+from omnisim.viewer import BODY, PROFILE_POINTS, WHEEL, NothingToShow, kept_rows, motion, page, profile
+from omnisim_cli.main import cli
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+SOFTWARE_WEBGL = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+SCENES = ("coulomb_wheel", "kiwi", "mixed", "youbot")
+
+
+@pytest.fixture(scope="module")
+def runs():
+    """Trajectories of packaged scenes by name, 100 rows a second; the mecanum machine drives for 10 s."""
+    overrides = {name: ["time.output_interval=0.01"] for name in SCENES} | {"youbot": ["time.end=10.0"]}
+    return {name: omnisim.simulate(omnisim.load(name, overrides[name])) for name in SCENES}
+
+
+@pytest.fixture(scope="module")
+def youbot(runs):
+    return page(runs["youbot"])
+
+
+class Elements(HTMLParser):
+    """Every element with its attributes, those of the labels and the text around it, and the text inside."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.found, self.labels = [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self.found.append((tag, dict(attributes) | {"in label": bool(self.labels)}, []))
+        self.labels += ["label"] * (tag == "label")
+
+    def handle_endtag(self, tag):
+        self.labels = self.labels[:-1] if tag == "label" else self.labels
+
+    def handle_data(self, data):
+        if self.found:
+            self.found[-1][2].append(data)
+
+
+def embedded(text):
+    """The data in a page."""
+    return next(json.loads("".join(inside)) for _, given, inside in Elements(text).found if given.get("id") == "data")
+
+
+def decoded(array):
+    return np.frombuffer(base64.b64decode(array["base64"]), array["dtype"]).reshape(array["shape"])
+
+
+# --- data -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_arrays_in_the_page_are_the_datasets_of_the_file(runs, name):
+    trajectory = runs[name]
+    rows, arrays = kept_rows(trajectory.time), embedded(page(trajectory))["motion"]
+    for path, dtype in BODY.items():
+        assert (decoded(arrays[path]) == trajectory[path][rows].astype(dtype)).all()
+    for wheel in trajectory.wheels:
+        for path, dtype in WHEEL.items():
+            path = f"wheels/{wheel}/{path}"
+            assert (decoded(arrays[path]) == trajectory[path][rows].astype(dtype)).all()
+
+
+def test_the_events_in_the_page_are_those_of_the_file(runs):
+    events = embedded(page(runs["mixed"]))["events"]
+    assert events["time"] == runs["mixed"]["events/time"].tolist() and len(events["time"]) > 100
+    assert [events["kinds"][kind] for kind in events["kind"]] == runs["mixed"]["events/kind"].tolist()
+    assert events["wheel"] == runs["mixed"]["events/wheel"].tolist()
+
+
+def test_rollers_that_turn_evenly_have_turned_by_rate_times_time():
+    data = synthetic_data(rows=601) | {"time": 0.01 * np.arange(601)}
+    rates = np.arange(6.0)
+    data["wheels/wheel/rollers/joint_rate"] = np.tile(rates, (601, 1))
+    arrays = motion(Trajectory(synthetic_trajectory().attributes, data))
+    expected = np.outer(arrays["time"], rates)
+    assert np.abs(arrays["wheels/wheel/rollers/joint_angle"] - expected).max() < 2e-6  # 9e-7, float32 at 30 rad
+
+
+@pytest.mark.parametrize("name", packaged_scenes())
+def test_the_profile_is_that_of_the_simulated_roller(name):
+    config = omnisim.load(name).config
+    for wheel, record in zip(config.wheels, pack(config).wheels, strict=True):
+        u, r = profile(config.type_of(wheel))
+        for i, q in enumerate(np.linspace(-record.alpha, record.alpha, PROFILE_POINTS)):
+            assert abs(u[i] - axial_coordinate(record, q)) < 1e-15  # 2e-17
+            assert abs(r[i] - profile_radius(record, q)) < 1e-15
+
+
+@pytest.mark.parametrize(
+    ("rows", "interval", "kept"),
+    [(1, 0.1, 1), (2, 0.1, 2), (101, 0.01, 51), (102, 0.01, 52), (1001, 1e-3, 60), (11, 1, 11), (10**6, 0.01, 20_001)],
+)  # fmt: skip
+def test_rows_are_thinned_to_sixty_a_second_and_the_last_stays(rows, interval, kept):
+    found = kept_rows(interval * np.arange(rows))
+    assert len(found) == kept and found[0] == 0 and found[-1] == rows - 1
+
+
+# --- page -----------------------------------------------------------------------------------------
+
+
+def test_ten_seconds_of_a_mecanum_machine_are_far_below_20_mb(runs, youbot):
+    assert runs["youbot"].time[-1] == 10.0
+    assert len(youbot.encode()) < 2e6  # 1.2e6, of them 0.9e6 for code
+
+
+def test_the_page_fetches_nothing(youbot):
+    elements = Elements(youbot).found
+    assert not [given for _, given, _ in elements if {"src", "href"} & given.keys()]
+    imports = next(json.loads("".join(inside)) for _, given, inside in elements if given.get("type") == "importmap")
+    assert all(address.startswith("data:text/javascript;base64,") for address in imports["imports"].values())
+    assert "url(" not in youbot.partition("</style>")[0] and "@import" not in youbot
+
+
+def test_everything_that_is_operated_has_a_label(youbot):
+    operated = [(tag, given) for tag, given, _ in Elements(youbot).found if tag in ("button", "input", "select")]
+    assert len(operated) == 13
+    assert not [given for _, given in operated if not (given.get("aria-label") or given["in label"])]
+
+
+def test_a_title_is_text_whatever_it_says(runs):
+    trajectory = runs["coulomb_wheel"]
+    text = page(Trajectory(trajectory.attributes | {"title": "</script><b>$data"}, trajectory.data))
+    assert embedded(text)["title"] == "</script><b>$data" and not [
+        tag for tag, *_ in Elements(text).found if tag == "b"
+    ]
+
+
+def test_without_rows_there_is_nothing_to_show():
+    with pytest.raises(NothingToShow, match="no rows"):
+        page(synthetic_trajectory(rows=0, events=0))
+
+
+# --- command --------------------------------------------------------------------------------------
+
+
+def view(*arguments):
+    return CliRunner().invoke(cli, ["view", *map(str, arguments)], prog_name="omnisim")
+
+
+def test_view_writes_stem_html_here_and_replaces_it_with_force_only(runs, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    runs["coulomb_wheel"].save("wheel.h5")
+    assert view("wheel.h5").stdout.startswith("wheel.html (0.9")
+    assert (tmp_path / "wheel.html").read_text() == page(runs["coulomb_wheel"])
+    again = view("wheel.h5")
+    assert again.exit_code == 2 and "--force" in again.stderr
+    assert view("wheel.h5", "--force").exit_code == 0
+    onto_itself = view("wheel.h5", "-o", "wheel.h5", "--force")
+    assert onto_itself.exit_code == 2 and omnisim.open_trajectory("wheel.h5").complete
+
+
+def test_view_says_in_one_line_what_is_wrong_with_a_file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "notes.h5").write_text("not HDF5")
+    synthetic_trajectory(rows=0, events=0).save("empty.h5")
+    synthetic_trajectory().save("strange.h5")
+    for name, reason in (("none.h5", "No such file"), ("notes.h5", "not an HDF5 file"), ("empty.h5", "no rows")):
+        result = view(name)
+        assert (result.exit_code, result.stderr.count("\n")) == (2, 1) and f"{name}: " in result.stderr
+        assert reason in result.stderr
+    assert "strange.h5: scene of the file:1: " in view("strange.h5").stderr
+
+
+# --- browser --------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def browser():
+    playwright = pytest.importorskip("playwright.sync_api", reason="needs playwright: pip install -e '.[test]'")
+    if CHROMIUM is None:
+        pytest.skip("needs Chromium")
+    with playwright.sync_playwright() as running:
+        opened = running.chromium.launch(executable_path=CHROMIUM, args=SOFTWARE_WEBGL)
+        yield opened
+        opened.close()
+
+
+@pytest.fixture(scope="module")
+def shown(runs, browser, tmp_path_factory):
+    """Opens the page of a run from a file, without a network; every complaint of the browser is an error."""
+    folder, pages = tmp_path_factory.mktemp("pages"), {}
+    context = browser.new_context(offline=True)
+
+    def show(name):
+        if name not in pages:
+            (folder / f"{name}.html").write_text(page(runs[name]), encoding="utf-8")
+            tab = context.new_page()
+            tab.complaints = []
+            tab.on("pageerror", lambda error: tab.complaints.append(str(error)))
+            tab.on("console", lambda message: message.type == "error" and tab.complaints.append(message.text))
+            tab.goto((folder / f"{name}.html").as_uri())
+            tab.wait_for_function("window.omnisim", timeout=60_000)
+            pages[name] = tab
+        return pages[name]
+
+    yield show
+    context.close()
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_rollers_are_drawn_where_they_were_computed(runs, shown, name):
+    """In rows that the page has, and in rows that were left out, which it interpolates."""
+    trajectory, tab = runs[name], shown(name)
+    rows = np.linspace(0, len(trajectory.time) - 1, 23).astype(int)
+    of_wheel = "(count, w) => [...Array(count).keys()].map(i => omnisim.rollerPosition(w, i))"
+    ask = f"([t, counts]) => (omnisim.seek(t), counts.map({of_wheel}))"
+    centers = [trajectory[f"wheels/{wheel}/rollers/center_position"] for wheel in trajectory.wheels]
+    left_out = set(rows) - set(kept_rows(trajectory.time))
+    assert left_out
+    for row in rows:
+        drawn = tab.evaluate(ask, [trajectory.time[row], [center.shape[1] for center in centers]])
+        for wheel, center in zip(drawn, centers, strict=True):
+            assert np.abs(np.array(wheel) - center[row]).max() < 1e-4  # 2e-5, in rows of the page 3e-7
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_contact_points_are_drawn_where_they_were_computed(runs, shown, name):
+    trajectory, tab = runs[name], shown(name)
+    for row in kept_rows(trajectory.time)[::7]:
+        drawn = tab.evaluate("t => (omnisim.seek(t), omnisim.contactPoint(0))", trajectory.time[row])
+        assert np.abs(drawn - trajectory[f"wheels/{trajectory.wheels[0]}/contact_point"][row]).max() < 1e-12  # 7e-16
+
+
+def test_it_draws_with_webgl_and_the_machine_is_in_the_picture(shown):
+    tab = shown("youbot")
+    assert tab.evaluate("!!document.querySelector('#stage canvas').getContext('webgl2')")
+    with_chassis = tab.screenshot()
+    tab.get_by_label("chassis").uncheck()
+    tab.wait_for_timeout(500)
+    assert tab.screenshot() != with_chassis
+    tab.get_by_label("chassis").check()
+
+
+def test_time_advances_while_it_plays_and_stands_while_it_does_not(shown):
+    tab = shown("kiwi")
+    tab.evaluate("omnisim.seek(0)")
+    tab.get_by_role("button", name="Play").click()
+    tab.wait_for_function("omnisim.time > 0.2", timeout=30_000)
+    tab.get_by_role("button", name="Pause").click()
+    stopped = tab.evaluate("omnisim.time")
+    tab.wait_for_timeout(300)
+    assert tab.evaluate("omnisim.time") == stopped and not tab.evaluate("omnisim.playing")
+
+
+def test_the_slider_sets_the_time_and_keys_step_by_rows(runs, shown):
+    tab, times = shown("kiwi"), runs["kiwi"].time[kept_rows(runs["kiwi"].time)]
+    tab.get_by_role("slider").fill("1.5")
+    assert tab.evaluate("omnisim.time") == 1.5
+    for key, expected in (("Home", 0.0), ("ArrowRight", times[1]), ("ArrowRight", times[2]), ("ArrowLeft", times[1]),
+                          ("End", times[-1]), ("ArrowRight", times[-1])):  # fmt: skip
+        tab.keyboard.press(key)
+        assert tab.evaluate("omnisim.time") == expected
+
+
+def test_an_event_is_told_where_the_mouse_is_and_a_click_goes_there(runs, shown):
+    tab, times = shown("kiwi"), runs["kiwi"]["events/time"]
+    bar = tab.locator("#marks").bounding_box()
+    there = {"x": 8 + (bar["width"] - 16) * times[0] / runs["kiwi"].time[-1], "y": 7}
+    tab.locator("#marks").hover(position=there)
+    assert f"{times[0]:.4f} s: " in tab.locator("#tooltip").text_content()
+    tab.locator("#marks").click(position=there)
+    reached = tab.evaluate("omnisim.time")  # of one of the events within a pixel
+    assert reached in times and abs(reached - times[0]) < 1e-4
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_browser_has_nothing_to_complain_of(shown, name):
+    tab = shown(name)
+    for quantity in tab.locator("#quantity option").all_text_contents():
+        tab.locator("#quantity").select_option(quantity)
+    tab.evaluate("omnisim.seek(omnisim.duration / 2)")
+    tab.emulate_media(color_scheme="dark")
+    tab.wait_for_timeout(300)
+    assert tab.complaints == []
