@@ -9,6 +9,7 @@ from omnisim_cli.bench import bench
 from omnisim_cli.compare import compare
 from omnisim_cli.export import export
 from omnisim_cli.info import info
+from omnisim_cli.plot import plot
 from omnisim_cli.run import run
 from omnisim_cli.screen import BAD_INPUT, Failure, leave_at_once
 from omnisim_cli.view import view
@@ -57,6 +58,7 @@ def cli() -> None:
     omnisim info scene.h5                   what a trajectory holds
     omnisim export scene.h5 scene.csv       for spreadsheets; .parquet, .mat
     omnisim view scene.h5                   the machine in 3-D, as a web page
+    omnisim plot scene.h5                   pictures of it
     omnisim compare implicit explicit       the two contact trackings side by side
     omnisim bench scene.toml                speed against error, by method and step
     omnisim wheel youbot -o youbot.png      dimensions, drawing, mesh, or model for other simulators
@@ -65,7 +67,7 @@ def cli() -> None:
     """
 
 
-for command in (run, compare, bench, info, view, export, wheel, warmup):
+for command in (run, info, plot, view, export, compare, bench, wheel, warmup):
     cli.add_command(command)
 
 

@@ -445,7 +445,7 @@ def test_warmup_compiles_and_says_where(folder):
     assert os.listdir(folder) == []
 
 
-@pytest.mark.parametrize("name", ["run", "compare", "bench", "info", "export", "warmup"])
+@pytest.mark.parametrize("name", list(cli.commands))
 def test_help_has_an_example(name):
     result = command(name, "--help")
     assert result.exit_code == 0

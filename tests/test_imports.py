@@ -47,7 +47,11 @@ LAYERS = (
     ("start",),
     ("observables",),
     ("collect",),
-    ("loop", "analysis"),
+    ("loop", "analysis", "ripple"),
+    ("plots.style",),
+    ("plots.panels",),
+    ("plots.floor", "plots.motion", "plots.bearing_loads", "plots.roller_maps", "plots.spectra", "plots.paper"),
+    ("plots.overview",),
     ("target",),
     ("simulation",),
     ("timing",),
@@ -62,7 +66,18 @@ ONLY = {
     "xarray": {"trajectory", "export"},
     "pyarrow": {"export"},
     "scipy": {"export"},
-    "matplotlib": {"wheel_drawing"},
+    "matplotlib": {
+        "wheel_drawing",
+        "plots.style",
+        "plots.panels",
+        "plots.floor",
+        "plots.motion",
+        "plots.bearing_loads",
+        "plots.roller_maps",
+        "plots.spectra",
+        "plots.paper",
+        "plots.overview",
+    },
 }
 
 

@@ -1,0 +1,114 @@
+"""`omnisim plot`: pictures of trajectory files."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from omnisim_cli.screen import BAD_INPUT, Failure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from omnisim.trajectory import Trajectory
+
+VIEWS = (
+    "story", "path", "contact", "slip", "forces", "rollers", "ripple", "odometry", "energy", "bearings", "trackings",
+)  # fmt: skip
+FORMATS = (".png", ".svg", ".pdf")
+NO_WINDOW = "no display to open a window on; -o FILE writes the picture to a file"
+
+
+@click.command()
+@click.argument("files", metavar="FILE...", nargs=-1, required=True)
+@click.option("--view", metavar="NAME", type=click.Choice(VIEWS), default="story", help=f"One of {', '.join(VIEWS)}.")
+@click.option("-o", "output", metavar="OUT", help=f"Picture to write, {', '.join(FORMATS)}; else a window opens.")
+@click.option("--force", is_flag=True, help="Replace a picture that exists.")
+def plot(files: tuple[str, ...], view: str, output: str | None, force: bool) -> None:
+    """Show the trajectory in FILE: by default its story on one page, or a single view.
+
+    Several files are laid over each other. `trackings` compares two, as the paper's figures 5 to 7 do; `bearings`
+    needs a run with output.bearing_loads = true, `odometry` a machine.
+
+    \b
+    omnisim plot youbot.h5
+    omnisim plot slow.h5 fast.h5 --view slip -o slip.pdf
+    omnisim plot implicit.h5 explicit.h5 --view trackings -o trackings.png
+    """
+    path = None if output is None else picture_path(output, files, force)
+    figure = drawn(view, read_all(dict.fromkeys(files)), interactive=path is None)
+    if path is None:
+        from matplotlib import pyplot
+
+        pyplot.show()  # until the window is closed
+    else:
+        path.write_bytes(encoded(figure, path.suffix.lower()))
+        click.echo(f"{path} ({view})")
+
+
+def picture_path(output: str, files: tuple[str, ...], force: bool) -> Path:
+    """Where to write, or Failure."""
+    from omnisim_cli.output import output_path
+
+    if Path(output).suffix.lower() not in FORMATS:
+        raise Failure(f"{output}: the suffix says the format; take one of {', '.join(FORMATS)}", BAD_INPUT)
+    return [output_path(output, file, force) for file in files][-1]
+
+
+def read_all(files: Collection[str]) -> dict[str, Trajectory]:
+    """Trajectories by title, or by file if titles do not tell them apart; Failure for what is no trajectory."""
+    from omnisim.storage import TrajectoryError, read
+
+    try:
+        found = [read(file) for file in files]
+    except TrajectoryError as error:
+        raise Failure(str(error), BAD_INPUT) from None
+    titles = [trajectory.attributes["title"] for trajectory in found]
+    names = titles if len(set(titles)) == len(files) and all(titles) else files
+    return dict(zip(names, found, strict=True))
+
+
+def drawn(view: str, trajectories: dict[str, Trajectory], interactive: bool) -> Figure:
+    """The figure; Failure without matplotlib, without a display if there must be one, or without data for the view."""
+    try:
+        import matplotlib
+
+        if not interactive:
+            matplotlib.use("agg")
+        from omnisim import plots
+    except ModuleNotFoundError as error:
+        if error.name.partition(".")[0] != "matplotlib":
+            raise
+        raise Failure("plots need matplotlib: pip install 'omnisim-engine[plot]'", BAD_INPUT) from None
+    if interactive and not has_window():
+        raise Failure(NO_WINDOW, BAD_INPUT)
+    try:
+        return plots.VIEWS[view](trajectories)
+    except plots.PlotError as error:
+        raise Failure(str(error), BAD_INPUT) from None
+
+
+def has_window() -> bool:
+    """Whether pyplot can open one."""
+    from matplotlib import pyplot
+
+    try:
+        return pyplot.figure().canvas.required_interactive_framework is not None
+    except Exception:  # each toolkit has its own way to say that there is no display
+        return False
+    finally:
+        pyplot.close("all")
+
+
+def encoded(figure: Figure, suffix: str) -> bytes:
+    """The picture as a file, the same for the same data."""
+    from matplotlib import rc_context
+
+    image, metadata = BytesIO(), {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+    with rc_context({"svg.hashsalt": "omnisim"}):
+        figure.savefig(image, format=suffix[1:], dpi=150, metadata=metadata.get(suffix))
+    return image.getvalue()

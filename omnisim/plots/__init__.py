@@ -1,0 +1,20 @@
+"""Pictures of trajectories, by matplotlib.
+
+    figure = omnisim.plots.story(trajectory)  # or several: story([a, b]), story({"slow": a, "fast": b})
+    figure.savefig("story.png")
+
+Every view takes trajectories and returns a Figure of pyplot; PlotError says what they do not have to show.
+"""
+
+from omnisim.plots.bearing_loads import bearings
+from omnisim.plots.floor import path
+from omnisim.plots.motion import contact, energy, forces, odometry, slip
+from omnisim.plots.overview import story
+from omnisim.plots.paper import trackings
+from omnisim.plots.roller_maps import rollers
+from omnisim.plots.spectra import ripple
+from omnisim.plots.style import PlotError
+
+_ALL = (story, path, contact, slip, forces, rollers, ripple, odometry, energy, bearings, trackings)
+VIEWS = {view.__name__: view for view in _ALL}
+__all__ = ["VIEWS", "PlotError", *VIEWS]

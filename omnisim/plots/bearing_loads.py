@@ -1,0 +1,59 @@
+"""What bearings carry: those of the wheels, and those of the rollers."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from omnisim.plots.panels import Panel, over_time
+from omnisim.plots.style import PlotError, Runs, view
+from omnisim.trajectory import HUB, LABELS, MOUNT, ROLLERS, WHEEL, Trajectory
+
+AXLE, ROLLER_AXIS = LABELS[HUB].index("k"), LABELS[MOUNT].index("axial")
+
+
+@view
+def bearings(runs: Runs) -> Figure:
+    """Radial and axial force and tilting moment of each wheel's axle, and of the roller that carries most at the time.
+
+    Raises PlotError for a run without them; a bare wheel has no axle.
+    """
+    for name, run in runs.items():
+        if f"wheels/{run.wheels[0]}/rollers/bearing_force" not in run:
+            raise PlotError(f"{name}: no bearing loads; output.bearing_loads = true in the scene writes them")
+    panels = [*panels_of("axle", WHEEL, AXLE)] if any(has_axle(run) for run in runs.values()) else []
+    return over_time(runs, [*panels, *panels_of("roller", ROLLERS, ROLLER_AXIS)])
+
+
+def has_axle(run: Trajectory) -> bool:
+    return f"wheels/{run.wheels[0]}/bearing_force" in run
+
+
+def panels_of(name: str, group: str, axis: int) -> list[Panel]:
+    """The three loads of the bearings in a group of the file, whose axle points along an axis."""
+
+    def curves(dataset: str, part):
+        def of_run(run: Trajectory) -> dict[str, np.ndarray]:
+            paths = {wheel: f"{group.format(wheel=wheel)}/{dataset}" for wheel in run.wheels}
+            return {wheel: most(part(run[path], axis)) for wheel, path in paths.items() if path in run}
+
+        return of_run
+
+    return [
+        Panel(f"{name}, radial, N", curves("bearing_force", across)),
+        Panel(f"{name}, axial, N", curves("bearing_force", along)),
+        Panel(f"{name}, tilting\nmoment, N m", curves("bearing_moment", across)),
+    ]
+
+
+def across(loads: np.ndarray, axis: int) -> np.ndarray:
+    """Size of the components across an axis."""
+    return np.linalg.norm(np.delete(loads, axis, axis=-1), axis=-1)
+
+
+def along(loads: np.ndarray, axis: int) -> np.ndarray:
+    """Size of the component along an axis."""
+    return np.abs(loads[..., axis])
+
+
+def most(loads: np.ndarray) -> np.ndarray:
+    """Of loads (T) or (T, N_r): the largest at each time (T)."""
+    return loads.max(axis=1) if loads.ndim > 1 else loads

@@ -1,0 +1,88 @@
+"""Views over time: contact, slip, forces, odometry, energy."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from omnisim.plots.panels import Panel, of_wheels, over_time
+from omnisim.plots.style import PlotError, Runs, view
+from omnisim.trajectory import Trajectory
+
+
+def size(vectors: np.ndarray) -> np.ndarray:
+    """Lengths (T) of vectors (T, n)."""
+    return np.linalg.norm(vectors, axis=-1)
+
+
+def along(axis: int):
+    """One component (T) of vectors (T, n)."""
+    return lambda vectors: vectors[:, axis]
+
+
+def of_body(path: str, value=np.asarray):
+    """The curve of a dataset without wheels."""
+    return lambda run: {"": value(run[path])}
+
+
+def works(run: Trajectory) -> dict[str, np.ndarray]:
+    """Energies (J) by name; losses and works that there are none of are left out."""
+    names = ("friction_loss", "bearing_loss", "drive_work", "wrench_work")
+    found = {name.replace("_", " "): run[f"energy/{name}"] for name in names if run[f"energy/{name}"].any()}
+    return {"kinetic energy": run["energy/kinetic"]} | found
+
+
+SPEED = Panel("speed, m/s", of_body("body/velocity", lambda velocity: size(velocity[:, :2])))
+YAW_RATE = Panel("yaw rate, rad/s", of_body("body/yaw_rate"))
+NORMAL_FORCE = Panel("normal force, N", of_wheels("normal_force"))
+SLIP_SPEED = Panel("slip speed, m/s", of_wheels("slip_velocity", size))
+WORKS = Panel("energy, J", works)
+BALANCE = Panel("|balance|, J", of_body("energy/balance", np.abs), log=True)
+
+
+@view
+def contact(runs: Runs) -> Figure:
+    """Which roller touches the floor, how far from straight down it stands, what share of the load it has."""
+    return over_time(runs, [
+        Panel("roller in contact", of_wheels("contact_roller"), steps=True),
+        Panel("contact angle, rad", of_wheels("contact_angle")),
+        Panel("share of the load", of_wheels("contact_share")),
+    ])  # fmt: skip
+
+
+@view
+def slip(runs: Runs) -> Figure:
+    """The velocity of each wheel's roller at its contact point: size, along the heading, along the axle."""
+    return over_time(runs, [
+        SLIP_SPEED,
+        Panel("along heading, m/s", of_wheels("slip_velocity", along(0))),
+        Panel("along axle, m/s", of_wheels("slip_velocity", along(1))),
+    ])  # fmt: skip
+
+
+@view
+def forces(runs: Runs) -> Figure:
+    """What the floor does to each wheel, and its drive."""
+    return over_time(runs, [
+        NORMAL_FORCE,
+        Panel("friction along\nheading, N", of_wheels("friction_force", along(0))),
+        Panel("friction along\naxle, N", of_wheels("friction_force", along(1))),
+        Panel("drive torque, N m", of_wheels("drive_torque")),
+    ])  # fmt: skip
+
+
+@view
+def odometry(runs: Runs) -> Figure:
+    """How far the pose that ideal wheels would report is off. Raises PlotError for a run without odometry."""
+    for name, run in runs.items():
+        if "odometry/yaw_error" not in run:
+            raise PlotError(f"{name}: no odometry; only machines have it whose spin rates tell their motion")
+    return over_time(runs, [
+        Panel("distance, m", of_body("odometry/position_error", size)),
+        Panel("error of position, m", lambda run: dict(zip("xy", run["odometry/position_error"].T, strict=True))),
+        Panel("error of yaw, rad", of_body("odometry/yaw_error")),
+    ])  # fmt: skip
+
+
+@view
+def energy(runs: Runs) -> Figure:
+    """Kinetic energy, losses and works, and what is unaccounted for."""
+    return over_time(runs, [WORKS, BALANCE])

@@ -1,0 +1,258 @@
+"""Pictures of trajectories: what stands in a figure is what stands in the datasets."""
+
+import numpy as np
+import pytest
+from synthetic import synthetic_attributes, synthetic_data, synthetic_trajectory
+
+import omnisim
+from omnisim.trajectory import EVENT_KINDS, Trajectory
+
+matplotlib = pytest.importorskip("matplotlib", reason="needs matplotlib")
+matplotlib.use("agg")
+
+from matplotlib import pyplot  # noqa: E402
+
+from omnisim import plots  # noqa: E402
+
+MACHINE = ("left", "back", "right")
+
+
+@pytest.fixture(autouse=True)
+def closed():
+    """Figures do not pile up."""
+    yield
+    pyplot.close("all")
+
+
+def machine(**attributes):
+    """A made-up machine with all that a file may have, and every kind of event."""
+    data = synthetic_data(rows=41, rollers=(6, 6, 8), events=2 * len(EVENT_KINDS), wheels=MACHINE)
+    random, rows = np.random.default_rng(1).standard_normal, 41
+    data |= {f"odometry/{name}": random((rows, 2)) for name in ("position", "position_error")}
+    data |= {f"odometry/{name}": random(rows) for name in ("yaw", "yaw_error")}
+    for wheel, n in zip(MACHINE, (6, 6, 8), strict=True):
+        data[f"wheels/{wheel}/spin_angle"] = np.linspace(0.0, 6.0, rows)
+        data |= {f"wheels/{wheel}/bearing_{name}": random((rows, 3)) for name in ("force", "moment")}
+        data |= {f"wheels/{wheel}/rollers/bearing_{name}": random((rows, n, 3)) for name in ("force", "moment")}
+    return Trajectory(synthetic_attributes(wheels=MACHINE, **attributes), data)
+
+
+@pytest.fixture(scope="module")
+def kiwi():
+    twist = ["command.times=[0, 0.1, 0.2]", "command.twist=[[0, 0, 0], [0.5, 0, 0], [0.5, 0, 0.5]]"]
+    changes = ["time.end=1.5", "time.output_interval=0.01", "output.bearing_loads=true", *twist]
+    return omnisim.simulate(omnisim.load("kiwi", changes))
+
+
+@pytest.fixture(scope="module")
+def wheel():
+    return omnisim.simulate(omnisim.load("coulomb_wheel", ["output.bearing_loads=true"]))
+
+
+def lines(figure, ylabel):
+    """The curves (x, y) of the axes with this label, by their own label."""
+    (axes,) = [axes for axes in figure.axes if axes.get_ylabel().replace("\n", " ") == ylabel]
+    return {line.get_label(): line.get_data() for line in axes.get_lines()}
+
+
+def every_axis_is_named(figure):
+    for axes in figure.axes:
+        if axes.axison and axes.get_label() != "<colorbar>":
+            assert axes.get_ylabel() or "exchange" in [text.get_text() for text in axes.get_yticklabels()]
+
+
+# --- every view of every kind of file -------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", sorted(set(plots.VIEWS) - {"trackings"}))
+def test_every_view_of_a_machine_is_drawn(name, kiwi):
+    for trajectories in (machine(), kiwi, [machine(title="made up"), kiwi]):
+        figure = plots.VIEWS[name](trajectories)
+        figure.canvas.draw()
+        every_axis_is_named(figure)
+
+
+@pytest.mark.parametrize("name", sorted(set(plots.VIEWS) - {"trackings", "odometry"}))
+def test_every_view_of_a_wheel_is_drawn(name, wheel):
+    plots.VIEWS[name](wheel).canvas.draw()
+
+
+@pytest.mark.parametrize("name", ["story", "path", "contact", "slip", "forces", "rollers", "energy"])
+@pytest.mark.parametrize("size", [{"rows": 1, "events": 0}, {"rows": 2, "events": 1}, {"rows": 30, "rollers": 64}])
+def test_small_and_large_files_are_drawn_without_a_warning(name, size, recwarn):
+    plots.VIEWS[name](synthetic_trajectory(**size)).canvas.draw()
+    assert [str(warning.message) for warning in recwarn] == []
+
+
+def test_a_motion_without_any_value_above_zero_is_drawn(recwarn):
+    data = {path: np.zeros_like(array) if array.dtype == float and path != "time" else array
+            for path, array in synthetic_data().items()}  # fmt: skip
+    still = Trajectory(synthetic_attributes(), data)
+    for name in ("story", "rollers", "energy"):
+        plots.VIEWS[name](still).canvas.draw()
+    plots.trackings([still, still]).canvas.draw()
+    assert [str(warning.message) for warning in recwarn] == []
+
+
+# --- data -----------------------------------------------------------------------------------------
+
+
+def test_the_story_shows_the_datasets():
+    run = machine()
+    figure = plots.story(run)
+    found = lines(figure, "y, m")["rollers µ"]
+    np.testing.assert_array_equal(found, run["body/position"][:, :2].T)
+    time, yaw_rate = lines(figure, "yaw rate, rad/s")["rollers µ"]
+    np.testing.assert_array_equal(time, run.time)
+    np.testing.assert_array_equal(yaw_rate, run["body/yaw_rate"])
+    speed = np.hypot(*run["body/velocity"][:, :2].T)
+    np.testing.assert_allclose(lines(figure, "speed, m/s")["rollers µ"][1], speed, rtol=1e-15)
+    for wheel in MACHINE:
+        force = lines(figure, "normal force, N")[wheel][1]
+        np.testing.assert_array_equal(force, run[f"wheels/{wheel}/normal_force"])
+        slip = np.hypot(*run[f"wheels/{wheel}/slip_velocity"].T)
+        np.testing.assert_allclose(lines(figure, "slip speed, m/s")[wheel][1], slip, rtol=1e-15)
+    energies = lines(figure, "energy, J")
+    assert list(energies) == ["kinetic energy", "friction loss", "bearing loss", "drive work", "wrench work"]
+    np.testing.assert_array_equal(energies["drive work"][1], run["energy/drive_work"])
+    np.testing.assert_array_equal(lines(figure, "|balance|, J")["rollers µ"][1], np.abs(run["energy/balance"]))
+
+
+def test_all_events_stand_below_the_panels_and_on_the_path():
+    run = machine()
+    strip = plots.slip(run).axes[-1]
+    assert [text.get_text() for text in strip.get_yticklabels()] == [kind.replace("_", " ") for kind in EVENT_KINDS]
+    path = plots.path(run).axes[0]
+    for kind in EVENT_KINDS:
+        times = run["events/time"][run["events/kind"] == kind]
+        shown = [line.get_xdata() for line in strip.get_lines() if line.get_label() == kind]
+        np.testing.assert_array_equal(np.sort(np.concatenate(shown)), times)
+        (marks,) = [line for line in path.get_lines() if line.get_label() == kind]
+        np.testing.assert_array_equal(marks.get_xdata(), np.interp(times, run.time, run["body/position"][:, 0]))
+
+
+def test_arrows_point_along_the_heading(wheel):
+    (arrows,) = [child for child in plots.path(wheel).axes[0].get_children() if hasattr(child, "U")]
+    rows = np.isin(wheel["body/position"][:, 0], arrows.X)
+    np.testing.assert_allclose(np.arctan2(arrows.V, arrows.U), wheel["body/yaw"][rows], atol=1e-15)
+    np.testing.assert_array_equal(arrows.angles, np.degrees(wheel["body/yaw"][rows]))
+
+
+def test_single_views_show_the_datasets(kiwi):
+    forces, contact, slip, odometry = (draw(kiwi) for draw in (plots.forces, plots.contact, plots.slip, plots.odometry))
+    for wheel in kiwi.wheels:
+        of = f"wheels/{wheel}"
+        for figure, label, values in (
+            (forces, "friction along heading, N", kiwi[f"{of}/friction_force"][:, 0]),
+            (forces, "friction along axle, N", kiwi[f"{of}/friction_force"][:, 1]),
+            (forces, "drive torque, N m", kiwi[f"{of}/drive_torque"]),
+            (contact, "roller in contact", kiwi[f"{of}/contact_roller"]),
+            (contact, "contact angle, rad", kiwi[f"{of}/contact_angle"]),
+            (contact, "share of the load", kiwi[f"{of}/contact_share"]),
+            (slip, "along heading, m/s", kiwi[f"{of}/slip_velocity"][:, 0]),
+            (slip, "along axle, m/s", kiwi[f"{of}/slip_velocity"][:, 1]),
+        ):
+            np.testing.assert_array_equal(lines(figure, label)[wheel][1], values)
+    np.testing.assert_array_equal(
+        lines(odometry, "error of position, m")["y"][1], kiwi["odometry/position_error"][:, 1]
+    )
+    (yaw,) = lines(odometry, "error of yaw, rad").values()
+    np.testing.assert_array_equal(yaw[1], kiwi["odometry/yaw_error"])
+
+
+def test_the_map_of_rollers_has_their_joint_rates_and_follows_the_contact(kiwi):
+    for axes, wheel in zip(plots.rollers(kiwi).axes, kiwi.wheels, strict=False):
+        (image,), (contact,) = axes.get_images(), axes.get_lines()
+        np.testing.assert_array_equal(image.get_array(), kiwi[f"wheels/{wheel}/rollers/joint_rate"].T)
+        np.testing.assert_array_equal(contact.get_ydata(), kiwi[f"wheels/{wheel}/contact_roller"])
+
+
+def test_bearings_show_what_info_sums_up(kiwi):
+    figure = plots.bearings(kiwi)
+    force, moment = (kiwi[f"wheels/left/bearing_{name}"] for name in ("force", "moment"))
+    np.testing.assert_allclose(lines(figure, "axle, radial, N")["left"][1], np.hypot(force[:, 0], force[:, 2]))
+    np.testing.assert_array_equal(lines(figure, "axle, axial, N")["left"][1], np.abs(force[:, 1]))
+    tilting = np.hypot(moment[:, 0], moment[:, 2])
+    np.testing.assert_allclose(lines(figure, "axle, tilting moment, N m")["left"][1], tilting)
+    axial = np.abs(kiwi["wheels/left/rollers/bearing_force"][:, :, 2]).max(axis=1)
+    np.testing.assert_array_equal(lines(figure, "roller, axial, N")["left"][1], axial)
+
+
+def test_ripple_shows_the_spectrum(wheel):
+    from omnisim.ripple import of_wheel
+
+    (shown,) = lines(plots.ripple(wheel), "forward speed, m/s").values()
+    velocity, yaw = wheel["body/velocity"], wheel["body/yaw"]
+    forward = np.cos(yaw) * velocity[:, 0] + np.sin(yaw) * velocity[:, 1]
+    np.testing.assert_array_equal(shown, of_wheel(wheel, "wheel", forward))
+    orders, amplitudes = shown
+    near = np.abs(orders - 1.0) < 0.5
+    assert abs(orders[near][np.argmax(amplitudes[near])] - 1.0) < 0.05  # 0.0
+
+
+def test_trackings_show_the_differences_and_the_bounds_of_the_paper():
+    pair = [omnisim.simulate(omnisim.load("six_rollers", [f"solver.tracking={name}"]))
+            for name in ("implicit", "explicit")]  # fmt: skip
+    figure = plots.trackings(pair)
+    for axes, (name, bound) in zip(
+        figure.axes, {"acceleration": 1e-8, "velocity": 1e-7, "position": 1e-6}.items(), strict=True
+    ):
+        difference, paper = axes.get_lines()
+        heights = [run[f"wheels/wheel/rollers/center_{name}"][:, 0, 2] for run in pair]
+        np.testing.assert_array_equal(difference.get_ydata(), np.abs(heights[0] - heights[1]))
+        assert difference.get_ydata().max() < bound  # 9e-11, 5e-12, 4e-13
+        assert axes.get_yscale() == "log" and set(paper.get_ydata()) == {bound}
+
+
+def test_rows_between_the_exchanges_of_two_trackings_are_left_out():
+    a, b = synthetic_trajectory(), synthetic_trajectory()
+    b.data["wheels/wheel/contact_roller"] = b["wheels/wheel/contact_roller"].copy()
+    b.data["wheels/wheel/contact_roller"][4] += 1
+    difference = plots.trackings([a, b]).axes[0].get_lines()[0]
+    np.testing.assert_array_equal(difference.get_xdata(), np.delete(a.time, 4))
+
+
+# --- several runs, and what cannot be shown -------------------------------------------------------
+
+
+def test_several_runs_have_a_colour_each_and_their_wheels_a_line(kiwi):
+    figure = plots.story({"first": machine(), "second": kiwi})
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["first", "second"]
+    (axes,) = [axes for axes in figure.axes if axes.get_ylabel() == "normal force, N"]
+    looks = [(line.get_color(), line.get_linestyle()) for line in axes.get_lines()]
+    assert len(set(looks)) == 6 and len({colour for colour, _ in looks}) == 2
+    assert [looks[i][1] for i in range(3)] == [looks[i][1] for i in range(3, 6)]
+
+
+def test_runs_of_one_title_are_numbered():
+    (legend,) = plots.energy([machine(), machine()]).legends
+    assert [text.get_text() for text in legend.get_texts()] == ["rollers µ (1)", "rollers µ (2)"]
+    assert plots.energy(machine(title="a $ b $\\c")).get_suptitle() == "a $ b $\\c"
+
+
+@pytest.mark.parametrize(
+    ("name", "trajectories", "reason"),
+    [
+        ("odometry", [synthetic_trajectory()], "no odometry"),
+        ("bearings", [synthetic_trajectory()], "output.bearing_loads = true"),
+        ("ripple", [synthetic_trajectory()], "no ripple to show: wheel 'wheel' turns past fewer"),
+        ("story", [synthetic_trajectory(rows=0)], "no rows"),
+        ("trackings", [synthetic_trajectory()], "two files"),
+        (
+            "trackings",
+            [synthetic_trajectory(), synthetic_trajectory(title="another")],
+            "title, wheels or output",
+        ),
+    ],
+)
+def test_what_cannot_be_shown_is_said_in_a_line(name, trajectories, reason):
+    with pytest.raises(plots.PlotError, match=reason) as error:
+        plots.VIEWS[name](trajectories)
+    assert "\n" not in str(error.value)
+
+
+def test_a_wheel_that_does_not_turn_is_left_out_of_the_ripple():
+    run = machine()
+    run.data["wheels/left/spin_angle"] = np.zeros(41)
+    assert list(lines(plots.ripple(run), "normal force, N")) == ["back", "right"]
