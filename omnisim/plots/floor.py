@@ -10,6 +10,7 @@ from omnisim.plots.style import INK, QUIET, Runs, figure_of, finish, look, view
 from omnisim.trajectory import Trajectory
 
 ARROWS = 16
+SMALLEST = 1e-6  # m: a machine that turns on the spot moves by rounding
 MARKERS = {
     "exchange": ".", "stick": "v", "slip": "^", "lift_off": "P", "touch_down": "X",
     "share_begin": "<", "share_end": ">", "stop": "s",
@@ -40,6 +41,11 @@ def draw_path(axes: Axes, runs: Runs) -> None:
                 frameon=False, fontsize=8)  # fmt: skip
     axes.set(xlabel="x, m", ylabel="y, m")
     axes.margins(0.1)  # room for the last arrow
+    drawn = axes.dataLim
+    if max(drawn.width, drawn.height) < SMALLEST:
+        middle = 0.5 * (drawn.p0 + drawn.p1)
+        axes.update_datalim([middle - SMALLEST, middle + SMALLEST])
+        axes.autoscale_view()
     axes.set_aspect("equal", adjustable="datalim")
     finish(axes)
 

@@ -4,6 +4,7 @@ import { uPlot } from "vendor";
 
 const SERIES = ["#1f8ede", "#e07b1a", "#35a853", "#b05fd0", "#d2423c", "#14a3a8", "#a1887f", "#c0a000"];
 const HEIGHT = 150;
+const LEAST = 1e-9; // of speeds and forces that an axis shows: less is rounding
 
 // What may be plotted: title with unit, and the columns by name.
 function quantities(motion, wheels) {
@@ -18,6 +19,11 @@ function quantities(motion, wheels) {
     "friction force, N": each((path) => pair(`${path}/friction_force`)),
     "energy balance, J": { balance: motion.column("energy/balance") },
   };
+}
+
+// Limits of an axis for these values: rounding does not fill it.
+function spread(low, high, least) {
+  return high - low < least ? [low - least, high + least] : uPlot.rangeNum(low, high, 0.1, true);
 }
 
 export class Chart {
@@ -42,12 +48,13 @@ export class Chart {
     const axis = { stroke: this.colours.text, grid: { stroke: this.colours.grid, width: 0.5 }, ticks: { show: false } };
     const number = (_, value) => (value == null ? "" : Number(value.toPrecision(4)).toString());
     const short = (_, ticks) => ticks.map((tick) => Number(tick.toPrecision(6)).toString());
+    const least = this.select.value.startsWith("energy") ? 0 : LEAST;
     this.plot?.destroy();
     this.plot = new uPlot(
       {
         width: this.element.clientWidth,
         height: this.height,
-        scales: { x: { time: false } },
+        scales: { x: { time: false }, y: { range: (_, low, high) => spread(low, high, least) } },
         axes: [
           { ...axis, size: 26, values: short },
           { ...axis, size: 58, values: short },
