@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from omnisim.config import Config, Wheel, WheelType
+from omnisim.geometry import of_type, profile
 from omnisim.scene import parse
 from omnisim.trajectory import EVENT_KINDS, Trajectory
 
@@ -69,7 +70,8 @@ def machine(config: Config) -> dict[str, Any]:
 
 
 def _type(kind: WheelType) -> dict[str, Any]:
-    u, r = profile(kind)
+    record = of_type(kind)
+    u, r = profile(record, np.linspace(-record.alpha, record.alpha, PROFILE_POINTS))
     return {
         "radius": kind.radius,
         "rollerDistance": kind.roller_distance,
@@ -88,18 +90,6 @@ def _wheel(config: Config, wheel: Wheel) -> dict[str, Any]:
         "psi": -psi if wheel.mirrored else psi,
         "phase": math.radians(wheel.phase_deg),
     }
-
-
-def profile(kind: WheelType) -> tuple[np.ndarray, np.ndarray]:
-    """Axial and radial coordinates u(q), r(q) of the exact roller, m, at even q from tip to tip.
-
-    The formulas of omnisim.roller, which works on packed parameters, one q at a time, compiled.
-    """
-    alpha, c = math.pi / kind.roller_count, math.cos(math.radians(kind.roller_angle_deg))
-    q = np.linspace(-alpha, alpha, PROFILE_POINTS)
-    drop = kind.radius - kind.roller_distance / np.cos(q)
-    u = kind.roller_distance * np.tan(q) / c + drop * c * np.sin(q)
-    return u, np.maximum(drop, 0.0) * np.sqrt(1.0 - (c * np.sin(q)) ** 2)
 
 
 def motion(trajectory: Trajectory) -> dict[str, np.ndarray]:

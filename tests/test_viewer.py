@@ -15,7 +15,7 @@ from omnisim.packing import pack
 from omnisim.roller import axial_coordinate, profile_radius
 from omnisim.scene import packaged_scenes
 from omnisim.trajectory import Trajectory
-from omnisim.viewer import BODY, PROFILE_POINTS, WHEEL, NothingToShow, kept_rows, motion, page, profile
+from omnisim.viewer import BODY, PROFILE_POINTS, WHEEL, NothingToShow, kept_rows, machine, motion, page
 from omnisim_cli.main import cli
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -98,8 +98,9 @@ def test_rollers_that_turn_evenly_have_turned_by_rate_times_time():
 @pytest.mark.parametrize("name", packaged_scenes())
 def test_the_profile_is_that_of_the_simulated_roller(name):
     config = omnisim.load(name).config
+    types = machine(config)["types"]
     for wheel, record in zip(config.wheels, pack(config).wheels, strict=True):
-        u, r = profile(config.type_of(wheel))
+        u, r = np.transpose(types[wheel.type]["profile"])
         for i, q in enumerate(np.linspace(-record.alpha, record.alpha, PROFILE_POINTS)):
             assert abs(u[i] - axial_coordinate(record, q)) < 1e-15  # 2e-17
             assert abs(r[i] - profile_radius(record, q)) < 1e-15
