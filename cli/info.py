@@ -47,8 +47,8 @@ def is_hdf5(source: str) -> bool:
 
 
 def about_trajectory(path: str) -> str:
+    from omnisim.report import summary
     from omnisim.storage import TrajectoryError, read
-    from omnisim.trajectory import summary
 
     try:
         return summary(read(path))

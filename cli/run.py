@@ -69,7 +69,7 @@ def simulate_and_save(scene: Scene, path: Path, quiet: bool) -> Trajectory:
 
 def report(trajectory: Trajectory, path: Path) -> str:
     """The summary of a run, for people."""
-    from omnisim.trajectory import accuracy, odometry
+    from omnisim.report import accuracy, odometry
 
     a, rows = trajectory.attributes, len(trajectory.time)
     kinds = Counter(trajectory["events/kind"].tolist())

@@ -19,7 +19,7 @@ LAYERS = (
     ("rules", "machine_rules"),
     ("validation",),
     ("scene",),
-    ("contact.kinematics", "storage", "export"),
+    ("contact.kinematics", "storage", "export", "report"),
     ("contact.reaction", "contact.coulomb", "contact.contensou"),
     ("drives",),
     ("parameters",),

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from synthetic import synthetic_attributes, synthetic_data, synthetic_trajectory
 
-from omnisim.trajectory import Trajectory, layout, summary
+from omnisim.report import summary
+from omnisim.trajectory import Trajectory, layout
 
 pytestmark = pytest.mark.short
 
