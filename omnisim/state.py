@@ -76,8 +76,8 @@ def rate_place(parameters, roller, w, side):
     """Where the rate of a contact's roller stands in the state: `roller` is that of side 0, side 1 is behind it."""
     first = parameters.wheels[w].rates
     if parameters.machine.every_rate:
-        return first + (roller - side) % parameters.wheels[w].rollers
-    return first + side
+        return np.uint32(first + (roller - side) % parameters.wheels[w].rollers)
+    return np.uint32(first + side)  # unsigned: nobody tests whether it counts from the end
 
 
 MODE = np.dtype(
@@ -118,7 +118,7 @@ CLOCK = np.dtype(
         ("goal", np.int64),  # grid steps up to which the march goes
         ("step", np.int64),  # grid steps done
         ("row", np.int64),  # output rows written
-        ("piece", np.int64),  # of the tables
+        ("piece", np.uint32),  # of the tables
         ("events", np.int64),  # in the log
         ("rhs", np.int64),  # right-hand sides evaluated
         ("pause", np.int64),  # number of them at which the march returns to its caller
@@ -138,7 +138,8 @@ CLOCK = np.dtype(
         ("reach", np.float64),  # length of the last implicit step that converged, s
         ("rate", np.float64),  # relaxation rate of slip when found too stiff, 1/s
         ("stability_limit", np.float64),  # of the method on the negative real axis, 1
-    ]
+    ],
+    align=True,
 )
 
 

@@ -91,7 +91,10 @@ def march(parameters, method, run, rows, log):
             clock.step += 1
             clock.elapsed = 0.0
             check(parameters, run)
-            if clock.status not in (NOT_FINITE, TOO_STIFF, LOST_TRACK) and clock.step % clock.steps_per_row == 0:
+            if (
+                clock.status not in (NOT_FINITE, TOO_STIFF, LOST_TRACK)
+                and clock.step == clock.row * clock.steps_per_row
+            ):
                 write_row(parameters, run, rows)
     if clock.status == RUNNING and clock.step == clock.steps:
         clock.status = COMPLETE
