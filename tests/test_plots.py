@@ -5,7 +5,8 @@ import pytest
 from synthetic import synthetic_attributes, synthetic_data, synthetic_trajectory
 
 import omnisim
-from omnisim.trajectory import EVENT_KINDS, Trajectory
+from omnisim.status import EVENT_KINDS
+from omnisim.trajectory import Trajectory
 
 matplotlib = pytest.importorskip("matplotlib", reason="needs matplotlib")
 matplotlib.use("agg")
