@@ -17,23 +17,7 @@ from numba.core import config as numba_config
 from numba.core.compiler import Compiler
 from numba.core.types import unliteral
 
-DIRECT: dict = {}  # kernels that `direct` has called
 KEPT_CACHES = 4  # how many cache folders of other versions of the sources survive
-
-
-def direct(function, *arguments):
-    """Call a kernel whose arguments are of the same types in every call, as those of a run are.
-
-    From the second call on it is called at once: finding out the types of so many arrays takes longer than handing
-    them over.
-    """
-    call = DIRECT.get(function)
-    if call is not None:
-        return call(*arguments)
-    result = function(*arguments)
-    if hasattr(function, "overloads"):  # compilation may be switched off
-        DIRECT[function] = function.get_overload(tuple(map(numba.typeof, arguments)))
-    return result
 
 
 def source_hash(package: Path = Path(__file__).parent) -> str:
