@@ -13,8 +13,9 @@ from omnisim.parameters import Parameters
 from omnisim.records import plain
 from omnisim.scene import Scene
 from omnisim.state import Rows, Run
+from omnisim.status import EVENT_KINDS
 from omnisim.stiffness import method_used
-from omnisim.trajectory import EVENT_KINDS, Trajectory
+from omnisim.trajectory import Trajectory
 
 MODERATE = 1e100  # J
 

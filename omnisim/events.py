@@ -33,8 +33,7 @@ from omnisim.loads import LEAST_REGULAR
 from omnisim.parameters import CONTACTS
 from omnisim.runge_kutta import refresh
 from omnisim.state import places
-from omnisim.status import JAMMED, LIFT_OFF, RUNNING, TIPPING
-from omnisim.trajectory import EVENT_KINDS
+from omnisim.status import EVENT_KINDS, JAMMED, LIFT_OFF, RUNNING, TIPPING
 from omnisim.wheel import roller_end
 
 TURN, EXIT, SHARE, LOAD, JAM, DRIVE, KINK, GRIP, YOUNG = range(9)

@@ -1,11 +1,13 @@
 """The one decorator of every compiled function, and the cache that never runs stale code.
 
 Numba's own cache looks at the file of the decorated function only: after an edit in another file a cached caller
-would keep running the old callee. So the cache folder is named after a hash of all sources of the package.
+would keep running the old callee. So the cache folder is named after a hash of all sources that kernels depend on,
+which plots and exports are not.
 """
 
 import hashlib
 import os
+import re
 import shutil
 import tempfile
 from functools import partial
@@ -17,31 +19,44 @@ from numba.core import config as numba_config
 from numba.core.compiler import Compiler
 from numba.core.types import unliteral
 
-DIRECT: dict = {}  # kernels that `direct` has called
+WORD = re.compile(rb"\w+")
 KEPT_CACHES = 4  # how many cache folders of other versions of the sources survive
 
 
-def direct(function, *arguments):
-    """Call a kernel whose arguments are of the same types in every call, as those of a run are.
-
-    From the second call on it is called at once: finding out the types of so many arrays takes longer than handing
-    them over.
-    """
-    call = DIRECT.get(function)
-    if call is not None:
-        return call(*arguments)
-    result = function(*arguments)
-    if hasattr(function, "overloads"):  # compilation may be switched off
-        DIRECT[function] = function.get_overload(tuple(map(numba.typeof, arguments)))
-    return result
-
-
 def source_hash(package: Path = Path(__file__).parent) -> str:
-    """Hash of every Python source of the package and of the version of Numba."""
+    """Hash of the sources that compiled code depends on, and of the version of Numba."""
     digest = hashlib.sha256(numba.__version__.encode())
-    for path in sorted(package.rglob("*.py")):
-        digest.update(path.relative_to(package).as_posix().encode() + b"\0" + path.read_bytes())
+    for path, source in kernel_sources(package).items():
+        digest.update(path.relative_to(package).as_posix().encode() + b"\0" + source)
     return digest.hexdigest()[:16]
+
+
+def kernel_sources(package: Path) -> dict[Path, bytes]:
+    """The modules that import this one, which all that define kernels do, and whatever they import in turn."""
+    sources = {path: path.read_bytes() for path in sorted(package.rglob("*.py"))}
+    names = {path: (path.parent.name if path.stem == "__init__" else path.stem).encode() for path in sources}
+    words = {path: import_words(source) for path, source in sources.items()}
+    known, reached = {Path(__file__).stem.encode()}, set()
+    more = {path for path in sources if not known.isdisjoint(words[path])}
+    while more:
+        reached |= more
+        known = known.union(*map(words.get, more))
+        more = {path for path in sources if names[path] in known} - reached
+    return {path: sources[path] for path in sources if path in reached}
+
+
+def import_words(source: bytes) -> set[bytes]:
+    """All words of lines with an import and of its list in parentheses; the last name of an imported module is one.
+
+    Comments may add some. Parsing would add none, and take a hundred times as long.
+    """
+    words = set()
+    before, *rest = source.replace(b"\\\n", b" ").split(b"import")
+    for after in rest:
+        end = b"\n)" if after.lstrip().startswith(b"(") else b"\n"
+        words.update(WORD.findall(before.rpartition(b"\n")[2] + b" " + after.partition(end)[0]))
+        before = after
+    return words
 
 
 def cache_directory() -> Path:

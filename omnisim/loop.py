@@ -22,9 +22,9 @@ import numpy as np
 from omnisim import status
 from omnisim.collect import collect
 from omnisim.config import DRIVE_KEYS
+from omnisim.direct import direct
 from omnisim.events import EVENT
 from omnisim.ideal import wheel_rows
-from omnisim.kernel import direct
 from omnisim.packing import pack
 from omnisim.parameters import DRIVE, Parameters
 from omnisim.records import blank

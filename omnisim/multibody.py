@@ -247,15 +247,15 @@ def meet(parameters, mode, w, side, carrier, body, y):
     )  # fmt: skip
     contact = room.contacts[2 * w + side]
     set_contact(contact, state, j, mode.shared)
-    set_lever(contact.lever, 0, floor_rows(carrier, arm, art, by_h, held))
-    set_lever(contact.lever, 1, floor_rows(carrier, arm, art, by_k, held))
+    set_lever_column(contact.lever, 0, floor_rows(carrier, arm, art, by_h, held))
+    set_lever_column(contact.lever, 1, floor_rows(carrier, arm, art, by_k, held))
     rows, twist = floor_rows(carrier, arm, art, by_n, held), contact.twist
     twist[2], twist[TILT_Y], twist[TILT_X] = rows.yaw, rows.tilt_y, rows.tilt_x
     find_friction(parameters, mode, w, side, body, state, j)
 
 
 @kernel
-def set_lever(lever, i, rows):
+def set_lever_column(lever, i, rows):
     lever[0, i], lever[1, i], lever[2, i] = rows.x, rows.y, rows.yaw
     lever[TILT_Y, i], lever[TILT_X, i] = rows.tilt_y, rows.tilt_x
 

@@ -10,7 +10,8 @@ from omnisim.config import Config
 from omnisim.constraints import residuals
 from omnisim.contact.kinematics import joint_rate
 from omnisim.contact.tracking import IMPLICIT, roller_axis
-from omnisim.kernel import direct, kernel
+from omnisim.direct import direct
+from omnisim.kernel import kernel
 from omnisim.loads import servo
 from omnisim.parameters import MULTIBODY, SERVO, Parameters
 from omnisim.records import blank, plain

@@ -1,7 +1,8 @@
-"""Codes that the march returns, and the sentence for each."""
+"""Codes that the march returns, and the sentence for each; the kinds of events that it logs."""
 
 SAFE_STEP = 0.5  # of the stability limit: the step that a message names
 EVENTS_PER_STEP = 4096  # more than this in one step is no progress of time
+EVENT_KINDS = ("exchange", "stick", "slip", "lift_off", "touch_down", "share_begin", "share_end", "stop")
 
 (
     RUNNING,

@@ -8,17 +8,15 @@ from statistics import median
 
 import numpy as np
 
-from omnisim.contact.tracking import IMPLICIT, explicit_contact, implicit_contact, roller_axis
-from omnisim.dynamics import rho_rates
-from omnisim.kernel import kernel
+from omnisim.contact.tracking import IMPLICIT
 from omnisim.packing import pack
 from omnisim.parameters import Parameters
 from omnisim.scene import Scene
 from omnisim.simulation import simulate
 from omnisim.start import initial_state, roller_azimuths, roller_directions
-from omnisim.state import YAW, places, places_in
+from omnisim.state import YAW, places_in
+from omnisim.tracking_alone import track
 from omnisim.trajectory import Trajectory
-from omnisim.wheel import azimuth, body_motion, rho_of, world_heading
 
 REPEATS = 5
 PATIENCE = 8.0  # s for all repeats of all scenes of a race
@@ -72,52 +70,6 @@ def tracking_cost(scene: Scene) -> float:
     begun = time.perf_counter()
     track(parameters, states, slopes, ROUNDS)
     return (time.perf_counter() - begun) / (ROUNDS * STATES)
-
-
-@kernel
-def track(parameters, states, slopes, rounds):
-    """Evaluate the tracking in every state, `rounds` times, with roller 0 in contact; returns a sum of it all.
-
-    Counted is all that the right-hand side does to know the contact point, and nothing else:
-
-        explicit    cosine and sine of the azimuth; the closed form
-        implicit    cosine and sine of yaw and azimuth, orientation of the roller, contact point from rho;
-                    then for every roller, in the air too, its orientation and rho', written to the slopes
-
-    Kinematics and friction, which need the yaw's cosine and sine with either tracking, are not.
-    """
-    total = 0.0
-    for _ in range(rounds):
-        for i in range(len(states)):
-            if parameters.machine.tracking == IMPLICIT:
-                total += track_implicitly(parameters, states[i], slopes[i])
-            else:
-                total += track_explicitly(parameters, states[i])
-    return total
-
-
-@kernel
-def track_explicitly(parameters, y):
-    at, total = places(parameters), 0.0
-    for w in range(len(parameters.wheels)):
-        wheel = parameters.wheels[w]
-        q = azimuth(wheel, 0, y[at.spin_angle + w])
-        contact = explicit_contact(wheel, math.cos(q), math.sin(q))
-        total += contact.l + contact.arm_h + contact.arm_k
-    return total
-
-
-@kernel
-def track_implicitly(parameters, y, slopes):
-    at, body, total = places(parameters), body_motion(parameters, y), 0.0
-    for w in range(len(parameters.wheels)):
-        wheel = parameters.wheels[w]
-        q = azimuth(wheel, 0, y[at.spin_angle + w])
-        axis = roller_axis(wheel, math.cos(q), math.sin(q))
-        contact = implicit_contact(wheel, world_heading(wheel, body), axis, rho_of(parameters, y, w, 0))
-        total += contact.l + contact.arm_h + contact.arm_k
-    rho_rates(parameters, body, y, slopes)
-    return total
 
 
 def states_in_contact(scene: Scene, parameters: Parameters) -> np.ndarray:

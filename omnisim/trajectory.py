@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from omnisim.status import EVENT_KINDS
+
 if TYPE_CHECKING:
     import pandas
     import xarray
@@ -20,7 +22,6 @@ if TYPE_CHECKING:
 FORMAT = "omnisim-trajectory"
 FORMAT_VERSION = 1
 COMPLETE = "complete"
-EVENT_KINDS = ("exchange", "stick", "slip", "lift_off", "touch_down", "share_begin", "share_end", "stop")
 
 # Root attributes and their types; Trajectory itself fills the first two. Optional are those of runs whose step was
 # picked for an error, and the formulation, which older files do not name.

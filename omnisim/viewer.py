@@ -20,7 +20,8 @@ import numpy as np
 from omnisim.config import Config, Wheel, WheelType
 from omnisim.geometry import of_type, profile
 from omnisim.scene import parse
-from omnisim.trajectory import EVENT_KINDS, Trajectory
+from omnisim.status import EVENT_KINDS
+from omnisim.trajectory import Trajectory
 
 ROWS_PER_SECOND = 60.0  # more than a screen shows; the page interpolates with the rates
 MOST_ROWS = 20_000  # of long runs: about 10 MB on four wheels of eighteen rollers

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from omnisim.trajectory import EVENT_KINDS, Trajectory
+from omnisim.status import EVENT_KINDS
+from omnisim.trajectory import Trajectory
 
 SCENE = 'schema = 1\ntitle = "rollers µ"\n'
 

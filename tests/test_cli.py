@@ -1,6 +1,5 @@
 """What a user of the command meets: output, messages, exit codes, files."""
 
-import math
 import os
 import re
 import signal
@@ -9,17 +8,13 @@ import sys
 import time
 from pathlib import Path
 
-import numpy as np
 import pytest
-from click.testing import CliRunner
-from scenes import REFERENCE
+from commands import SCENE, command, settings
 
 import omnisim
-from omnisim.scene import packaged_scenes
-from omnisim.text import WIDTH
 from omnisim_cli.main import cli
 
-SCENE = str(REFERENCE / "testbench_psi0.toml")
+pytestmark = pytest.mark.usefixtures("folder")
 ENTRY = "from omnisim_cli.main import main; main()"
 SAYING_READY = """
 import signal
@@ -36,25 +31,10 @@ main.main()
 LONG = ("time.end=1e6", "time.output_interval=1.0")
 
 
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    """Every command runs in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-def command(*arguments):
-    return CliRunner().invoke(cli, [str(argument) for argument in arguments], prog_name="omnisim")
-
-
 def process(program, *arguments, **options):
     """The command in a process of its own, for signals and pipes."""
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True} | options
     return subprocess.Popen([sys.executable, "-c", program, *arguments], **pipes)
-
-
-def settings(*overrides):
-    return [part for override in overrides for part in ("--set", override)]
 
 
 # --- run ------------------------------------------------------------------------------------------
@@ -109,6 +89,14 @@ def test_an_error_that_no_step_reaches_is_warned_of():
     assert result.exit_code == 0, result.stderr
     assert "Warning: no step tried brings the error below solver.error = 1e-14" in result.stderr
     assert command("run", "six_rollers", *beyond, "--force", "--quiet").stderr == ""
+
+
+def test_a_run_whose_energies_do_not_balance_is_warned_of(folder):
+    coarse = settings("friction.slip_speed=1.0", "time.step=0.05", "wheels.wheel.spin_rate=60")
+    result = command("run", SCENE, *coarse)
+    assert result.exit_code == 0, result.stderr
+    assert "Warning: energy is unaccounted for" in result.stderr
+    assert command("run", SCENE, *coarse, "--force", "--quiet").stderr == ""
 
 
 @pytest.mark.parametrize(
@@ -303,139 +291,7 @@ def test_a_reader_that_leaves_early_is_no_error():
     assert omnisim.open_trajectory("out.h5").complete
 
 
-# --- compare, info, warmup, help ------------------------------------------------------------------
-
-
-def test_compare_shows_both_trackings_beside_the_paper(folder):
-    (folder / "fine.toml").write_text(Path(SCENE).read_text().replace("step = 0.001", "step = 0.0001"))
-    result = command("compare", "implicit", "explicit", "fine.toml")
-    assert result.exit_code == 0, result.stderr
-    for name, paper in (("acceleration", "1e-08"), ("velocity", "1e-07"), ("position", "1e-06")):
-        measured = float(re.search(rf"^  {name} +(\S+) +m\S* +{paper}$", result.stdout, re.MULTILINE)[1])
-        assert measured < 1e-8, name  # 1.7e-10 m/s^2, 4.5e-12 m/s, 9.8e-13 m
-    whole, tracking = (float(re.search(rf"{row} +(\d\S+)", result.stdout)[1]) for row in ("whole run", "alone"))
-    assert 0.5 < whole < 10.0 and 1.0 < tracking < 50.0  # 1.9 and 8
-    yaw = float(re.search(r"^body/yaw +rad +\S+ +(\S+)$", result.stdout, re.MULTILINE)[1])
-    assert 0.0 < yaw < 1e-9
-    assert "equal to the last bit:" in result.stdout and "  events/kind" in result.stdout
-    assert "in turn" in result.stderr
-
-
-def test_compare_shows_both_formulations_over_time(folder):
-    result = command("compare", "reduced", "multibody", SCENE)
-    assert result.exit_code == 0, result.stderr
-    assert "reduced against multibody: rk4, step 0.001 s" in result.stdout
-    slower = float(re.search(r"time, multibody / reduced: (\S+) \(", result.stdout)[1])
-    assert slower > 1.0  # 9
-    rows = re.findall(r"^  (\S+) s +(\S+) m +(\S+) rad +(\S+) m/s +(\S+) N$", result.stdout, re.MULTILINE)
-    until, position, *_ = np.array(rows, float).T
-    assert until[-1] == 2.0 and len(until) == 5
-    assert (np.diff(position) >= 0.0).all() and 0.0 < position[-1] < 1e-6  # 1e-7 m
-    assert "the paper" not in result.stdout
-
-
-def test_compare_of_unlike_things_names_what_goes_together():
-    result = command("compare", "reduced", "explicit", SCENE)
-    assert result.exit_code == 2
-    assert "compare implicit and explicit, or reduced and multibody" in result.stderr
-
-
-def test_a_tracking_does_not_differ_from_itself():
-    result = command("compare", "explicit", "explicit", SCENE)
-    assert result.exit_code == 0 and "largest difference" not in result.stdout
-
-
-def test_compare_of_a_scene_that_stops_early_says_so():
-    scene = Path("stiff.toml")
-    scene.write_text(Path(SCENE).read_text().replace("slip_speed = 0.05", "slip_speed = 1e-9"))
-    result = command("compare", "implicit", "explicit", scene)
-    assert result.exit_code == 1
-    assert "stiff.toml, implicit: unstable" in result.stderr and "stiff.toml, explicit: unstable" in result.stderr
-    assert "height of the centre" in result.stdout
-
-
-def test_compare_and_info_know_scenes_without_a_step(folder):
-    text = Path(SCENE).read_text().replace("step = 0.001", "").replace("[solver]", "[solver]\nerror = 1e-6")
-    (folder / "stepless.toml").write_text(text)
-    result = command("compare", "implicit", "explicit", "stepless.toml")
-    assert result.exit_code == 0, result.stderr
-    assert re.search(r"implicit against explicit: rk4, step \S+ s, \d+ steps, 41 rows", result.stdout)
-    assert "2 s in steps that are picked for errors below 1e-06" in command("info", "stepless.toml").stdout
-
-
-def test_info_of_a_scene_says_what_is_modelled_and_how_large_it_is():
-    result = command("info", SCENE)
-    assert result.exit_code == 0, result.stderr
-    for fact in ("2000 steps", "41 rows", "modelled", "left out", "roller length  0.05 m", "0.01 m amid",
-                 "0.00330127 m until the tips are points"):  # fmt: skip
-        assert fact in result.stdout
-
-
-def table(text, heading):
-    """The rows below a heading of `info`, without their header: columns stand two blanks apart."""
-    block = text.partition(f"\n{heading}")[2].partition("\n\n")[0].splitlines()[2:]
-    return [re.split(" {2,}", line.strip()) for line in block]
-
-
-def test_info_of_a_machine_has_its_whole_its_wheels_and_each_type_once():
-    result = command("info", "youbot")
-    assert result.exit_code == 0, result.stderr
-    text = result.stdout
-    wheels = table(text, "wheels")
-    assert [row[0] for row in wheels] == ["front_left", "front_right", "rear_left", "rear_right"]
-    assert wheels[1][1:-1] == ["mecanum", "[0.235, -0.15] m", "0 deg", "yes", "rate"]
-    weight = float(re.search(r"weight (\S+) N", text)[1])
-    assert weight == pytest.approx(22.8 * 9.81)
-    assert sum(float(row[-1].split()[0]) for row in wheels) == pytest.approx(weight, rel=1e-3)  # four digits
-    turn = (0.235 + 0.15) / 0.0475
-    rates = {name: [float(rate) for rate in row] for name, *row in table(text, "spin rates of ideal wheels")}
-    assert rates["front_left"] == pytest.approx([1 / 0.0475, -1 / 0.0475, -turn], rel=1e-3)
-    assert text.count("roller length") == 1 and "wheel type 'mecanum'\n" in text
-    assert "31 states" in text and "all wheels: rate of the command" in text
-
-
-@pytest.mark.parametrize("name", packaged_scenes())
-def test_info_of_a_scene_fits_a_terminal_and_tells_its_types_once(name):
-    result = command("info", name)
-    assert result.exit_code == 0, result.stderr
-    assert max(map(len, result.stdout.splitlines())) <= WIDTH
-    config = omnisim.load(name).config
-    assert result.stdout.count("roller length") == len(config.wheel_types)
-    assert ("\nmachine\n" in result.stdout) == (config.chassis is not None)
-
-
-def test_a_machine_says_how_far_its_odometry_is_off_and_what_it_holds(folder):
-    result = command("run", "kiwi", *settings("time.end=0.6"))
-    assert result.exit_code == 0, result.stderr
-    off = r"^odometry +off by (\S+) m and (\S+) rad at the end$"
-    position, yaw = map(float, re.search(off, result.stdout, re.MULTILINE).groups())
-    run = omnisim.open_trajectory("kiwi.h5")
-    assert position == pytest.approx(math.hypot(*run["odometry/position_error"][-1]), rel=1e-2)
-    assert yaw == pytest.approx(abs(run["odometry/yaw_error"][-1]), rel=1e-2)
-    text = command("info", "kiwi.h5").stdout
-    assert re.search(off, text, re.MULTILINE)
-    assert "/odometry/yaw" in text and "servo_torque" not in text  # its contacts carry roll and pitch
-    assert max(map(len, text.splitlines())) <= WIDTH
-    assert "odometry" not in command("run", SCENE).stdout
-
-
-def test_info_tells_scenes_from_trajectories_by_content(folder):
-    assert command("run", SCENE, "-o", "run.toml", "--quiet").exit_code == 0
-    (folder / "scene.h5").write_text(Path(SCENE).read_text())
-    assert "15 exchange" in command("info", "run.toml").stdout
-    assert "left out" in command("info", "scene.h5").stdout
-
-
-def test_info_sums_up_what_bearings_carry(folder):
-    overrides = settings("output.bearing_loads=true", "time.end=0.2")
-    assert command("run", "youbot", "-o", "loads.h5", *overrides).exit_code == 0
-    shown, run = command("info", "loads.h5").stdout, omnisim.open_trajectory("loads.h5")
-    axle = re.search(r"^rear_left, axle +(\S+) \((\S+)\) +(\S+) ", shown, re.MULTILINE)
-    force = run["wheels/rear_left/bearing_force"]
-    radial = np.hypot(force[:, 0], force[:, 2])
-    expected = radial.max(), np.sqrt(np.mean(radial**2)), np.abs(force[:, 1]).max()
-    np.testing.assert_allclose([float(number) for number in axle.groups()], expected, rtol=1e-3)
-    assert "/wheels/NAME/rollers/bearing_moment" in shown and "constraints" not in shown
+# --- warmup, help ---------------------------------------------------------------------------------
 
 
 def test_warmup_compiles_and_says_where(folder):
@@ -458,11 +314,3 @@ def test_help_and_version_do_not_wait_for_numpy():
     for argument in ("--help", "--version"):
         done = subprocess.run([sys.executable, "-c", code, argument], capture_output=True, text=True, check=False)
         assert done.returncode == 0 and done.stdout.startswith(("Usage", "omnisim 0"))
-
-
-def test_a_run_whose_energies_do_not_balance_is_warned_of(folder):
-    coarse = settings("friction.slip_speed=1.0", "time.step=0.05", "wheels.wheel.spin_rate=60")
-    result = command("run", SCENE, *coarse)
-    assert result.exit_code == 0, result.stderr
-    assert "Warning: energy is unaccounted for" in result.stderr
-    assert command("run", SCENE, *coarse, "--force", "--quiet").stderr == ""

@@ -7,36 +7,25 @@ import re
 import sys
 
 import pytest
-from click.testing import CliRunner
+from commands import command, settings
 
 from omnisim.config import FRICTION_KEYS
 from omnisim.tableau import METHODS
 from omnisim.text import WIDTH
-from omnisim_cli import bench as command
+from omnisim_cli import bench
 from omnisim_cli.bench_report import FILES
-from omnisim_cli.main import cli
 
+pytestmark = pytest.mark.usefixtures("folder")
 TINY = ["six_rollers", "--set", "time.end=0.2", "--step", "1e-3", "--step", "5e-4", "--repeats", "1"]
 
 
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    """Every command runs in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-def bench(*arguments):
-    return CliRunner().invoke(cli, ["bench", *arguments], prog_name="omnisim")
-
-
 def test_every_method_and_law_can_be_chosen():
-    assert sorted(METHODS) == sorted(command.METHODS)
-    assert sorted(FRICTION_KEYS) == sorted(command.LAWS)
+    assert sorted(METHODS) == sorted(bench.METHODS)
+    assert sorted(FRICTION_KEYS) == sorted(bench.LAWS)
 
 
 def test_the_table_fits_a_terminal_and_ends_in_a_verdict(folder):
-    result = bench(*TINY, "--method", "heun", "--method", "rk4")
+    result = command("bench", *TINY, "--method", "heun", "--method", "rk4")
     assert result.exit_code == 0, result.stderr
     assert max(map(len, result.stdout.splitlines())) <= WIDTH
     assert result.stdout.count("  heun  ") == 2 and result.stdout.count("  rk4 ") == 2
@@ -48,7 +37,9 @@ def test_the_table_fits_a_terminal_and_ends_in_a_verdict(folder):
 
 
 def test_the_report_holds_what_the_screen_shows(folder):
-    result = bench(*TINY, "--method", "rk4", "--tracking", "explicit", "--tracking", "implicit", "-o", "report")
+    result = command(
+        "bench", *TINY, "--method", "rk4", "--tracking", "explicit", "--tracking", "implicit", "-o", "report"
+    )
     assert result.exit_code == 0, result.stderr
     data = json.loads((folder / "report/report.json").read_text())
     (scene,) = data["scenes"]
@@ -58,7 +49,7 @@ def test_the_report_holds_what_the_screen_shows(folder):
     assert scene["verdict"].split()[-1] in result.stdout
     page = (folder / "report/report.md").read_text()
     assert page.count("\n| ") == 6 and "## six_rollers, regularized" in page
-    again = bench(*TINY, "-o", "report")
+    again = command("bench", *TINY, "-o", "report")
     assert again.exit_code == 2 and "report.json: exists already" in again.stderr
 
 
@@ -67,7 +58,7 @@ def test_the_plot_is_written_if_matplotlib_is_there(folder):
     from omnisim_cli.bench_plot import COLOURS
 
     assert sorted(COLOURS) == sorted(METHODS)
-    result = bench(*TINY, "--method", "rk4", "--law", "regularized", "--law", "coulomb", "-o", "report")
+    result = command("bench", *TINY, "--method", "rk4", "--law", "regularized", "--law", "coulomb", "-o", "report")
     assert result.exit_code == 0, result.stderr
     assert sorted(os.listdir(folder / "report")) == sorted(FILES)
     assert (folder / "report/work_precision.png").read_bytes().startswith(b"\x89PNG")
@@ -81,14 +72,16 @@ def test_without_matplotlib_the_rest_is_written(folder, monkeypatch):
 
     monkeypatch.delitem(sys.modules, "omnisim_cli.bench_plot", raising=False)
     monkeypatch.setattr(builtins, "__import__", absent)
-    result = bench(*TINY, "--method", "rk4", "-o", "report")
+    result = command("bench", *TINY, "--method", "rk4", "-o", "report")
     assert result.exit_code == 0, result.stderr
     assert "pip install matplotlib" in result.stderr
     assert sorted(os.listdir(folder / "report")) == ["report.json", "report.md"]
 
 
 def test_a_run_that_stops_is_a_row_that_says_why(folder):
-    result = bench(*TINY, "--method", "rk4", "--method", "radau5", "--set", "friction.slip_speed=1e-4", "-o", "report")
+    result = command(
+        "bench", *TINY, "--method", "rk4", "--method", "radau5", "--set", "friction.slip_speed=1e-4", "-o", "report"
+    )
     assert result.exit_code == 0, result.stderr
     assert "reference: radau5 at 5e-05 s, confirmed by radau5 at 0.0001 s" in result.stdout
     assert "stopped: rk4 at 0.001, 0.0005 s: " in result.stdout
@@ -98,7 +91,7 @@ def test_a_run_that_stops_is_a_row_that_says_why(folder):
 
 
 def test_steps_are_those_of_the_bench_also_for_a_scene_that_picks_its_own(folder):
-    result = bench(*TINY, "--method", "rk4", "--set", "solver.error=1e-4", "-o", "report")
+    result = command("bench", *TINY, "--method", "rk4", "--set", "solver.error=1e-4", "-o", "report")
     assert result.exit_code == 0, result.stderr
     rows = json.loads((folder / "report/report.json").read_text())["scenes"][0]["rows"]
     assert [row["steps"] for row in rows] == [200, 400]
@@ -106,6 +99,6 @@ def test_steps_are_those_of_the_bench_also_for_a_scene_that_picks_its_own(folder
 
 def test_a_scene_without_a_reference_is_a_failure_of_its_own():
     lifted = ["wrench.times=[0, 0.2]", "wrench.force=[[0, 0, 0], [0, 0, 200]]"]
-    result = bench(*TINY, *(part for override in lifted for part in ("--set", override)))
+    result = command("bench", *TINY, *settings(*lifted))
     assert result.exit_code == 1
     assert "six_rollers: no reference to measure errors by: wheel 'wheel' leaves the floor" in result.stderr

@@ -6,29 +6,23 @@ from pathlib import Path
 
 import h5py
 import pytest
-from click.testing import CliRunner
+from commands import command
 from synthetic import synthetic_trajectory
 
 from omnisim_cli import plot
-from omnisim_cli.main import cli
 
 MAGIC = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
+def folder(folder):
     """Every command runs in a folder with two trajectories, a foreign and a damaged file."""
-    monkeypatch.chdir(tmp_path)
     synthetic_trajectory().save("a.h5")
     synthetic_trajectory(title="another").save("b.h5")
     with h5py.File("foreign.h5", "w") as file:
         file["x"] = [1.0]
     Path("damaged.h5").write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(500))
-    return tmp_path
-
-
-def command(*arguments):
-    return CliRunner().invoke(cli, ["plot", *map(str, arguments)], prog_name="omnisim")
+    return folder
 
 
 def test_views_of_the_command_are_those_of_the_package():
@@ -39,13 +33,13 @@ def test_views_of_the_command_are_those_of_the_package():
 @pytest.mark.parametrize("suffix", plot.FORMATS)
 def test_the_suffix_says_the_format_and_the_same_data_give_the_same_file(suffix):
     pytest.importorskip("matplotlib")
-    result = command("a.h5", "-o", f"a{suffix}")
+    result = command("plot", "a.h5", "-o", f"a{suffix}")
     assert (result.exit_code, result.stdout) == (0, f"a{suffix} (story)\n"), result.stderr
     written = Path(f"a{suffix}").read_bytes()
     assert written.startswith(MAGIC[suffix])
-    again = command("a.h5", "-o", f"a{suffix}")
+    again = command("plot", "a.h5", "-o", f"a{suffix}")
     assert again.exit_code == 2 and "exists already; --force" in again.stderr
-    assert command("a.h5", "-o", f"a{suffix}", "--force").exit_code == 0
+    assert command("plot", "a.h5", "-o", f"a{suffix}", "--force").exit_code == 0
     assert Path(f"a{suffix}").read_bytes() == written
 
 
@@ -54,7 +48,7 @@ def test_several_files_are_named_by_title_or_by_file(monkeypatch):
     assert list(plot.read_all(["a.h5", "b.h5"])) == ["rollers µ", "another"]
     synthetic_trajectory().save("c.h5")
     assert list(plot.read_all(["a.h5", "c.h5"])) == ["a.h5", "c.h5"]
-    assert command("a.h5", "b.h5", "a.h5", "--view", "slip", "-o", "slip.png").exit_code == 0
+    assert command("plot", "a.h5", "b.h5", "a.h5", "--view", "slip", "-o", "slip.png").exit_code == 0
 
 
 def test_without_an_output_a_window_opens(monkeypatch):
@@ -62,7 +56,7 @@ def test_without_an_output_a_window_opens(monkeypatch):
     shown = []
     monkeypatch.setattr(plot, "has_window", lambda: True)
     monkeypatch.setattr(pyplot, "show", lambda: shown.append(pyplot.gcf()))
-    assert command("a.h5").exit_code == 0
+    assert command("plot", "a.h5").exit_code == 0
     assert len(shown) == 1 and shown[0].get_suptitle() == "rollers µ"
 
 
@@ -85,7 +79,7 @@ BAD = [
 def test_bad_input_is_a_line_and_writes_nothing(arguments, part, monkeypatch):
     pytest.importorskip("matplotlib").use("agg")
     before = sorted(os.listdir())
-    result = command(*arguments)
+    result = command("plot", *arguments)
     assert result.exit_code == 2 and result.stdout == ""
     message = result.stderr[result.stderr.index("Error: ") :]
     assert part in message and message.count("\n") == 1
@@ -99,7 +93,7 @@ def test_without_matplotlib_a_line_says_what_to_install(monkeypatch):
         return original(name, *rest)
 
     monkeypatch.setattr(builtins, "__import__", absent)
-    result = command("a.h5", "-o", "a.png")
+    result = command("plot", "a.h5", "-o", "a.png")
     assert (result.exit_code, result.stderr) == (
         2, "Error: plots need matplotlib: pip install 'omnisim-engine[plot]'\n"
     )  # fmt: skip

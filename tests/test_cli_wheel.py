@@ -5,33 +5,23 @@ import os
 from xml.etree import ElementTree
 
 import pytest
-from click.testing import CliRunner
+from commands import command
 
 from omnisim.scene import packaged_scenes
-from omnisim_cli.main import cli
 
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    """Every command runs in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-def command(*arguments):
-    return CliRunner().invoke(cli, ["wheel", *arguments], prog_name="omnisim")
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 @pytest.mark.parametrize("scene", packaged_scenes())
 def test_every_packaged_wheel_has_its_dimensions_told(scene):
-    result = command(scene)
+    result = command("wheel", scene)
     assert result.exit_code == 0, result.stderr
     for heading in ("rolling radius", "roller length", "u, mm", "neighbours", "3 spheres"):
         assert heading in result.stdout
 
 
 def test_youbots_wheel_is_told_as_its_scene_has_it():
-    said = command("youbot").stdout
+    said = command("wheel", "youbot").stdout
     for fact in ("47.5000 mm", "0.0475 m at every angle", "6, axes at 36.0000 mm", "gap of 6.0090 mm"):
         assert fact in said
     profile = [line.split() for line in said.splitlines() if line.endswith("11.0955")]
@@ -39,14 +29,14 @@ def test_youbots_wheel_is_told_as_its_scene_has_it():
 
 
 def test_straight_rollers_that_overlap_are_warned_of():
-    assert "they overlap: in one row the exact rollers do not fit" in command("kiwi").stdout
-    assert "Warning: the rollers of this wheel overlap" in command("kiwi", "-o", "kiwi.stl").stderr
+    assert "they overlap: in one row the exact rollers do not fit" in command("wheel", "kiwi").stdout
+    assert "Warning: the rollers of this wheel overlap" in command("wheel", "kiwi", "-o", "kiwi.stl").stderr
 
 
 @pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf"])
 def test_a_drawing_is_written(folder, suffix):
     pytest.importorskip("matplotlib")
-    assert command("mixed", "--type", "omni", "-o", f"omni{suffix}").exit_code == 0
+    assert command("wheel", "mixed", "--type", "omni", "-o", f"omni{suffix}").exit_code == 0
     assert os.listdir(folder) == [f"omni{suffix}"]
 
 
@@ -59,20 +49,20 @@ def test_without_matplotlib_a_drawing_says_what_to_install(folder, monkeypatch):
         return original(name, *arguments, **options)
 
     monkeypatch.setattr(builtins, "__import__", absent)
-    result = command("youbot", "-o", "wheel.png")
+    result = command("wheel", "youbot", "-o", "wheel.png")
     assert (result.exit_code, os.listdir(folder)) == (2, [])
     assert result.stderr == "Error: a drawing needs matplotlib: pip install 'omnisim-engine[plot]'\n"
 
 
 @pytest.mark.parametrize("arguments", [("-o", "wheel.stl"), ("--part", "roller", "-o", "roller.obj")])
 def test_a_mesh_is_written_with_the_rolling_radius_in_its_head(folder, arguments):
-    assert command("youbot", *arguments).exit_code == 0
+    assert command("wheel", "youbot", *arguments).exit_code == 0
     assert b"rolling radius for the controller 0.0475 m" in (folder / arguments[-1]).read_bytes()[:82]
 
 
 @pytest.mark.parametrize("suffix", [".xml", ".urdf"])
 def test_a_model_is_written_with_the_rollers_of_all_types_beside_it(folder, suffix):
-    result = command("mixed", "-o", f"machine{suffix}")
+    result = command("wheel", "mixed", "-o", f"machine{suffix}")
     assert result.exit_code == 0, result.stderr
     files = [f"machine{suffix}", "machine_mecanum_roller.stl", "machine_omni_roller.stl"]
     assert sorted(os.listdir(folder)) == files
@@ -84,11 +74,11 @@ def test_a_model_is_written_with_the_rollers_of_all_types_beside_it(folder, suff
 def test_a_file_that_exists_is_kept_unless_forced(folder):
     (folder / "machine_mecanum_roller.stl").write_text("precious")
     for output in ("machine.xml", "machine_mecanum_roller.stl"):
-        result = command("youbot", "-o", output)
+        result = command("wheel", "youbot", "-o", output)
         assert result.exit_code == 2 and "exists already; --force replaces it" in result.stderr
     assert (folder / "machine_mecanum_roller.stl").read_text() == "precious"
     assert os.listdir(folder) == ["machine_mecanum_roller.stl"]
-    assert command("youbot", "-o", "machine.xml", "--force").exit_code == 0
+    assert command("wheel", "youbot", "-o", "machine.xml", "--force").exit_code == 0
 
 
 @pytest.mark.parametrize(
@@ -107,6 +97,6 @@ def test_a_file_that_exists_is_kept_unless_forced(folder):
     ],
 )
 def test_a_wrong_argument_is_told_and_nothing_is_written(folder, arguments, message):
-    result = command(*arguments)
+    result = command("wheel", *arguments)
     assert (result.exit_code, os.listdir(folder)) == (2, [])
     assert message in result.stderr.replace("\n       ", " ")

@@ -10,13 +10,12 @@ import signal
 import h5py
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from commands import command
 from synthetic import synthetic_attributes, synthetic_data, synthetic_trajectory
 
 import omnisim
 from omnisim.export import ExportError, field_names, write
 from omnisim.trajectory import LABELS, Trajectory, layout
-from omnisim_cli.main import cli
 
 WHEELS, ROLLERS = ("front-left", "rear"), (6, 8)
 
@@ -47,11 +46,10 @@ def trajectory(request):
 
 
 @pytest.fixture
-def saved(tmp_path, monkeypatch):
+def saved(folder):
     """A trajectory file in the current folder."""
-    monkeypatch.chdir(tmp_path)
     synthetic_trajectory().save("run.h5")
-    return tmp_path
+    return folder
 
 
 def by_time(trajectory):
@@ -65,10 +63,6 @@ def by_time(trajectory):
                 parts = [LABELS[axis][i] if axis in LABELS else str(i) for axis, i in axes]
                 found[".".join([row.path, *parts])] = row.units, array[(slice(None), *index)]
     return found
-
-
-def command(*arguments):
-    return CliRunner().invoke(cli, ["export", *map(str, arguments)], prog_name="omnisim")
 
 
 def same(first, second):
@@ -203,7 +197,7 @@ def test_field_names_are_legal_in_matlab_and_unique():
 
 @pytest.mark.parametrize("suffix", ["csv", "parquet", "mat", "CSV"])
 def test_export_writes_what_the_suffix_says_and_tells_so(saved, suffix):
-    result = command("run.h5", f"out.{suffix}")
+    result = command("export", "run.h5", f"out.{suffix}")
     assert result.exit_code == 0, result.stderr
     written = ["out.mat"] if suffix == "mat" else [f"out.{suffix}", f"out.events.{suffix}"]
     assert sorted(os.listdir()) == sorted(["run.h5", *written])
@@ -232,7 +226,7 @@ def test_bad_input_is_one_line_and_touches_nothing(saved, arguments, parts):
     with h5py.File("foreign.h5", "w") as file:
         file["x"] = 1.0
     before = sorted(os.listdir())
-    result = command(*arguments)
+    result = command("export", *arguments)
     assert result.exit_code == 2 and result.stdout == ""
     assert len(result.stderr.splitlines()) == 1 and all(part in result.stderr for part in parts), result.stderr
     assert sorted(os.listdir()) == before
@@ -241,10 +235,10 @@ def test_bad_input_is_one_line_and_touches_nothing(saved, arguments, parts):
 @pytest.mark.parametrize("present", ["out.csv", "out.events.csv"])
 def test_existing_files_are_replaced_with_force_only(saved, present):
     (saved / present).write_text("precious")
-    result = command("run.h5", "out.csv")
+    result = command("export", "run.h5", "out.csv")
     assert result.exit_code == 2 and f"{present}: exists already; --force" in result.stderr
     assert sorted(os.listdir()) == sorted(["run.h5", present]) and (saved / present).read_text() == "precious"
-    assert command("run.h5", "out.csv", "--force").exit_code == 0
+    assert command("export", "run.h5", "out.csv", "--force").exit_code == 0
     assert (saved / present).read_text() != "precious"
 
 
@@ -266,7 +260,7 @@ def bare(monkeypatch):
 
 @pytest.mark.parametrize("suffix", ["parquet", "mat"])
 def test_a_missing_library_is_one_line_that_says_what_to_install(saved, bare, suffix):
-    result = command("run.h5", f"out.{suffix}")
+    result = command("export", "run.h5", f"out.{suffix}")
     assert result.exit_code == 2 and len(result.stderr.splitlines()) == 1
     assert f"{LIBRARIES[suffix]} is not installed: pip install 'omnisim-engine[{suffix}]'" in result.stderr
     assert os.listdir() == ["run.h5"]
@@ -279,7 +273,7 @@ def test_a_missing_library_is_told_in_python_too(bare, extra):
 
 
 def test_csv_needs_no_library(saved, bare):
-    assert command("run.h5", "out.csv").exit_code == 0
+    assert command("export", "run.h5", "out.csv").exit_code == 0
 
 
 @pytest.mark.parametrize("suffix", ["csv", "parquet", "mat"])
@@ -288,12 +282,12 @@ def test_a_write_that_fails_leaves_the_old_files_and_nothing_else(saved, monkeyp
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    assert command("run.h5", f"out.{suffix}").exit_code == 0
+    assert command("export", "run.h5", f"out.{suffix}").exit_code == 0
     before = {path.name: path.read_bytes() for path in saved.iterdir()}
     synthetic_trajectory(rows=5).save("run.h5")
     before["run.h5"] = (saved / "run.h5").read_bytes()
     monkeypatch.setattr(place, full)
-    result = command("run.h5", f"out.{suffix}", "--force")
+    result = command("export", "run.h5", f"out.{suffix}", "--force")
     assert result.exit_code == 1
     assert re.fullmatch(rf"Error: out\S*{suffix}: cannot be written: No space left on device\n", result.stderr)
     assert {path.name: path.read_bytes() for path in saved.iterdir()} == before
@@ -302,7 +296,7 @@ def test_a_write_that_fails_leaves_the_old_files_and_nothing_else(saved, monkeyp
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_write_leaves_nothing(saved, monkeypatch, number):
     monkeypatch.setattr("os.fsync", lambda _: signal.raise_signal(number))
-    result = command("run.h5", "out.csv")
+    result = command("export", "run.h5", "out.csv")
     assert result.exit_code == 1 and result.stderr == "Error: interrupted; nothing was written\n"
     assert os.listdir() == ["run.h5"]
 

@@ -13,7 +13,7 @@ pytestmark = pytest.mark.short
 PACKAGE = Path(omnisim.__file__).parent
 # from the scene file down to the trajectory: a module imports only from rows above its own, or from its own row
 LAYERS = (
-    ("kernel", "toml_text", "text", "records", "files"),
+    ("kernel", "direct", "toml_text", "text", "records", "files"),
     ("angle", "vector", "state", "tableau", "status", "config"),
     ("roller", "contact.tracking", "problems", "trajectory", "ideal"),
     ("rules", "machine_rules"),
@@ -36,7 +36,7 @@ LAYERS = (
     ("chassis",),
     ("multibody",),
     ("dynamics",),
-    ("runge_kutta", "checks"),
+    ("runge_kutta", "checks", "tracking_alone"),
     ("implicit",),
     ("grip",),
     ("exchange",),
@@ -60,7 +60,7 @@ LAYERS = (
 ONLY = {
     "h5py": {"storage"},
     "pydantic": {"config", "problems", "validation"},
-    "numba": {"kernel"},
+    "numba": {"kernel", "direct"},
     "tomlkit": {"toml_text"},
     "pandas": {"trajectory", "export"},
     "xarray": {"trajectory", "export"},

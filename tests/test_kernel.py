@@ -1,13 +1,16 @@
 """The cache of compiled kernels never runs stale code."""
 
 import os
+import pkgutil
 import shutil
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import numba
 import pytest
+from test_imports import imported
 
 import omnisim
 from omnisim import kernel
@@ -57,6 +60,62 @@ def test_the_same_sources_share_one_cache_and_others_do_not(package, tmp_path):
     assert list((tmp_path / "cache" / "omnisim" / first).rglob("*.nbi")), "the kernels are on disk"
     (package / "status.py").write_text((package / "status.py").read_text() + "# edited\n")
     assert run(package, **cache)[1] != first
+
+
+@pytest.fixture(scope="module")
+def kernel_modules():
+    """Paths of the modules in the hash, by name."""
+    paths = (path.relative_to(PACKAGE.parent) for path in kernel.kernel_sources(PACKAGE))
+    return {".".join(path.with_suffix("").parts).removesuffix(".__init__"): path for path in paths}
+
+
+def test_every_module_that_defines_a_kernel_counts(kernel_modules):
+    pytest.importorskip("matplotlib", reason="all modules are imported")
+    names = [found.name for found in pkgutil.walk_packages([str(PACKAGE)], "omnisim.")]
+    values = [value for name in names for value in vars(import_module(name)).values()]
+    homes = {value.__module__ for value in values if hasattr(value, "py_func")}
+    assert numba.config.DISABLE_JIT or "omnisim.stepper" in homes
+    assert homes <= set(kernel_modules)
+
+
+def test_whatever_these_import_counts(kernel_modules):
+    every = {found.name for found in pkgutil.walk_packages([str(PACKAGE)], "omnisim.")}
+    needed = {name for path in kernel_modules.values() for name in imported(PACKAGE.parent / path)}
+    assert {"omnisim.tableau", "omnisim.parameters"} <= needed & every <= set(kernel_modules)
+
+
+def test_an_edit_counts_if_a_kernel_may_see_it(package, kernel_modules):
+    for path in package.rglob("*.py"):
+        before, text = kernel.source_hash(package), path.read_text()
+        path.write_text(text + "# edited\n")
+        seen = path.relative_to(package.parent) in kernel_modules.values() or path.stem in {"caller", "callee"}
+        assert (kernel.source_hash(package) != before) == seen, path
+        path.write_text(text)
+
+
+def test_plots_and_files_do_not_count(kernel_modules):
+    for name in ("plots.motion", "plots.style", "export", "storage", "report", "viewer", "mesh", "mjcf", "urdf"):
+        assert f"omnisim.{name}" not in kernel_modules
+
+
+@pytest.mark.parametrize("statement", [
+    "from omnisim.constants import MASS",
+    "from omnisim import constants",
+    "import omnisim.constants as c",
+    "import math, omnisim.constants",
+    "from .constants import MASS",
+    "from . import constants",
+    "from omnisim import (  # two (of them)\n    angle,\n    constants,\n)",
+    "from omnisim.constants \\\n    import MASS",
+    "def late():\n    from omnisim.constants import MASS",
+    "if True: from omnisim.constants import MASS",
+    "from omnisim.records import *; from omnisim.constants import *",
+])  # fmt: skip
+def test_an_import_counts_however_it_is_written(statement, package):
+    (package / "constants.py").write_text("MASS = 1.0\n")
+    assert package / "constants.py" not in kernel.kernel_sources(package)
+    (package / "callee.py").write_text(f"from omnisim.kernel import kernel\n{statement}\n")
+    assert package / "constants.py" in kernel.kernel_sources(package)
 
 
 def test_only_the_latest_caches_of_other_sources_survive(package, tmp_path):

@@ -5,7 +5,8 @@ import pytest
 from synthetic import synthetic_attributes, synthetic_data, synthetic_trajectory
 
 import omnisim
-from omnisim.trajectory import EVENT_KINDS, Trajectory
+from omnisim.status import EVENT_KINDS
+from omnisim.trajectory import Trajectory
 
 matplotlib = pytest.importorskip("matplotlib", reason="needs matplotlib")
 matplotlib.use("agg")
@@ -153,9 +154,9 @@ def test_single_views_show_the_datasets(kiwi):
             (slip, "along axle, m/s", kiwi[f"{of}/slip_velocity"][:, 1]),
         ):
             np.testing.assert_array_equal(lines(figure, label)[wheel][1], values)
-    np.testing.assert_array_equal(
-        lines(odometry, "error of position, m")["y"][1], kiwi["odometry/position_error"][:, 1]
-    )
+    position, error = lines(odometry, "error of position, m"), kiwi["odometry/position_error"]
+    np.testing.assert_array_equal(position["along y"][1], error[:, 1])
+    np.testing.assert_allclose(position["distance"][1], np.hypot(*error.T), rtol=1e-15)
     (yaw,) = lines(odometry, "error of yaw, rad").values()
     np.testing.assert_array_equal(yaw[1], kiwi["odometry/yaw_error"])
 

@@ -30,6 +30,12 @@ def works(run: Trajectory) -> dict[str, np.ndarray]:
     return {"kinetic energy": run["energy/kinetic"]} | found
 
 
+def position_errors(run: Trajectory) -> dict[str, np.ndarray]:
+    """How far the reported position is off (m), and along which axis."""
+    error = run["odometry/position_error"]
+    return {"distance": size(error), "along x": error[:, 0], "along y": error[:, 1]}
+
+
 SPEED = Panel("speed, m/s", of_body("body/velocity", lambda velocity: size(velocity[:, :2])))
 YAW_RATE = Panel("yaw rate, rad/s", of_body("body/yaw_rate"))
 NORMAL_FORCE = Panel("normal force, N", of_wheels("normal_force"))
@@ -76,8 +82,7 @@ def odometry(runs: Runs) -> Figure:
         if "odometry/yaw_error" not in run:
             raise PlotError(f"{name}: no odometry; only machines have it whose spin rates tell their motion")
     return over_time(runs, [
-        Panel("distance, m", of_body("odometry/position_error", size)),
-        Panel("error of position, m", lambda run: dict(zip("xy", run["odometry/position_error"].T, strict=True))),
+        Panel("error of position, m", position_errors),
         Panel("error of yaw, rad", of_body("odometry/yaw_error")),
     ])  # fmt: skip
 

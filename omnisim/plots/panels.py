@@ -8,7 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from omnisim.plots.style import INK, Runs, figure_of, finish, legend_of_parts, log_scale, look, widen
-from omnisim.trajectory import EVENT_KINDS, Trajectory
+from omnisim.status import EVENT_KINDS
+from omnisim.trajectory import Trajectory
 
 WIDTH, PANEL, LANE = 9.0, 1.9, 0.3  # inches: a figure, the height of a panel, of one kind of events
 

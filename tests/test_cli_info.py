@@ -1,0 +1,90 @@
+"""What a user of `omnisim info` meets: facts of scenes and of trajectories."""
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import SCENE, command, settings
+
+import omnisim
+from omnisim.scene import packaged_scenes
+from omnisim.text import WIDTH
+
+pytestmark = pytest.mark.usefixtures("folder")
+
+
+def test_info_of_a_scene_says_what_is_modelled_and_how_large_it_is():
+    result = command("info", SCENE)
+    assert result.exit_code == 0, result.stderr
+    for fact in ("2000 steps", "41 rows", "modelled", "left out", "roller length  0.05 m", "0.01 m amid",
+                 "0.00330127 m until the tips are points"):  # fmt: skip
+        assert fact in result.stdout
+
+
+def table(text, heading):
+    """The rows below a heading of `info`, without their header: columns stand two blanks apart."""
+    block = text.partition(f"\n{heading}")[2].partition("\n\n")[0].splitlines()[2:]
+    return [re.split(" {2,}", line.strip()) for line in block]
+
+
+def test_info_of_a_machine_has_its_whole_its_wheels_and_each_type_once():
+    result = command("info", "youbot")
+    assert result.exit_code == 0, result.stderr
+    text = result.stdout
+    wheels = table(text, "wheels")
+    assert [row[0] for row in wheels] == ["front_left", "front_right", "rear_left", "rear_right"]
+    assert wheels[1][1:-1] == ["mecanum", "[0.235, -0.15] m", "0 deg", "yes", "rate"]
+    weight = float(re.search(r"weight (\S+) N", text)[1])
+    assert weight == pytest.approx(22.8 * 9.81)
+    assert sum(float(row[-1].split()[0]) for row in wheels) == pytest.approx(weight, rel=1e-3)  # four digits
+    turn = (0.235 + 0.15) / 0.0475
+    rates = {name: [float(rate) for rate in row] for name, *row in table(text, "spin rates of ideal wheels")}
+    assert rates["front_left"] == pytest.approx([1 / 0.0475, -1 / 0.0475, -turn], rel=1e-3)
+    assert text.count("roller length") == 1 and "wheel type 'mecanum'\n" in text
+    assert "31 states" in text and "all wheels: rate of the command" in text
+
+
+@pytest.mark.parametrize("name", packaged_scenes())
+def test_info_of_a_scene_fits_a_terminal_and_tells_its_types_once(name):
+    result = command("info", name)
+    assert result.exit_code == 0, result.stderr
+    assert max(map(len, result.stdout.splitlines())) <= WIDTH
+    config = omnisim.load(name).config
+    assert result.stdout.count("roller length") == len(config.wheel_types)
+    assert ("\nmachine\n" in result.stdout) == (config.chassis is not None)
+
+
+def test_a_machine_says_how_far_its_odometry_is_off_and_what_it_holds(folder):
+    result = command("run", "kiwi", *settings("time.end=0.6"))
+    assert result.exit_code == 0, result.stderr
+    off = r"^odometry +off by (\S+) m and (\S+) rad at the end$"
+    position, yaw = map(float, re.search(off, result.stdout, re.MULTILINE).groups())
+    run = omnisim.open_trajectory("kiwi.h5")
+    assert position == pytest.approx(math.hypot(*run["odometry/position_error"][-1]), rel=1e-2)
+    assert yaw == pytest.approx(abs(run["odometry/yaw_error"][-1]), rel=1e-2)
+    text = command("info", "kiwi.h5").stdout
+    assert re.search(off, text, re.MULTILINE)
+    assert "/odometry/yaw" in text and "servo_torque" not in text  # its contacts carry roll and pitch
+    assert max(map(len, text.splitlines())) <= WIDTH
+    assert "odometry" not in command("run", SCENE).stdout
+
+
+def test_info_tells_scenes_from_trajectories_by_content(folder):
+    assert command("run", SCENE, "-o", "run.toml", "--quiet").exit_code == 0
+    (folder / "scene.h5").write_text(Path(SCENE).read_text())
+    assert "15 exchange" in command("info", "run.toml").stdout
+    assert "left out" in command("info", "scene.h5").stdout
+
+
+def test_info_sums_up_what_bearings_carry(folder):
+    overrides = settings("output.bearing_loads=true", "time.end=0.2")
+    assert command("run", "youbot", "-o", "loads.h5", *overrides).exit_code == 0
+    shown, run = command("info", "loads.h5").stdout, omnisim.open_trajectory("loads.h5")
+    axle = re.search(r"^rear_left, axle +(\S+) \((\S+)\) +(\S+) ", shown, re.MULTILINE)
+    force = run["wheels/rear_left/bearing_force"]
+    radial = np.hypot(force[:, 0], force[:, 2])
+    expected = radial.max(), np.sqrt(np.mean(radial**2)), np.abs(force[:, 1]).max()
+    np.testing.assert_allclose([float(number) for number in axle.groups()], expected, rtol=1e-3)
+    assert "/wheels/NAME/rollers/bearing_moment" in shown and "constraints" not in shown
