@@ -1,7 +1,8 @@
-"""Stage 3, what force: friction laws. A new law is a number, a branch in `friction_factor`, and nothing else.
+"""Stage 3, what force: friction laws, each a number and a branch in `friction_factor`.
 
-Every law is isotropic: F = -g v with a scalar g >= 0, so friction never does positive work. g is also the largest
-eigenvalue of -dF/dv, so g times the largest eigenvalue of the contact's inverse mass is the rate at which slip relaxes.
+What else knows of laws: docs/pages/extend.md. Every law is isotropic: F = -g v with a scalar g >= 0, so friction never
+does positive work. g is also the largest eigenvalue of -dF/dv, so g times the largest eigenvalue of the contact's
+inverse mass is the rate at which slip relaxes.
 """
 
 import math
