@@ -69,10 +69,14 @@ def set_lever(wheel, contact, axis, j):
 
 
 @kernel
-def set_held(machine, wheel, contact, axis, j, bias):
-    """What a sticking contact adds to the balance; bias (Slip): its slip acceleration without it, or its slip."""
-    contact.mass[0], contact.mass[1], contact.mass[2] = holding_mass(machine, wheel, axis, j)
-    contact.bias[0], contact.bias[1] = bias.h, bias.k
+def set_hold(machine, wheel, contact, axis, j, bias):
+    """The force of a sticking contact, from its levers; bias (Slip): its slip acceleration without it, or its slip."""
+    lever, hold = contact.lever, contact.hold
+    hh, hk, kk = holding_mass(machine, wheel, axis, j)
+    for i in range(3):
+        hold[0, i] = -hh * lever[i, 0] - hk * lever[i, 1]
+        hold[1, i] = -hk * lever[i, 0] - kk * lever[i, 1]
+    hold[0, 3], hold[1, 3] = -hh * bias.h - hk * bias.k, -hk * bias.h - kk * bias.k
 
 
 @kernel
@@ -88,9 +92,11 @@ def free_rate(contact, motion):
 @kernel
 def holding_force(contact, motion):
     """F = -E (b + J X) along h and k of a sticking contact, N."""
-    rate_h, rate_k = free_rate(contact, motion)
-    mass = contact.mass
-    return -mass[0] * rate_h - mass[1] * rate_k, -mass[1] * rate_h - mass[2] * rate_k
+    hold = contact.hold
+    return (
+        hold[0, 3] + hold[0, 0] * motion.x + hold[0, 1] * motion.y + hold[0, 2] * motion.yaw,
+        hold[1, 3] + hold[1, 0] * motion.x + hold[1, 1] * motion.y + hold[1, 2] * motion.yaw,
+    )
 
 
 @kernel
@@ -124,27 +130,37 @@ def pushed_plane(plane, x, y, yaw):
 
 
 @kernel
+def held_plane(contact, plane):
+    """A Plane with a sticking contact."""
+    lever, hold = contact.lever, contact.hold
+    x_h, x_k, y_h, y_k, w_h, w_k = lever[0, 0], lever[0, 1], lever[1, 0], lever[1, 1], lever[2, 0], lever[2, 1]
+    return Plane(
+        plane.xx - x_h * hold[0, 0] - x_k * hold[1, 0],
+        plane.xy - x_h * hold[0, 1] - x_k * hold[1, 1],
+        plane.xw - x_h * hold[0, 2] - x_k * hold[1, 2],
+        plane.yy - y_h * hold[0, 1] - y_k * hold[1, 1],
+        plane.yw - y_h * hold[0, 2] - y_k * hold[1, 2],
+        plane.ww - w_h * hold[0, 2] - w_k * hold[1, 2],
+        plane.x + x_h * hold[0, 3] + x_k * hold[1, 3],
+        plane.y + y_h * hold[0, 3] + y_k * hold[1, 3],
+        plane.yaw + w_h * hold[0, 3] + w_k * hold[1, 3],
+    )
+
+
+@kernel
 def plane_balance(machine, room, plane):
-    """A Plane with the contacts that wait for it, with their loads where they are known."""
-    carried = machine.upright == CONTACTS
-    xx, xy, xw, yy, yw, ww, x, y, yaw = plane
+    """A Plane with what contacts push that do not stick, by their loads where they are known."""
+    carried, x, y, yaw = machine.upright == CONTACTS, plane.x, plane.y, plane.yaw
     for w in range(len(room.parts)):
         part = room.parts[w]
         if part.slides or not part.loaded:
             continue
         for c in range(2 * w, 2 * w + part.contacts):
-            contact, torque = room.contacts[c], 0.0
+            contact = room.contacts[c]
+            if holds(part, contact):
+                continue
             if part.contacts == 2:
                 force_h, force_k, torque = contact.force[0], contact.force[1], contact.torque
-            elif holds(part, contact):
-                force_h, force_k = holding_force(contact, Acceleration(0.0, 0.0, 0.0))
-                e, lever = contact.mass, contact.lever
-                x_h, x_k = e[0] * lever[0, 0] + e[1] * lever[0, 1], e[1] * lever[0, 0] + e[2] * lever[0, 1]
-                y_h, y_k = e[0] * lever[1, 0] + e[1] * lever[1, 1], e[1] * lever[1, 0] + e[2] * lever[1, 1]
-                w_h, w_k = e[0] * lever[2, 0] + e[1] * lever[2, 1], e[1] * lever[2, 0] + e[2] * lever[2, 1]
-                xx, xy = xx + lever[0, 0] * x_h + lever[0, 1] * x_k, xy + lever[0, 0] * y_h + lever[0, 1] * y_k
-                xw, yy = xw + lever[0, 0] * w_h + lever[0, 1] * w_k, yy + lever[1, 0] * y_h + lever[1, 1] * y_k
-                yw, ww = yw + lever[1, 0] * w_h + lever[1, 1] * w_k, ww + lever[2, 0] * w_h + lever[2, 1] * w_k
             else:
                 normal = 0.0 if carried else part.normal_force
                 force_h = contact.constant[0] + contact.unit[0] * normal
@@ -152,7 +168,7 @@ def plane_balance(machine, room, plane):
                 torque = contact.unit_torque * normal
             push_x, push_y, push_yaw = push_of(machine, contact, force_h, force_k, torque)
             x, y, yaw = x + push_x, y + push_y, yaw + push_yaw
-    return Plane(xx, xy, xw, yy, yw, ww, x, y, yaw)
+    return Plane(plane.xx, plane.xy, plane.xw, plane.yy, plane.yw, plane.ww, x, y, yaw)
 
 
 @kernel

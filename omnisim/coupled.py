@@ -31,11 +31,11 @@ ROUNDING = 1e-11  # a change below which, if it no longer falls, is rounding
 
 
 @outlined
-def settle_forces(machine, wheels, room, load, plane):
+def settle_forces(machine, wheels, room, load, plane, pushing):
     """Find the sought forces of an instant and all loads; returns what `solve` does."""
     acceleration, regular, last = Acceleration(0.0, 0.0, 0.0), 1.0, 1e300
     for _ in range(MOST_ROUNDS):
-        acceleration, mobility, regular = solve(machine, room, load, plane, True)
+        acceleration, mobility, regular = solve(machine, room, load, plane, pushing)
         change = settle_shared(machine, wheels, room, mobility, acceleration)
         for w in range(len(wheels)):
             part = room.parts[w]

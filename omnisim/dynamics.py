@@ -67,19 +67,18 @@ def reduced_rhs(parameters, mode, piece, t, y, dy, watch, kept):
             heat, power = heat + loss, power + work
         else:
             others += 1
-    pushing = False  # forces that do not wait for the loads
+    pushing = not carried or machine.law == VISCOUS  # some contact, without waiting for its load
     if others:
-        pushing = not carried or machine.law == VISCOUS
         for w in range(len(wheels)):
             part = room.parts[w]
             if not part.slides:
                 plane, work = observe_wheel(parameters, mode[w], piece, t, w, body, share, plane, y, dy, watch[w], kept)
                 power, sought = power + work, sought + part.sought
-                pushing = pushing or mode[w].shared or room.contacts[2 * w].rest
+                pushing = pushing or mode[w].shared
     if others or carried:
         regular = 1.0
         if sought:
-            acceleration, regular = settle_forces(machine, wheels, room, load, plane)
+            acceleration, regular = settle_forces(machine, wheels, room, load, plane, pushing)
         else:
             acceleration, _, regular = solve(machine, room, load, plane, pushing)
         for w in range(len(wheels)):

@@ -1,6 +1,6 @@
 """Impulses at the contacts that give slip the value it has come to: what is left of it when it ends is taken away."""
 
-from omnisim.body import free_plane, holding_force, inverse, plane_balance, set_contact, set_held, set_lever, yielding
+from omnisim.body import free_plane, held_plane, holding_force, inverse, set_contact, set_hold, set_lever, yielding
 from omnisim.contact.coulomb import CREEP, SLIP
 from omnisim.contact.kinematics import Slip, inverse_mass, slip_jacobian
 from omnisim.kernel import outlined
@@ -17,23 +17,23 @@ def align_slip(parameters, run):
     """
     machine, room, y, at = parameters.machine, parameters.room, run.y, places(parameters)
     body = body_motion(parameters, run.y)
+    plane = free_plane(machine, 0.0, 0.0, 0.0)
     for w in range(len(run.mode)):
-        part, contact, mode, wheel = room.parts[w], room.contacts[2 * w], run.mode[w], parameters.wheels[w]
-        part.loaded = mode.grip[0] != SLIP and not mode.shared
-        part.contacts, part.sought, part.slides = 1, 0, not part.loaded
-        if part.loaded:
+        contact, mode, wheel = room.contacts[2 * w], run.mode[w], parameters.wheels[w]
+        if mode.grip[0] != SLIP and not mode.shared:
             state = contact_state(parameters, mode, w, 0, body, y)
             slip, u = state.slip, mode.creep
             along = slip.h * u[0] + slip.k * u[1] if mode.grip[0] == CREEP else 0.0
             j = slip_jacobian(wheel, state.axis, state.contact)
             set_contact(contact, state, j, False)
             set_lever(wheel, contact, state.axis, j)
-            set_held(machine, wheel, contact, state.axis, j, Slip(slip.h - along * u[0], slip.k - along * u[1]))
-            contact.rest = 1
-    plane = plane_balance(machine, room, free_plane(machine, 0.0, 0.0, 0.0))
+            rest = Slip(slip.h - along * u[0], slip.k - along * u[1])
+            contact.bias[0], contact.bias[1] = rest.h, rest.k
+            set_hold(machine, wheel, contact, state.axis, j, rest)
+            plane = held_plane(contact, plane)
     change = yielding(inverse(machine, plane), plane.x, plane.y, plane.yaw)
     for w in range(len(run.mode)):
-        if room.parts[w].loaded:
+        if run.mode[w].grip[0] != SLIP and not run.mode[w].shared:
             wheel, contact = parameters.wheels[w], room.contacts[2 * w]
             impulse_h, impulse_k = holding_force(contact, change)
             mean_h, mean_k = contact.slip[0] - 0.5 * contact.bias[0], contact.slip[1] - 0.5 * contact.bias[1]

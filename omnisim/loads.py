@@ -16,7 +16,7 @@ upright = "servo" the load is known and tilt is the servo's.
 
 from typing import NamedTuple
 
-from omnisim.body import Acceleration, holding_force, holds, inverse, plane_balance, push_of, yielding
+from omnisim.body import Acceleration, held_plane, holds, inverse, plane_balance, push_of, yielding
 from omnisim.contact.reaction import VISCOUS
 from omnisim.kernel import kernel, merged
 from omnisim.parameters import CONTACTS
@@ -118,6 +118,24 @@ def set_body_tilt(machine, loads, wrench, yaw_rate):
 
 
 @kernel
+def held_body(machine, loads, contact, plane):
+    """A Plane with a sticking contact, which goes into the rows of tilt as well."""
+    if machine.upright == CONTACTS:
+        hold_tilt(loads.tilt[0], contact, TILT_Y)
+        hold_tilt(loads.tilt[1], contact, TILT_X)
+    return held_plane(contact, plane)
+
+
+@kernel
+def hold_tilt(row, contact, i):
+    """A row of tilt with a sticking contact; i: its row of the levers."""
+    by_h, by_k, hold = contact.lever[i, 0], contact.lever[i, 1], contact.hold
+    for j in range(3):
+        row[j] += by_h * hold[0, j] + by_k * hold[1, j]
+    row[3] -= by_h * hold[0, 3] + by_k * hold[1, 3]
+
+
+@kernel
 def external_tilt(machine, wrench, yaw_rate):
     """The wrench and the turning of S in the rows of tilt: about -y and about x."""
     lever, moment, turning = machine.lever, machine.moment, yaw_rate * yaw_rate
@@ -140,8 +158,8 @@ def tilt_of(machine, contact, force_h, force_k, torque):
 def solve(machine, room, load, plane, pushing):
     """The Acceleration of the body, its Mobility, and how regular the loads are; normal forces into the room.
 
-    load: M g - f_z, N; plane: what is known at once; pushing: whether some contact pushes without its load. Regular:
-    the determinant of the equations of the loads over that without friction.
+    load: M g - f_z, N; plane: what is known at once; pushing: whether some contact pushes by a load that is known, or
+    without. Regular: the determinant of the equations of the loads over that without friction.
     """
     if pushing:
         plane = plane_balance(machine, room, plane)
@@ -219,9 +237,7 @@ def carry(machine, room):
             if part.contacts == 2:
                 by_y, by_x = tilt_of(machine, contact, contact.force[0], contact.force[1], contact.torque)
                 about_y, about_x = resisted(about_y, by_y), resisted(about_x, by_x)
-            elif holds(part, contact):
-                about_y, about_x = held(about_y, contact, TILT_Y), held(about_x, contact, TILT_X)
-            else:
+            elif not holds(part, contact):
                 force_h, force_k, torque = contact.unit[0], contact.unit[1], contact.unit_torque
                 along_x, along_y, turn = push_of(machine, contact, force_h, force_k, torque)
                 by_y, by_x = tilt_of(machine, contact, force_h, force_k, torque)
@@ -262,22 +278,6 @@ def standing(row, one, x, y):
 def resisted(row, moment):
     """A Tilt with one more moment that does not depend on the unknowns, N m."""
     return Tilt(row.x, row.y, row.yaw, row.loads, row.right - moment)
-
-
-@kernel
-def held(row, contact, i):
-    """A Tilt with a sticking contact; i: its row of the levers."""
-    lever, e = contact.lever, contact.mass
-    force_h, force_k = holding_force(contact, Acceleration(0.0, 0.0, 0.0))
-    along_h, along_k = lever[i, 0], lever[i, 1]
-    e_h, e_k = e[0] * along_h + e[1] * along_k, e[1] * along_h + e[2] * along_k
-    return Tilt(
-        row.x - lever[0, 0] * e_h - lever[0, 1] * e_k,
-        row.y - lever[1, 0] * e_h - lever[1, 1] * e_k,
-        row.yaw - lever[2, 0] * e_h - lever[2, 1] * e_k,
-        row.loads,
-        row.right - along_h * force_h - along_k * force_k,
-    )
 
 
 @kernel

@@ -20,7 +20,7 @@ from omnisim.articulated import (
     transmitted,
 )
 from omnisim.bearings import keep_joint
-from omnisim.body import set_contact
+from omnisim.body import holds, set_contact
 from omnisim.chassis import (
     Balance,
     chassis_balance,
@@ -37,7 +37,7 @@ from omnisim.contact.reaction import VISCOUS
 from omnisim.contact.tracking import IMPLICIT, Axis, Heading, explicit_contact, implicit_contact
 from omnisim.coupled import settle_forces
 from omnisim.kernel import kernel, merged, outlined
-from omnisim.loads import TILT_X, TILT_Y, place_load, solve
+from omnisim.loads import TILT_X, TILT_Y, held_body, place_load, solve
 from omnisim.parameters import CONTACTS
 from omnisim.rigid import (
     body_place,
@@ -89,9 +89,11 @@ def multibody_rhs(parameters, mode, piece, t, y, dy, watch, kept):
             meet(parameters, mode[w], w, side, carrier, body, y)
         place_load(wheels[w], room, w)
         sought += part.sought
-        pushing = pushing or mode[w].shared or room.contacts[2 * w].rest
+        pushing = pushing or mode[w].shared
+        if holds(part, room.contacts[2 * w]):
+            plane = held_body(machine, room.loads, room.contacts[2 * w], plane)
     if sought:
-        acceleration, regular = settle_forces(machine, wheels, room, load, plane)
+        acceleration, regular = settle_forces(machine, wheels, room, load, plane, pushing)
     else:
         acceleration, _, regular = solve(machine, room, load, plane, pushing)
     angular = times(acceleration.yaw, UP)

@@ -96,7 +96,7 @@ CONTACT = np.dtype(
         ("spin", np.float64, (2,)),  # the same of the spin, m
         ("lever", np.float64, (5, 2)),  # of the force in the rows of loads.py
         ("twist", np.float64, (5,)),  # of the contact torque there
-        ("mass", np.float64, (3,)),  # E (hh, hk, kk), kg: F = -E v' keeps the slip, as far as spin and roller can
+        ("hold", np.float64, (2, 4)),  # force that keeps its slip: by the body's acceleration (x, y, yaw); without, N
         ("bias", np.float64, (2,)),  # slip acceleration without its force and the body's acceleration, m/s^2
         ("factor", np.float64),  # g of the friction law F = -g v, by the normal force; of viscous friction N s/m
         ("unit", np.float64, (2,)),  # friction of its slip by the normal force, 1
@@ -129,7 +129,7 @@ PART = np.dtype(
 )
 LOADS = np.dtype(
     [
-        ("tilt", np.float64, (2, 4)),  # rows of tilt without contacts: by the acceleration (x, y, yaw), right side
+        ("tilt", np.float64, (2, 4)),  # rows of tilt without loads: by the acceleration (x, y, yaw), right side
         ("servo", np.float64, (2,)),  # torque about chassis x and y that keeps the bodies upright, N m
         ("mobility", np.float64, (2, 2, 2, 2)),  # 1/kg: slip acceleration of one of RESTING by the force of another
     ]

@@ -2,13 +2,13 @@
 
 import math
 
-from omnisim.body import holding_force, pushed_plane, set_contact, set_held, set_lever
+from omnisim.body import holding_force, holds, pushed_plane, set_contact, set_hold, set_lever
 from omnisim.contact.coulomb import CREEP, SLIP, STICK
 from omnisim.contact.kinematics import Jacobian, Motion, Slip, joint_rate, slip_acceleration, slip_jacobian
 from omnisim.contact.reaction import COULOMB, VISCOUS, friction
 from omnisim.contact.tracking import Axis, roller_axis
 from omnisim.kernel import kernel, merged, outlined
-from omnisim.loads import TILT_X, TILT_Y, place_load, rotor_part, set_point, set_tilt, tilt_rows
+from omnisim.loads import TILT_X, TILT_Y, held_body, place_load, rotor_part, set_point, set_tilt, tilt_rows
 from omnisim.parameters import CONTACTS
 from omnisim.state import places, rate_place
 from omnisim.wheel import (
@@ -140,6 +140,8 @@ def observe_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch
         observe_contact(parameters, mode, w, 1, body, contact_state(parameters, mode, w, 1, body, y))
     if parameters.machine.upright == CONTACTS:
         place_load(parameters.wheels[w], parameters.room, w)
+    if holds(part, parameters.room.contacts[2 * w]):
+        plane = held_body(parameters.machine, parameters.room.loads, parameters.room.contacts[2 * w], plane)
     return pushed_plane(plane, 0.0, 0.0, free.yaw_moment), free.drive * free.state.spin_rate
 
 
@@ -182,8 +184,9 @@ def find_friction(parameters, mode, w, side, body, state, j):
         roller = bearing_torque(wheel, state.joint) * wheel.axial_mobility if machine.bearings else 0.0
         centre = centre_acceleration(wheel, body, 0.0, 0.0, 0.0)
         bias = slip_acceleration(wheel, state, Motion(centre.h, centre.k, spin, 0.0, roller))
-        set_held(machine, wheel, contact, state.axis, j, bias)
+        contact.bias[0], contact.bias[1] = bias.h, bias.k
         if mode.grip[side] == STICK and not mode.shared:  # its force is what holds it
+            set_hold(machine, wheel, contact, state.axis, j, bias)
             contact.factor = contact.torque = 0.0
             return
     factor, torque = friction(machine, mode.saturated[side], 1.0, slip, state.turn)
@@ -233,7 +236,7 @@ def react(machine, mode, part, contact, side, acceleration, watch, kept):
         contact.force[0], contact.force[1], contact.torque = 0.0, 0.0, 0.0
     elif part.contacts == 2:
         load = contact.share * normal
-    elif contact.rest and not part.sought:
+    elif holds(part, contact):
         contact.force[0], contact.force[1] = holding_force(contact, acceleration)
     else:
         contact.force[0] = contact.constant[0] + contact.unit[0] * normal
