@@ -25,8 +25,8 @@ from omnisim.trajectory import Trajectory
 
 ROWS_PER_SECOND = 60.0  # more than a screen shows; the page interpolates with the rates
 MOST_ROWS = 20_000  # of long runs: about 10 MB on four wheels of eighteen rollers
-PROFILE_POINTS = 49
-MODULES = ("motion", "wheels", "chassis", "machine", "arrows", "stage", "chart", "timebar", "main")
+PROFILE_POINTS = 17  # the page leaves out every other one, or three of four, where nobody sees it
+MODULES = ("motion", "wheels", "chassis", "machine", "arrows", "shadow", "quality", "stage", "chart", "timebar", "main")
 
 # What the page gets, by path in the file. Positions and angles grow with the run, so they keep all their digits.
 BODY = {"time": "float64", "body/position": "float64", "body/yaw": "float64", "body/velocity": "float32",

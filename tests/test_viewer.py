@@ -283,6 +283,82 @@ def test_an_event_is_told_where_the_mouse_is_and_a_click_goes_there(runs, shown)
     assert reached in times and abs(reached - times[0]) < 1e-4
 
 
+# Feeds the module that picks how finely to draw: [frames, ms each] in turn; the level after each, 0 the finest.
+JUDGE = """async (turns) => {
+  const { Quality } = await import("omnisim/quality");
+  const quality = new Quality();
+  return turns.map(([frames, ms]) => {
+    for (let i = 0; i < frames; i++) quality.passed(ms / 1000);
+    return quality.at;
+  });
+}"""
+
+
+@pytest.mark.parametrize(
+    ("turns", "levels"),
+    [
+        pytest.param([(600, 1000 / 60)], [0], id="a fast screen keeps the finest"),
+        pytest.param([(600, 1000 / 30)], [0], id="a screen of 30 frames per second too"),
+        pytest.param([(29, 17), (1, 900), (300, 17)], [0, 0, 0], id="a hiccup changes nothing"),
+        pytest.param([(9, 45), (300, 25)], [1, 1], id="a bit too slow: one level, which stays where it is smooth"),
+        pytest.param([(5, 250)], [3], id="much too slow: several at once"),
+        pytest.param([(5, 250), (5, 250), (230, 17), (720, 17)], [3, 3, 3, 0], id="finer again after a while"),
+        pytest.param([(9, 45), (312, 17), (9, 45), (312, 17), (312, 17)], [1, 0, 1, 1, 0], id="later each time"),
+    ],
+)
+def test_how_finely_it_draws_follows_the_frame_times(shown, turns, levels):
+    assert shown("kiwi").evaluate(JUDGE, turns) == levels
+
+
+# Frames come when the test says so, with the time it says; pictures are counted.
+BY_HAND = """
+  window.asked = [];
+  window.requestAnimationFrame = (frame) => asked.push(frame);
+  window.turn = (ms) => asked.splice(0).forEach((frame) => frame((turn.time = (turn.time ?? 0) + ms)));
+  window.pictures = 0;
+  for (const kind of [WebGLRenderingContext, WebGL2RenderingContext]) {
+    const clear = kind.prototype.clear;
+    kind.prototype.clear = function (...given) { pictures++; return clear.apply(this, given); };
+  }
+"""
+PIXELS = "document.querySelector('#stage canvas').width / document.querySelector('#stage').clientWidth"
+
+
+@pytest.fixture
+def by_hand(youbot, browser, tmp_path):
+    (tmp_path / "page.html").write_text(youbot, encoding="utf-8")
+    tab = browser.new_page()
+    tab.add_init_script(BY_HAND)
+    tab.goto((tmp_path / "page.html").as_uri())
+    tab.wait_for_function("window.omnisim", timeout=60_000, polling=50)
+    tab.evaluate("while (asked.length) turn(16)")
+    yield tab
+    tab.close()
+
+
+@pytest.mark.parametrize("ms", [8, 16, 40, 250])
+def test_the_run_keeps_pace_with_the_clock_whatever_the_frame_rate(by_hand, ms):
+    by_hand.evaluate("ms => { omnisim.play(); turn(ms); for (let i = 0; i < 20; i++) turn(ms); }", ms)
+    assert by_hand.evaluate("omnisim.time") == pytest.approx(20e-3 * ms, abs=1e-12)
+
+
+def test_it_plays_coarsely_where_frames_are_slow_and_is_sharp_at_rest(by_hand):
+    assert by_hand.evaluate(PIXELS) == 1.0
+    by_hand.evaluate("omnisim.play(); for (let i = 0; i < 20; i++) turn(250);")
+    assert by_hand.evaluate(PIXELS) == 0.5
+    by_hand.evaluate("omnisim.pause(); turn(250);")
+    by_hand.wait_for_function(f"{PIXELS} === 1", polling=50)  # not by frames, which do not come
+
+
+def test_nothing_is_drawn_while_nothing_moves(by_hand):
+    by_hand.wait_for_timeout(300)
+    before = by_hand.evaluate("pictures")
+    by_hand.wait_for_timeout(500)
+    assert by_hand.evaluate("[pictures, asked.length]") == [before, 0] and before > 0
+    by_hand.evaluate("omnisim.seek(1); while (asked.length) turn(16);")
+    assert by_hand.evaluate("pictures") > before
+
+
 @pytest.mark.parametrize("name", SCENES)
 def test_the_browser_has_nothing_to_complain_of(shown, name):
     tab = shown(name)

@@ -1,27 +1,36 @@
 // Contact points, and forces and slip there as arrows; drawn over the wheel that would hide them.
 
-import { ConeGeometry, CylinderGeometry, Group, Matrix4, Mesh, MeshBasicMaterial, RingGeometry, Vector3 } from "vendor";
+import {
+  Color,
+  ConeGeometry,
+  CylinderGeometry,
+  Group,
+  InstancedMesh,
+  Matrix4,
+  MeshBasicMaterial,
+  Quaternion,
+  RingGeometry,
+  Vector3,
+} from "vendor";
 
 export const KINDS = ["normal", "friction", "slip"];
 const LONGEST = 1.7; // wheel radii, for the largest of the run
 const STILL = 0.01; // m/s: slip below is no slip worth the longest arrow
 const HEAD = 0.22; // of a wheel radius, as long as an arrow permits
 const ALONG = new Vector3(0, 1, 0);
+const NOWHERE = new Matrix4().makeScale(0, 0, 0);
 
 export class Arrows {
   constructor(machine, motion) {
-    Object.assign(this, { machine, motion, group: new Group() });
+    Object.assign(this, { machine, motion });
     this.radius = machine.height;
     this.perNewton = (LONGEST * this.radius) / Math.max(this.largest("normal_force", 1), 1e-9);
     this.perSpeed = (LONGEST * this.radius) / Math.max(this.largest("slip_velocity", 2), STILL);
-    this.materials = Object.fromEntries([...KINDS, "point"].map((kind) => [kind, onTop()]));
-    this.wheels = machine.wheels.map(() => {
-      const arrows = Object.fromEntries(KINDS.map((kind) => [kind, new Arrow(this.materials[kind], this.radius)]));
-      const ring = new RingGeometry(0.05 * this.radius, 0.1 * this.radius, 32);
-      const point = new Mesh(ring, this.materials.point);
-      this.group.add(point, ...Object.values(arrows).map((arrow) => arrow.group));
-      return { arrows, point };
-    });
+    const [wheels, arrows] = [machine.wheels.length, machine.wheels.length * KINDS.length];
+    this.points = onTop(new RingGeometry(0.05 * this.radius, 0.1 * this.radius, 32), wheels);
+    this.shafts = onTop(new CylinderGeometry(1, 1, 1, 12).translate(0, 0.5, 0), arrows);
+    this.heads = onTop(new ConeGeometry(1, 1, 20).translate(0, 0.5, 0), arrows);
+    this.group = new Group().add(this.points, this.shafts, this.heads);
     this.shown = new Set(KINDS);
   }
 
@@ -34,8 +43,12 @@ export class Arrows {
   }
 
   recolour(colour) {
-    for (const kind of KINDS) this.materials[kind].color.set(colour(kind));
-    this.materials.point.color.set(colour("text"));
+    this.points.material.color.set(colour("text"));
+    const colours = KINDS.map((kind) => new Color(colour(kind)));
+    for (const mesh of [this.shafts, this.heads]) {
+      for (let i = 0; i < mesh.count; i++) mesh.setColorAt(i, colours[i % KINDS.length]);
+      mesh.instanceColor.needsUpdate = true;
+    }
   }
 
   // Returns the largest of each kind at this time, over the wheels: N, N, m/s.
@@ -49,47 +62,39 @@ export class Arrows {
         friction: new Vector3(at("friction_force", 0), at("friction_force", 1), 0),
         slip: new Vector3(at("slip_velocity", 0), at("slip_velocity", 1), 0),
       };
-      const point = wheel.contactPoint();
-      const lift = 0.01 * this.radius;
+      const point = wheel.contactPoint().setZ(0.01 * this.radius);
       const turned = new Matrix4().extractRotation(wheel.frame); // from h, k, n to the world
-      const { arrows, point: mark } = this.wheels[w];
-      mark.position.copy(point).setZ(lift);
-      mark.visible = normal > 0;
-      for (const kind of KINDS) {
+      this.points.setMatrixAt(w, normal > 0 ? new Matrix4().setPosition(point) : NOWHERE);
+      KINDS.forEach((kind, k) => {
         const vector = vectors[kind];
         largest[kind] = Math.max(largest[kind], normal > 0 ? vector.length() : 0);
         vector.multiplyScalar(kind === "slip" ? this.perSpeed : this.perNewton).applyMatrix4(turned);
-        arrows[kind].point(mark.position, vector, this.shown.has(kind) && normal > 0);
-      }
+        this.point(w * KINDS.length + k, point, vector, this.shown.has(kind) && normal > 0);
+      });
     });
+    for (const mesh of this.group.children) mesh.instanceMatrix.needsUpdate = true;
     return largest;
   }
-}
 
-class Arrow {
-  constructor(material, radius) {
-    this.radius = radius;
-    this.shaft = new Mesh(new CylinderGeometry(1, 1, 1, 12).translate(0, 0.5, 0), material);
-    this.head = new Mesh(new ConeGeometry(1, 1, 20).translate(0, 0.5, 0), material);
-    this.group = new Group();
-    this.group.add(this.shaft, this.head);
-    this.group.renderOrder = this.shaft.renderOrder = this.head.renderOrder = 1;
-  }
-
-  // From a point along a vector, m.
-  point(from, vector, shown) {
+  // Arrow i, from a point along a vector, m.
+  point(i, from, vector, shown) {
     const length = vector.length();
-    this.group.visible = shown && length > 0.02 * this.radius;
-    if (!this.group.visible) return;
-    const head = Math.min(HEAD * this.radius, 0.6 * length);
-    this.group.position.copy(from);
-    this.group.quaternion.setFromUnitVectors(ALONG, vector.divideScalar(length));
-    this.shaft.scale.set(0.13 * head, length - head, 0.13 * head);
-    this.head.scale.set(0.34 * head, head, 0.34 * head);
-    this.head.position.y = length - head;
+    let [shaft, tip] = [NOWHERE, NOWHERE];
+    if (shown && length > 0.02 * this.radius) {
+      const head = Math.min(HEAD * this.radius, 0.6 * length);
+      const turn = new Quaternion().setFromUnitVectors(ALONG, vector.divideScalar(length));
+      const end = vector.multiplyScalar(length - head).add(from);
+      shaft = new Matrix4().compose(from, turn, new Vector3(0.13 * head, length - head, 0.13 * head));
+      tip = new Matrix4().compose(end, turn, new Vector3(0.34 * head, head, 0.34 * head));
+    }
+    this.shafts.setMatrixAt(i, shaft);
+    this.heads.setMatrixAt(i, tip);
   }
 }
 
-function onTop() {
-  return new MeshBasicMaterial({ depthTest: false, transparent: true, toneMapped: false, fog: false });
+function onTop(geometry, count) {
+  const material = new MeshBasicMaterial({ depthTest: false, transparent: true, toneMapped: false, fog: false });
+  const mesh = new InstancedMesh(geometry, material, count);
+  Object.assign(mesh, { frustumCulled: false, renderOrder: 1 });
+  return mesh;
 }

@@ -1,7 +1,9 @@
 // The chassis: a box between the inner faces of the wheels, with the axles, and a mark where front is.
 
 import {
+  BufferAttribute,
   BufferGeometry,
+  Color,
   ConvexGeometry,
   CylinderGeometry,
   EdgesGeometry,
@@ -9,12 +11,13 @@ import {
   LineBasicMaterial,
   LineSegments,
   Mesh,
-  MeshStandardMaterial,
+  MeshLambertMaterial,
   Vector3,
+  mergeGeometries,
 } from "vendor";
 import { halfWidth } from "omnisim/wheels";
 
-const PAINT = { color: 0x3f6f9f, roughness: 0.5, metalness: 0.15 };
+const COLOURS = { box: 0x3f6f9f, mark: 0xf2f4f6, axle: 0x8b949c, edge: 0x1d3347 };
 const BEHIND_EDGES = { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
 const FROM_FLOOR = [0.6, 1.3]; // lower and upper face, in wheel radii
 const LEVEL = 1.003; // of the mark, just above the upper face
@@ -34,15 +37,15 @@ export function chassisOf(wheels) {
     // some box for wheels in one place
     points.push(new Vector3(centre.x + x * radius, centre.y + y * radius, 0));
   const box = new ConvexGeometry(points.flatMap(({ x, y }) => [new Vector3(x, y, low), new Vector3(x, y, high)]));
-  const edges = new LineSegments(new EdgesGeometry(box, 20), new LineBasicMaterial({ color: 0x1d3347 }));
+  const edges = new LineSegments(new EdgesGeometry(box, 20), new LineBasicMaterial({ color: COLOURS.edge }));
   const front = centre.x + 0.8 * (Math.max(...points.map(({ x }) => x)) - centre.x);
-  const group = new Group().add(
-    new Mesh(box, new MeshStandardMaterial({ ...PAINT, ...BEHIND_EDGES })),
-    new Mesh(markGeometry(front, centre.y, LEVEL * high, radius), new MeshStandardMaterial({ color: 0xf2f4f6 })),
-    ...wheels.map((wheel) => axle(wheel, centre)),
-  );
-  for (const part of group.children) part.castShadow = part.receiveShadow = true;
-  group.add(edges);
+  const parts = [
+    painted(box, COLOURS.box),
+    painted(markGeometry(front, centre.y, LEVEL * high, radius), COLOURS.mark),
+    ...wheels.map((wheel) => painted(axleGeometry(wheel, centre).toNonIndexed(), COLOURS.axle)),
+  ];
+  const material = new MeshLambertMaterial({ vertexColors: true, ...BEHIND_EDGES });
+  const group = new Group().add(new Mesh(mergeGeometries(parts), material), edges);
   group.matrixAutoUpdate = false;
   return group;
 }
@@ -60,13 +63,12 @@ function innerCorners(wheel, centre) {
 }
 
 // From the outer face of the hub to the chassis.
-function axle(wheel, centre) {
+function axleGeometry(wheel, centre) {
   const { type, mount } = wheel;
   const [inner, outer] = [innerFace(wheel, centre), halfWidth(type, wheel.wheel)];
   const thick = 0.12 * type.radius;
   const geometry = new CylinderGeometry(thick, thick, Math.abs(inner) + outer, 24);
-  geometry.translate(0, (inner - Math.sign(inner) * outer) / 2, 0).applyMatrix4(mount);
-  return new Mesh(geometry, new MeshStandardMaterial({ color: 0x8b949c, metalness: 0.8, roughness: 0.35 }));
+  return geometry.translate(0, (inner - Math.sign(inner) * outer) / 2, 0).applyMatrix4(mount);
 }
 
 // A triangle that points forward.
@@ -78,4 +80,13 @@ function markGeometry(x, y, z, radius) {
   const geometry = new BufferGeometry().setFromPoints(corners);
   geometry.computeVertexNormals();
   return geometry;
+}
+
+// Position, normal and colour at each corner, so that all parts are drawn at once.
+function painted(geometry, paint) {
+  const colours = new Float32Array(geometry.attributes.position.array.length);
+  const colour = new Color(paint).toArray();
+  for (let i = 0; i < colours.length; i += 3) colours.set(colour, i);
+  geometry.deleteAttribute("uv");
+  return geometry.setAttribute("color", new BufferAttribute(colours, 3));
 }

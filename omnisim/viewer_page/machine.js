@@ -1,10 +1,10 @@
 // The machine: chassis, wheels and every roller, put where the motion has them.
 
-import { Color, Group, InstancedMesh, Matrix4, Mesh, MeshStandardMaterial, Vector3 } from "vendor";
+import { Color, Group, InstancedMesh, Matrix4, Mesh, MeshPhongMaterial, Vector3 } from "vendor";
 import { chassisOf } from "omnisim/chassis";
-import { hubGeometry, rollerFrame, rollerGeometry } from "omnisim/wheels";
+import { detailFor, hubGeometry, rollerFrame, rollerGeometry, stripes } from "omnisim/wheels";
 
-const RUBBER = new Color(0x2b3036);
+const RUBBER = new Color(0x333940);
 const TOUCHING = new Color(0xe07b1a);
 const EDGE = 1e-6; // rad by which a roller at rest on its edge may seem beyond it
 const UP = new Vector3(0, 0, 1);
@@ -43,6 +43,17 @@ export class Machine {
     for (const rollers of this.rollers) rollers.update();
   }
 
+  // As fine as can be seen from a point, where a metre at a distance of a metre takes that many pixels.
+  refine(eye, pixels) {
+    for (const { type, wheels, mesh, geometryFor } of this.rollers) {
+      const distances = wheels.map(({ frame }) => new Vector3().setFromMatrixPosition(frame).distanceTo(eye));
+      const nearest = Math.max(Math.min(...distances) - type.radius, 0.1 * type.radius);
+      const detail = detailFor(type, pixels / nearest);
+      mesh.geometry = geometryFor(detail);
+      for (const wheel of wheels) wheel.hub.geometry = wheel.geometryFor(detail);
+    }
+  }
+
   // Centre of roller i of wheel w, as drawn.
   rollerPosition(w, i) {
     const place = new Matrix4();
@@ -57,12 +68,9 @@ export class Machine {
 class Wheel {
   constructor(wheel, type, motion) {
     Object.assign(this, { wheel, type, motion, path: `wheels/${wheel.name}` });
-    this.hub = new Mesh(
-      hubGeometry(type, wheel),
-      new MeshStandardMaterial({ color: 0xb4bcc4, metalness: 0.75, roughness: 0.38 }),
-    );
+    this.hub = new Mesh(undefined, new MeshPhongMaterial({ color: 0xb4bcc4, specular: 0x666666, shininess: 40 }));
+    this.geometryFor = perDetail((detail) => hubGeometry(type, wheel, detail));
     this.hub.matrixAutoUpdate = false;
-    this.hub.castShadow = this.hub.receiveShadow = true;
     const [x, y] = wheel.position;
     this.mount = new Matrix4().makeRotationAxis(UP, wheel.heading).setPosition(x, y, type.radius);
     this.frame = new Matrix4(); // heading, axle, up at the wheel centre
@@ -96,6 +104,12 @@ class Wheel {
   }
 }
 
+// Made at its first use.
+function perDetail(make) {
+  const made = new Map();
+  return (detail) => made.get(detail) ?? made.set(detail, make(detail)).get(detail);
+}
+
 // All rollers of one type of wheel, mirrored or not: they have one geometry.
 class Rollers {
   constructor(type, wheels) {
@@ -108,10 +122,11 @@ class Rollers {
         path: `${wheel.path}/rollers/joint_angle`,
       })),
     );
-    const material = new MeshStandardMaterial({ vertexColors: true, roughness: 0.72, metalness: 0.05 });
-    this.mesh = new InstancedMesh(rollerGeometry(type), material, this.drawn.length);
+    Object.assign(this, { type, wheels, geometryFor: perDetail((detail) => rollerGeometry(type, detail)) });
+    const material = new MeshPhongMaterial({ map: stripes(), specular: 0x333333, shininess: 20 });
+    material.color.setScalar(3);
+    this.mesh = new InstancedMesh(undefined, material, this.drawn.length);
     this.mesh.frustumCulled = false;
-    this.mesh.castShadow = this.mesh.receiveShadow = true;
   }
 
   update() {

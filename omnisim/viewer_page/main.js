@@ -4,8 +4,11 @@ import { Arrows, KINDS } from "omnisim/arrows";
 import { Chart } from "omnisim/chart";
 import { Machine } from "omnisim/machine";
 import { Motion } from "omnisim/motion";
+import { FINEST, Quality } from "omnisim/quality";
 import { Stage } from "omnisim/stage";
 import { Timebar } from "omnisim/timebar";
+
+const SETTLED = 150; // ms without a change, after which it is drawn at its finest
 
 const element = (id) => document.getElementById(id);
 const data = JSON.parse(element("data").textContent);
@@ -13,6 +16,11 @@ const motion = new Motion(data.motion);
 const machine = new Machine(data.machine, motion);
 const arrows = new Arrows(machine, motion);
 machine.update();
+const quality = new Quality();
+let playing = false;
+let asked, resting; // a frame to come, and the timer of one at rest
+let before, told; // when the last frame was, if it led to this one, and when numbers last changed, ms
+let largest; // of each kind of arrow
 const stage = stageOrReason();
 stage.scene.add(arrows.group);
 
@@ -25,11 +33,10 @@ const [chart, timebar] = [
     seek,
   ),
 ];
-let [playing, before] = [false, 0];
 
 function stageOrReason() {
   try {
-    return new Stage(element("stage"), machine, motion);
+    return new Stage(element("stage"), machine, motion, wake);
   } catch (error) {
     const problem = document.createElement("p");
     Object.assign(problem, {
@@ -42,15 +49,20 @@ function stageOrReason() {
 }
 
 function seek(t) {
-  motion.seek(t);
-  machine.update();
-  tell(arrows.update());
-  timebar.update(motion.time);
-  chart.update();
-  stage.stale = true;
+  move(t);
+  tell();
 }
 
-function tell(largest) {
+function move(t) {
+  motion.seek(t);
+  machine.update();
+  largest = arrows.update();
+  wake();
+}
+
+function tell() {
+  timebar.update(motion.time);
+  chart.update();
   element("clock").textContent = `${motion.time.toFixed(3)} s of ${Number(motion.duration.toPrecision(6))} s`;
   const units = { normal: "N", friction: "N", slip: "m/s" };
   for (const kind of KINDS) {
@@ -67,10 +79,12 @@ function play() {
   if (motion.time >= motion.duration) seek(0);
   playing = true;
   showPlaying();
+  wake();
 }
 
 function pause() {
   playing = false;
+  tell();
   showPlaying();
 }
 
@@ -87,14 +101,27 @@ function step(by) {
   seek(motion.times[Math.min(Math.max(between ? row : row + by, 0), motion.times.length - 1)]);
 }
 
+// A frame is drawn only where something has changed since the last one; a change while it is drawn asks for the next.
+function wake() {
+  asked ??= requestAnimationFrame(frame);
+}
+
 function frame(now) {
+  asked = undefined;
+  clearTimeout(resting);
+  const passed = before ? (now - before) / 1000 : 0; // s
+  if (passed) quality.passed(passed);
   if (playing) {
-    seek(motion.time + (element("speed").value * (now - before)) / 1000);
+    move(motion.time + element("speed").value * passed);
+    if (!(now - told < 1000 * quality.level.pause)) {
+      tell();
+      told = now;
+    }
     if (motion.time >= motion.duration) pause();
   }
-  before = now;
-  stage.draw();
-  requestAnimationFrame(frame);
+  stage.draw(quality.level);
+  before = asked && now;
+  if (!asked && quality.level !== FINEST) resting = setTimeout(() => stage.draw(FINEST), SETTLED);
 }
 
 const toggle = () => (playing ? pause() : play());
@@ -125,7 +152,7 @@ element("shown").addEventListener("change", ({ target }) => {
   if (target.value === "trace") stage.trace.visible = target.checked;
   if (target.value === "chassis") machine.chassis.visible = target.checked;
   arrows.update();
-  stage.stale = true;
+  wake();
 });
 
 function recolour() {
@@ -141,10 +168,6 @@ element("status").textContent = data.status === "complete" ? "" : data.status;
 element("status").hidden = data.status === "complete";
 recolour();
 seek(0);
-requestAnimationFrame((now) => {
-  before = now;
-  frame(now);
-});
 
 window.omnisim = {
   get time() {

@@ -3,60 +3,54 @@
 import {
   ACESFilmicToneMapping,
   BufferGeometry,
-  CanvasTexture,
   Color,
   DirectionalLight,
   Fog,
-  Group,
+  HemisphereLight,
+  InstancedMesh,
   Line,
   LineBasicMaterial,
-  Mesh,
+  Matrix4,
   MeshBasicMaterial,
   OrbitControls,
-  PCFShadowMap,
   PerspectiveCamera,
   PlaneGeometry,
-  PMREMGenerator,
-  RepeatWrapping,
-  RoomEnvironment,
   Scene,
-  ShadowMaterial,
-  SRGBColorSpace,
   Vector3,
   WebGLRenderer,
 } from "vendor";
+import { shadowOf } from "omnisim/shadow";
 
-const CELLS = 160; // along the floor, which comes along with the machine
+const SUN = new Vector3(1.2, -0.8, 2.6); // towards it
+const FIELD = (38 * Math.PI) / 180; // of view, upwards
+const FOG = [1.1, 3.5]; // where it begins and ends, in distances from the machine
+const REACH = 12; // of the grid, in sizes of the machine
+const LINE = 1.5; // width in pixels, at the machine
 
 export class Stage {
-  constructor(element, machine, motion) {
-    Object.assign(this, { element, machine, motion, follows: true });
+  constructor(element, machine, motion, changed) {
+    Object.assign(this, { element, machine, motion, changed, follows: true });
     const size = machine.size;
-    this.renderer = new WebGLRenderer({ antialias: true });
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
-    this.renderer.toneMapping = ACESFilmicToneMapping;
-    this.renderer.shadowMap.enabled = true;
-    this.renderer.shadowMap.type = PCFShadowMap;
-    element.append(this.renderer.domElement);
-
+    this.renderers = new Map(); // a canvas smooths edges or not, for good: one of each kind
+    this.rendererFor(true);
     this.scene = new Scene();
-    const room = new PMREMGenerator(this.renderer);
-    this.scene.environment = room.fromScene(new RoomEnvironment(), 0.04).texture;
-    this.scene.environmentIntensity = 0.65;
-    this.scene.fog = new Fog(0, 4 * size, 16 * size);
+    this.scene.fog = new Fog(0);
     this.scene.background = new Color();
-    this.camera = new PerspectiveCamera(38, 1, 0.02 * size, 40 * size);
+    this.camera = new PerspectiveCamera((180 / Math.PI) * FIELD, 1, 0.02 * size, 40 * size);
     this.camera.up.set(0, 0, 1);
-    this.sun = sunFor(size);
     this.cell = cellFor(size);
-    this.floor = floorFor(CELLS * this.cell);
+    this.grid = new Grid(this.cell, REACH * size);
     this.trace = traceOf(motion);
-    this.scene.add(machine.group, this.sun, this.sun.target, this.floor, this.trace);
+    const [sun, sky] = [new DirectionalLight(0xffffff, 2.2), new HemisphereLight(0xffffff, 0xb8c0c8, 3.4)];
+    sun.position.copy(SUN);
+    sky.position.set(0, 0, 1);
+    this.scene.add(machine.group, shadowOf(machine.group, SUN), sun, sky, this.grid.mesh, this.trace);
 
-    this.controls = new OrbitControls(this.camera, this.renderer.domElement);
+    this.controls = new OrbitControls(this.camera, element);
     this.controls.enableDamping = true;
     this.controls.maxPolarAngle = 0.495 * Math.PI;
-    Object.assign(this.controls, { minDistance: 0.3 * size, maxDistance: 12 * size });
+    Object.assign(this.controls, { minDistance: 0.3 * size, maxDistance: 6 * size });
+    this.controls.addEventListener("change", changed);
     this.last = new Vector3();
     this.look();
     new ResizeObserver(() => this.resize()).observe(element);
@@ -65,47 +59,59 @@ export class Stage {
 
   // From front left and above, at the machine; from further away where the window is narrow.
   look() {
-    const away = 1.15 * Math.max(1, this.element.clientHeight / this.element.clientWidth) * this.machine.size;
-    this.controls.target.set(0, 0, 0.8 * this.machine.height);
+    const away = Math.max(0.85, (1.15 * this.element.clientHeight) / this.element.clientWidth) * this.machine.size;
+    this.controls.target.set(0, 0, 0.9 * this.machine.height);
     this.camera.position.set(1.75, 1.75, 1.3).multiplyScalar(away).add(this.controls.target);
   }
 
   recolour(colour) {
-    this.stale = true;
     this.scene.background.set(colour("ground"));
     this.scene.fog.color.set(colour("ground"));
     this.trace.material.color.set(colour("trace"));
-    const [ground] = this.floor.children;
-    ground.material.map?.dispose();
-    ground.material.map = gridTexture(colour("ground"), colour("grid"), this.renderer.capabilities.getMaxAnisotropy());
+    this.grid.mesh.material.color.set(colour("grid"));
+    this.changed();
   }
 
   resize() {
     const { clientWidth: width, clientHeight: height } = this.element;
-    this.renderer.setSize(width, height);
     this.camera.aspect = width / height;
-    // The panel at the bottom hides that part of the view: centre the rest.
-    this.camera.setViewOffset(width, height, 0, Math.round(0.15 * height), width, height);
     this.camera.updateProjectionMatrix();
-    this.stale = true;
+    this.changed();
   }
 
-  // A picture is drawn only where something has changed: `stale`, or the camera.
-  draw() {
-    const { position } = this.machine;
+  // A picture, of a part of the screen's pixels along each side.
+  draw({ antialias, part }) {
+    const { camera, controls, element, grid, machine, scene } = this;
+    const { position } = machine;
     if (this.follows) {
       const moved = position.clone().sub(this.last);
-      this.controls.target.add(moved);
-      this.camera.position.add(moved);
+      controls.target.add(moved);
+      camera.position.add(moved);
     }
     this.last.copy(position);
-    this.sun.target.position.copy(position);
-    this.sun.position.copy(position).add(this.sun.userData.from);
-    const snapped = (x) => this.cell * Math.round(x / this.cell); // the lines stay, their ends come along
-    this.floor.position.set(snapped(position.x), snapped(position.y), 0);
+    controls.update();
+    const renderer = this.rendererFor(antialias);
+    const [canvas, ratio] = [renderer.domElement, part * Math.min(devicePixelRatio, 2)];
+    const [width, height] = [element.clientWidth, element.clientHeight];
+    if (canvas.width !== Math.floor(width * ratio) || canvas.height !== Math.floor(height * ratio))
+      renderer.setDrawingBufferSize(width, height, ratio);
+    const pixels = canvas.height / (2 * Math.tan(FIELD / 2)); // of a metre at a distance of a metre
+    const distance = controls.getDistance();
+    machine.refine(camera.position, pixels);
+    grid.update(position, (LINE * distance) / pixels);
+    Object.assign(scene.fog, { near: FOG[0] * distance, far: Math.min(FOG[1] * distance, REACH * machine.size) });
     this.trace.geometry.setDrawRange(0, this.motion.row + 2);
-    if (this.controls.update() || this.stale) this.renderer.render(this.scene, this.camera);
-    this.stale = false;
+    renderer.render(scene, camera);
+    if (canvas.parentElement !== element) element.replaceChildren(canvas);
+  }
+
+  rendererFor(antialias) {
+    if (!this.renderers.has(antialias)) {
+      const renderer = new WebGLRenderer({ antialias, stencil: true });
+      renderer.toneMapping = ACESFilmicToneMapping;
+      this.renderers.set(antialias, renderer);
+    }
+    return this.renderers.get(antialias);
   }
 }
 
@@ -115,51 +121,27 @@ function cellFor(size) {
   return power * [5, 2, 1].find((factor) => factor * power <= size / 3);
 }
 
-function sunFor(size) {
-  const sun = new DirectionalLight(0xffffff, 2.2);
-  sun.userData.from = new Vector3(1.2, -0.8, 2.6).multiplyScalar(2 * size);
-  sun.castShadow = true;
-  sun.shadow.mapSize.set(2048, 2048);
-  const reach = 1.5 * size;
-  Object.assign(sun.shadow.camera, {
-    left: -reach,
-    right: reach,
-    top: reach,
-    bottom: -reach,
-    near: 0.1 * size,
-    far: 12 * size,
-  });
-  sun.shadow.bias = -0.0005;
-  sun.shadow.radius = 3;
-  return sun;
-}
+// Lines on the floor as thin faces: where a line of one pixel leaves the view, software WebGL drops it altogether.
+class Grid {
+  constructor(cell, reach) {
+    const n = Math.ceil(reach / cell);
+    Object.assign(this, { cell, n, length: 2 * n * cell });
+    const material = new MeshBasicMaterial({ toneMapped: false, depthWrite: false });
+    this.mesh = new InstancedMesh(new PlaneGeometry(1, 1), material, 2 * (2 * n + 1));
+    Object.assign(this.mesh, { frustumCulled: false, renderOrder: -1 });
+  }
 
-// The ground with its grid, in its own colours, and the shadow on it.
-function floorFor(width) {
-  const plane = new PlaneGeometry(width, width);
-  const ground = new Mesh(
-    plane,
-    new MeshBasicMaterial({ toneMapped: false, depthWrite: false, map: new CanvasTexture() }),
-  );
-  const shadow = new Mesh(plane, new ShadowMaterial({ opacity: 0.35, depthWrite: false }));
-  ground.renderOrder = -1;
-  shadow.receiveShadow = true;
-  return new Group().add(ground, shadow);
-}
-
-// One cell with half a line along each edge.
-function gridTexture(ground, grid, anisotropy) {
-  const size = 256;
-  const canvas = Object.assign(document.createElement("canvas"), { width: size, height: size });
-  const pen = canvas.getContext("2d");
-  pen.fillStyle = ground;
-  pen.fillRect(0, 0, size, size);
-  Object.assign(pen, { strokeStyle: grid, lineWidth: 0.016 * size });
-  pen.strokeRect(0, 0, size, size);
-  const texture = new CanvasTexture(canvas);
-  Object.assign(texture, { wrapS: RepeatWrapping, wrapT: RepeatWrapping, colorSpace: SRGBColorSpace, anisotropy });
-  texture.repeat.set(CELLS, CELLS);
-  return texture;
+  // Around a point, m; the lines stay where they are while their ends come along.
+  update({ x, y }, width) {
+    const { cell, mesh, n, length } = this;
+    const [cx, cy] = [cell * Math.round(x / cell), cell * Math.round(y / cell)];
+    const line = new Matrix4();
+    for (let i = -n; i <= n; i++) {
+      mesh.setMatrixAt(n + i, line.makeScale(width, length, 1).setPosition(cx + i * cell, cy, 0));
+      mesh.setMatrixAt(3 * n + 1 + i, line.makeScale(length, width, 1).setPosition(cx, cy + i * cell, 0));
+    }
+    mesh.instanceMatrix.needsUpdate = true;
+  }
 }
 
 // The path of the chassis origin, or of the wheel centre, on the floor.

@@ -5,47 +5,76 @@ import {
   BufferAttribute,
   CircleGeometry,
   CylinderGeometry,
+  DataTexture,
   LatheGeometry,
+  LinearFilter,
   Matrix4,
+  RepeatWrapping,
   Vector2,
   Vector3,
   mergeGeometries,
 } from "vendor";
 
-const SEGMENTS = 32; // around a roller
-const STRIPE = 16; // every so many segments a bright one shows how the roller turns
+// Segments around a roller and rows along it, coarsest first: each outline is about half as far from round as the last.
+const DETAILS = [
+  { segments: 12, rows: 5 },
+  { segments: 16, rows: 9 },
+  { segments: 24, rows: 9 },
+  { segments: 32, rows: 17 },
+  { segments: 48, rows: 17 },
+];
+const OFF_ROUND = 0.3; // pixels that nobody sees
+const STRIPE = [0, 0.5]; // where around a roller bright stripes show how it turns
+const PLAIN = 0.25; // where there is none
+
+// The coarsest detail that looks exact where a metre takes that many pixels.
+export function detailFor({ radius, rollers, profile }, pixels) {
+  const chord = (r, angle) => r * (1 - Math.cos(angle / 2)); // how far its middle is from the arc, m
+  const offRound = ({ segments, rows }) =>
+    Math.max(chord(thickest(profile), (2 * Math.PI) / segments), chord(radius, (2 * Math.PI) / rollers / (rows - 1)));
+  return DETAILS.find((detail) => offRound(detail) * pixels < OFF_ROUND) ?? DETAILS.at(-1);
+}
 
 // The exact roller: its profile [[u, r], ...] turned about its axis, closed by discs, on a pin.
-export function rollerGeometry({ profile }) {
+export function rollerGeometry({ profile }, { segments, rows }) {
+  const stride = (profile.length - 1) / (rows - 1);
+  const chosen = profile.filter((_, i) => i % stride === 0);
   const surface = new LatheGeometry(
-    profile.map(([u, r]) => new Vector2(r, u)),
-    SEGMENTS,
+    chosen.map(([u, r]) => new Vector2(r, u)),
+    segments,
   );
-  const rows = profile.length;
-  const colours = new Float32Array(3 * rows * (SEGMENTS + 1));
-  for (let i = 0; i <= SEGMENTS; i++) colours.fill(i % STRIPE < 2 ? 3 : 1, 3 * rows * i, 3 * rows * (i + 1));
-  surface.setAttribute("color", new BufferAttribute(colours, 3));
   const [length, tip] = profile.at(-1);
-  const middle = Math.max(...profile.map(([, r]) => r));
+  const middle = thickest(profile);
   const ends = [-1, 1].map((side) =>
-    new CircleGeometry(Math.max(tip, 1e-9), SEGMENTS).rotateX((-side * Math.PI) / 2).translate(0, side * length, 0),
+    new CircleGeometry(Math.max(tip, 1e-9), segments).rotateX((-side * Math.PI) / 2).translate(0, side * length, 0),
   );
-  const pin = new CylinderGeometry(0.15 * middle, 0.15 * middle, 2 * length + 0.25 * middle, 12);
-  return mergeGeometries([surface, ...[...ends, pin].map(white)]);
+  const pin = new CylinderGeometry(0.15 * middle, 0.15 * middle, 2 * length + 0.25 * middle, segments / 2);
+  return mergeGeometries([surface, ...[...ends, pin].map(plain)]);
+}
+
+// Once around a roller: what its colour is multiplied with, of at most 3.
+export function stripes() {
+  const [width, texels] = [32, new Uint8Array(4 * 32).fill(85)];
+  for (const place of STRIPE) texels.fill(255, 4 * width * place, 4 * (width * place + 2));
+  const texture = new DataTexture(texels, width, 1);
+  Object.assign(texture, { magFilter: LinearFilter, minFilter: LinearFilter, wrapS: RepeatWrapping });
+  texture.needsUpdate = true;
+  return texture;
 }
 
 // What carries the rollers, as plain as can be: a hub, and an ear to either tip of each roller.
-export function hubGeometry(type, wheel) {
+export function hubGeometry(type, wheel, { segments }) {
   const { radius, rollerDistance, rollers, profile } = type;
   const [length] = profile.at(-1);
-  const middle = Math.max(...profile.map(([, r]) => r));
+  const middle = thickest(profile);
   const pinned = length + 0.08 * middle; // along the pin, beyond the roller's end
   const side = Math.abs(pinned * Math.sin(wheel.psi));
   const hub = Math.max(rollerDistance - 1.12 * middle, 0.3 * rollerDistance);
-  const parts = [new CylinderGeometry(hub, hub, 2 * Math.max(side, 0.7 * middle), 48)];
+  const parts = [new CylinderGeometry(hub, hub, 2 * Math.max(side, 0.7 * middle), 2 * segments)];
   if (side > middle) {
     const plate = Math.max(rollerDistance - 0.35 * middle, hub);
-    for (const y of [-side, side]) parts.push(new CylinderGeometry(plate, plate, 0.16 * middle, 48).translate(0, y, 0));
+    const disc = new CylinderGeometry(plate, plate, 0.16 * middle, 2 * segments);
+    for (const y of [-side, side]) parts.push(disc.clone().translate(0, y, 0));
   }
   for (let i = 0; i < rollers; i++) {
     const frame = rollerFrame(type, wheel, i);
@@ -71,10 +100,14 @@ export function rollerFrame({ rollerDistance, rollers }, { psi, phase }, i) {
 // Half the width of a wheel along its axle.
 export function halfWidth({ profile }, { psi }) {
   const [length] = profile.at(-1);
-  return Math.max(Math.abs(length * Math.sin(psi)), ...profile.map(([, r]) => r));
+  return Math.max(Math.abs(length * Math.sin(psi)), thickest(profile));
 }
 
-function white(geometry) {
+function thickest(profile) {
+  return Math.max(...profile.map(([, r]) => r));
+}
+
+function plain(geometry) {
   const count = geometry.attributes.position.count;
-  return geometry.setAttribute("color", new BufferAttribute(new Float32Array(3 * count).fill(1), 3));
+  return geometry.setAttribute("uv", new BufferAttribute(new Float32Array(2 * count).fill(PLAIN), 2));
 }
