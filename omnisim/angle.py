@@ -17,19 +17,11 @@ MOST_TURNS = 2.0**52  # the rounding of more, and of what is no number, has no i
 @kernel
 def cos_sin(x):
     """Cosine and sine of x, rad, each to 1e-16 and that of x rounded; exactly even and odd."""
-    if abs(x) <= EIGHTH_TURN:  # a roller on the floor, unless a wheel has only three
-        return reduced(x)
-    turns = (x * TWO_OVER_PI + TO_INTEGER) - TO_INTEGER
-    c, s = reduced(((x - turns * PI_HALVES[0]) - turns * PI_HALVES[1]) - turns * PI_HALVES[2])
-    quarter = int(turns) if abs(turns) < MOST_TURNS else 0
-    if quarter & 1:
-        s, c = c, s
-    return -c if (quarter + 1) & 2 else c, -s if quarter & 2 else s
-
-
-@kernel
-def reduced(r):
-    """The same for |r| <= pi / 4."""
+    r, quarter = x, 0
+    if abs(x) > EIGHTH_TURN:  # no roller on the floor, unless a wheel has only three
+        turns = (x * TWO_OVER_PI + TO_INTEGER) - TO_INTEGER
+        r = ((x - turns * PI_HALVES[0]) - turns * PI_HALVES[1]) - turns * PI_HALVES[2]
+        quarter = int(turns) if abs(turns) < MOST_TURNS else 0
     z = r * r
     w = z * z
     sine = (-1.66666666666666324348e-01 + z * 8.33333333332248946124e-03) + w * (
@@ -40,4 +32,9 @@ def reduced(r):
         (2.48015872894767294178e-05 + z * -2.75573143513906633035e-07)
         + w * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11)
     )
-    return (1.0 - 0.5 * z) + w * cosine, r + (r * z) * sine
+    s, c = r + (r * z) * sine, (1.0 - 0.5 * z) + w * cosine
+    if quarter == 0:
+        return c, s
+    if quarter & 1:
+        s, c = c, s
+    return -c if (quarter + 1) & 2 else c, -s if quarter & 2 else s

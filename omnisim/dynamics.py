@@ -74,7 +74,7 @@ def reduced_rhs(parameters, mode, piece, t, y, dy, watch, kept):
             if not part.slides:
                 plane, work = observe_wheel(parameters, mode[w], piece, t, w, body, share, plane, y, dy, watch[w], kept)
                 power, sought = power + work, sought + part.sought
-                pushing = pushing or mode[w].shared
+                pushing = pushing or mode[w].shared == 1
     if others or carried:
         regular = 1.0
         if sought:

@@ -89,7 +89,7 @@ def multibody_rhs(parameters, mode, piece, t, y, dy, watch, kept):
             meet(parameters, mode[w], w, side, carrier, body, y)
         place_load(wheels[w], room, w)
         sought += part.sought
-        pushing = pushing or mode[w].shared
+        pushing = pushing or mode[w].shared == 1
         if holds(part, room.contacts[2 * w]):
             plane = held_body(machine, room.loads, room.contacts[2 * w], plane)
     if sought:

@@ -77,7 +77,7 @@ def blank_rows(run: Run, count: int) -> Rows:
         y=np.empty((count, len(run.y))),
         rates=np.empty((count, wheels, rollers)),
         mode=blank(MODE, count, wheels),
-        piece=np.empty(count, np.int64),
+        piece=np.empty(count, np.uint32),
     )
 
 
