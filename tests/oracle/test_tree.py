@@ -12,14 +12,16 @@ import pytest
 
 import omnisim
 from omnisim.constraints import matrices
+from omnisim.contact.coulomb import STICK
 from omnisim.loop import Loop
 from omnisim.runge_kutta import evaluate
 from omnisim.state import BODY_STATES, places_in
 from oracle.cases import REFERENCE
-from oracle.machine import Machine
+from oracle.machine import AXIS, OMEGA, UP, VELOCITY, Machine
 
 HERE = REFERENCE.parent / "oracle"
 PUSH = "wrench={times=[0.0], force=[[1.0, -2.0, 3.0]], yaw_torque=[0.1]}"
+AT_REST = ["initial={yaw_deg=25.0}", *(f"wheels.{name}.spin_rate=0.0" for name in ("front", "left", "right"))]
 SCENES = {
     "bare wheel": (REFERENCE / "testbench_psi30.toml", [PUSH]),
     "kiwi": (REFERENCE / "kiwi.toml", []),
@@ -27,7 +29,30 @@ SCENES = {
     "mecanum on a servo": (REFERENCE / "mecanum.toml", ["scene.upright=servo"]),
     "skew machine": (HERE / "skew.toml", []),
     "viscous": (REFERENCE / "kiwi.toml", ["friction={law='viscous', viscosity=5.0}"]),
+    "sticking": (HERE / "skew.toml", ["friction={law='coulomb', coefficient=0.9}", *AT_REST]),
 }  # fmt: skip
+
+
+class Given(Machine):
+    """The same bodies and multipliers under given forces of friction: on each wheel's roller, world axes."""
+
+    def __init__(self, scene: dict) -> None:
+        super().__init__(scene | {"friction": {"law": "none"}})
+
+    def touch(self, wheel, bodies, roller):
+        return super().touch(wheel, bodies, roller)._replace(free=self.forces[self.wheels.index(wheel)])
+
+
+def slip_rate(wheel, roller: int, bodies: np.ndarray, accelerations: np.ndarray) -> np.ndarray:
+    """Rate of the slip velocity (2,) of a roller on the floor, by a central difference: m/s^2."""
+    body, acceleration = (of[wheel.rollers.start + roller % wheel.count] for of in (bodies, accelerations))
+    slips = []
+    for step in (-1e-5, 1e-5):
+        axis = body[AXIS] + step * np.cross(body[OMEGA], body[AXIS])
+        p, _ = wheel.lowest_point(axis / np.linalg.norm(axis))
+        rate = body[OMEGA] + step * acceleration[3:]
+        slips.append(body[VELOCITY] + step * acceleration[:3] + np.cross(rate, p))
+    return (slips[1] - slips[0])[:2] / 2e-5
 
 
 def bodies_of(y: np.ndarray, parameters, chassis: bool) -> np.ndarray:
@@ -52,7 +77,9 @@ def solutions(request):
     scene = omnisim.load(
         path, [*overrides, "solver.formulation=multibody", "time={end=1.0, step=2e-5, output_interval=0.02}"]
     )
-    chassis, oracle, loop = scene.config.chassis is not None, Machine(tomllib.loads(scene.text)), Loop(scene)
+    sticks = scene.config.friction.law == "coulomb"
+    kind = Given if sticks else Machine
+    chassis, oracle, loop = scene.config.chassis is not None, kind(tomllib.loads(scene.text)), Loop(scene)
     parameters, run, found = loop.parameters, loop.run, []
     for _ in range(4):
         assert loop.advance(0.02)  # to the next row
@@ -60,6 +87,12 @@ def solutions(request):
         evaluate(parameters, run.mode, piece, loop.time, run.y, dy, run.watch)
         bodies, room = bodies_of(run.y, parameters, chassis), parameters.room
         mode = oracle.mode(loop.time, [int(one.roller) for one in run.mode])
+        if sticks:
+            assert (run.mode.grip[:, 0] == STICK).all()
+            oracle.forces = [
+                force[0] * np.cross(bodies[wheel.disk, AXIS], UP) + force[1] * bodies[wheel.disk, AXIS]
+                for wheel, force in zip(oracle.wheels, room.contacts.force[::2], strict=True)
+            ]
         rates = bodies_of(dy, parameters, chassis)
         joints = [
             np.concatenate([room.joints[w, i].force, room.joints[w, i].moment])
@@ -68,29 +101,37 @@ def solutions(request):
         ]
         ours = rates[:, 12:], room.parts.normal_force.copy(), room.loads.servo.copy(), np.array(joints)
         energies = loop.trajectory()["energy/kinetic"][-1], oracle.kinetic_energy(bodies)
-        found.append((ours, oracle.solve(loop.time, bodies, mode), energies))
+        theirs = oracle.solve(loop.time, bodies, mode)
+        left = [slip_rate(*of, bodies, theirs.acceleration) for of in zip(oracle.wheels, mode.contacts, strict=True)]
+        found.append((ours, theirs, energies, left if sticks else []))
     return found
 
 
 def test_every_body_has_the_acceleration_of_the_dense_solution(solutions):
-    for (accelerations, *_), oracle, _ in solutions:
+    for (accelerations, *_), oracle, *_ in solutions:
         scale = np.abs(oracle.acceleration).max()
         assert np.abs(accelerations - oracle.acceleration).max() < 1e-10 * scale  # measured: 6e-12
 
 
 def test_the_floor_carries_what_the_dense_solution_says(solutions):
-    for (_, normal, servo, _), oracle, _ in solutions:
+    for (_, normal, servo, _), oracle, *_ in solutions:
         assert np.abs(normal - oracle.normal_force).max() < 1e-13 * np.abs(normal).max()  # measured: 5e-15
         if len(oracle.servo_torque):
             assert np.abs(servo[: len(oracle.servo_torque)] - oracle.servo_torque).max() < 1e-12  # N m; measured: 1e-14
 
 
 def test_every_joint_carries_its_multipliers(solutions):
-    for (*_, joints), oracle, _ in solutions:
+    for (*_, joints), oracle, *_ in solutions:
         scale = np.abs(oracle.joints).max()
         assert np.abs(joints - oracle.joints).max() < 1e-13 * scale  # measured: 5e-15
 
 
 def test_the_energy_that_is_written_is_that_of_all_bodies(solutions):
-    for *_, (written, of_bodies) in solutions:
+    for _, _, (written, of_bodies), _ in solutions:
         assert abs(written - of_bodies) < 1e-14 * of_bodies  # measured: 4e-16
+
+
+def test_sticking_forces_hold_the_slip_of_the_dense_solution(solutions):
+    """Rollers that stick: under their forces the bodies of the dense solution have no slip acceleration left."""
+    for *_, left in solutions:
+        assert np.abs(left).max(initial=0.0) < 1e-8  # m/s^2; measured: 1.1e-9, of the difference
