@@ -65,6 +65,8 @@ def about_scene(scene: Scene) -> str:
     with compilation_noted():
         parameters = pack(config)
         sections = [aligned(run_facts(scene, parameters)), describe(config, parameters).text]
+        if found := estimate_table(config):
+            sections.append(f"estimated from shapes, since the scene leaves them out\n{found}")
         if config.chassis:
             sections += [
                 section("machine", machine_facts(parameters)),
@@ -98,6 +100,14 @@ def run_facts(scene: Scene, parameters: Parameters) -> dict[str, str]:
         "run": f"{time.end:g} s {steps}",
         "output": f"{time.outputs + 1} rows, one every {time.output_interval:g} s",
     }
+
+
+def estimate_table(config: Config) -> str:
+    """One line for each number that the scene leaves out; empty if there is none."""
+    from omnisim.estimates import estimates
+    from omnisim.toml_text import show_path
+
+    return columns([(show_path(found.path), found.value, found.of) for found in estimates(config)], indent="  ")
 
 
 def machine_facts(parameters: Parameters) -> dict[str, str]:

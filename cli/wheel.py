@@ -93,7 +93,7 @@ def dimensions(kind: WheelType, record: np.record) -> dict[str, str]:
     from omnisim.geometry import solid
     from omnisim.roller import length, profile_radius, tip_radius
 
-    body, roller = solid(record), kind.roller
+    body, roller = solid(record, kind.roller.bore_radius), kind.roller
     density = roller.mass / body.volume
     return {
         "rolling radius": f"{mm(kind.radius)}, for the controller: {kind.radius:g} m at every angle",

@@ -26,6 +26,10 @@ RULES = """## Rules across keys
 - `output_interval / step` and `end / output_interval` are integers, to 1e-9; a run has at most 1e10 steps.
 - `formulation = "multibody"` takes `heun`, `rk4` or `dopri5`. `contact_torque = "contensou"` needs the regularized law.
 - `roller_distance` is at most `radius cos(pi / roller_count)`, where the tips of the rollers are points.
+- Masses and inertias may be left out where shapes give them: a roller has a `mass` or a `density`; a disk has
+  `inertia_axle` or `hub_radius`, and `inertia_diameter` or `width`; a chassis has a `size`, or both `center_of_mass`
+  and `inertia`. Given numbers win; `omnisim info` lists the estimates. `bore_radius` is less than
+  `radius - roller_distance`.
 - Moments of inertia are those that a body can have: `inertia_axial` at most twice `inertia_transverse`; each of a
   chassis at most the sum of the other two.
 - A scene without `[chassis]` has one wheel, and `[initial]` places it. With one, every wheel has a position; names are
@@ -41,6 +45,18 @@ DERIVED = {
     "[time] output_interval": "about `end / 100`, on the grid of the steps",
     "[solver] error": "none: `time.step` is used",
     "[friction] patch_radius": 'required by `contact_torque = "contensou"`',
+    "[wheel_types.NAME] disk inertia_axle": "that of a cylinder, by `hub_radius`",
+    "[wheel_types.NAME] disk inertia_diameter": "that of a cylinder, by `width`",
+    "[wheel_types.NAME] disk hub_radius": "absent: not known",
+    "[wheel_types.NAME] disk width": "absent: not known",
+    "[wheel_types.NAME] roller mass": "that of the profile's solid, by `density`",
+    "[wheel_types.NAME] roller density": "absent: not known",
+    "[wheel_types.NAME] roller inertia_axial": "that of the profile's solid",
+    "[wheel_types.NAME] roller inertia_transverse": "the same",
+    "[chassis] center_of_mass": "the middle of a box, by `size`",
+    "[chassis] inertia": "that of a box, by `size`",
+    "[chassis] size": "absent: not known",
+    "[chassis] ground_clearance": "half the smallest wheel radius",
     "[[wheels]] position": "required in a machine, absent on a bare wheel",
     "[[wheels]] drive rate": "that of `[command]`",
     "[[wheels]] drive times": "absent: constant",

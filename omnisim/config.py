@@ -86,6 +86,9 @@ Twists = Annotated[
     Field(min_length=1, description="a list of one or more twists [vx, vy, yaw_rate] of finite numbers"),
 ]
 Point = Annotated[tuple[Real, Real, NonNegative], Field(description="three finite numbers [x, y, z], z >= 0")]
+Size = Annotated[
+    tuple[Positive, Positive, Positive], Field(description="three finite numbers > 0 [length, width, height]")
+]
 Inertia = Annotated[tuple[Positive, Positive, Positive], Field(description="three finite numbers > 0 [Ixx, Iyy, Izz]")]
 
 
@@ -172,23 +175,38 @@ class Friction(Table):
         return FRICTION_DEFAULTS.get(law, {}) | data if isinstance(law, str) else data
 
 
+# Masses, moments of inertia and a centre of mass that a scene leaves out are 0 here only until estimates.py has made
+# them of the shapes; `model_fields_set` keeps what was given.
+
+
 class Disk(Table):
-    """A wheel without its rollers: mass (kg), moments of inertia (kg m^2) about axle and diameter."""
+    """A wheel without its rollers: mass (kg), moments of inertia (kg m^2) about axle and diameter.
+
+    Inertias that are left out are those of a cylinder about the axle: hub_radius (m) gives that about the axle, width
+    (m) that about a diameter, which is half the other plus mass width^2 / 12.
+    """
 
     mass: Positive
-    inertia_axle: Positive
-    inertia_diameter: Positive
+    inertia_axle: Positive = 0.0
+    inertia_diameter: Positive = 0.0
+    hub_radius: Positive = 0.0
+    width: Positive = 0.0
 
 
 class Roller(Table):
     """One roller: mass (kg), moments of inertia (kg m^2) about its axis and across it.
 
+    What is left out is that of a solid of the exact profile with a bore of bore_radius (m): mass, if there is a density
+    (kg/m^3), and inertias.
+
     Friction of its bearing: viscosity (N m s), and a Coulomb torque (N m) that changes its sign over a rate (rad/s).
     """
 
-    mass: Positive
-    inertia_axial: Positive
-    inertia_transverse: Positive
+    mass: Positive = 0.0
+    density: Positive = 0.0
+    bore_radius: NonNegative = 0.0
+    inertia_axial: Positive = 0.0
+    inertia_transverse: Positive = 0.0
     bearing_viscosity: NonNegative = 0.0
     bearing_torque: NonNegative = 0.0
     bearing_rate: Positive = 0.1
@@ -210,11 +228,18 @@ class WheelType(Table):
 
 
 class Chassis(Table):
-    """[chassis]: mass (kg), centre of mass (m, z above the floor), inertia about it along chassis axes (kg m^2)."""
+    """[chassis]: mass (kg), centre of mass (m, z above the floor), inertia about it along chassis axes (kg m^2).
+
+    What is left out is that of a box: its middle, above the origin, and its inertia about its own middle, wherever the
+    centre of mass is. size = [length, width, height] is along x, y, z (m); ground_clearance (m) lies between it and the
+    floor.
+    """
 
     mass: Positive
-    center_of_mass: Point
-    inertia: Inertia
+    center_of_mass: Point = (0.0, 0.0, 0.0)
+    inertia: Inertia = (0.0, 0.0, 0.0)
+    size: Size = (0.0, 0.0, 0.0)
+    ground_clearance: NonNegative = 0.0
 
 
 class Drive(Table):
@@ -358,11 +383,19 @@ class Config(Table):
 
 
 def unused_keys(config: Config) -> tuple[str, ...]:
-    """Dotted keys that nothing reads: those of other friction laws, wheel types without a wheel."""
+    """Dotted keys that nothing reads: those of other friction laws, shapes beside the numbers that they would give,
+    wheel types without a wheel."""
     friction = config.friction.model_fields_set - {"law", *FRICTION_KEYS[config.friction.law]}
     friction -= {"contact_torque"} | ({"patch_radius"} if config.friction.contact_torque != "none" else set())
     types = set(config.wheel_types) - {wheel.type for wheel in config.wheels}
-    unread = (("friction", friction), ("wheel_types", types))
+    densities = {
+        f"{name}.roller.density"
+        for name, kind in config.wheel_types.items()
+        if {"mass", "density"} <= kind.roller.model_fields_set
+    }
+    chassis = config.chassis.model_fields_set if config.chassis else set()
+    clearance = chassis & {"ground_clearance"} if chassis & {"center_of_mass"} or not chassis & {"size"} else set()
+    unread = (("friction", friction), ("wheel_types", types | densities), ("chassis", clearance))
     return tuple(f"{table}.{key}" for table, keys in unread for key in sorted(keys))
 
 

@@ -1,6 +1,6 @@
-"""The rules of a machine as a whole: what carries it, and whether its wheels can follow the command.
+"""The rules of a machine as a whole: its bodies, what carries it, and whether its wheels can follow the command.
 
-They need wheels with types and places, so they come after the rules of rules.py.
+They need every mass and inertia, and wheels with types and places, so they come after the rules of rules.py.
 """
 
 import math
@@ -9,11 +9,33 @@ from itertools import pairwise
 
 from omnisim.config import Config
 from omnisim.problems import Problem
+from omnisim.rules import DECIMAL_TOLERANCE
 
 LINE_TOLERANCE = 1e-6  # area of a hull / (its longest distance)^2: below, its points lie on a line
 EDGE_TOLERANCE = 1e-9  # distance from the hull / its longest distance: below, a point lies on its edge
 
 Points = list[tuple[float, float]]
+
+
+def _inertia_rules(config: Config) -> Iterator[Problem]:
+    """Moments of inertia that a mass distribution can have: flat discs are the limit of rollers, plates of chassis."""
+    for name, wheel_type in config.wheel_types.items():
+        path, roller = ("wheel_types", name, "roller"), wheel_type.roller
+        limit = 2 * roller.inertia_transverse
+        if roller.inertia_axial <= limit * (1 + DECIMAL_TOLERANCE):
+            continue
+        if "inertia_axial" in roller.model_fields_set:
+            allowed = f"2 * inertia_transverse = {limit!r}: no body has more"
+            yield Problem((*path, "inertia_axial"), f"must be at most {allowed}")
+        else:
+            allowed = f"half of the inertia_axial that the profile gives, {roller.inertia_axial:.6g}: no body has less"
+            yield Problem((*path, "inertia_transverse"), f"must be at least {allowed}")
+    inertia = config.chassis.inertia if config.chassis else ()
+    for axis, moment in enumerate(inertia):
+        limit = sum(inertia) - moment
+        if moment > limit * (1 + DECIMAL_TOLERANCE):
+            allowed = f"the sum of the other two = {limit:.12g}: no body has more"
+            yield Problem(("chassis", "inertia", axis), f"must be at most {allowed}")
 
 
 def _upright_rules(config: Config) -> Iterator[Problem]:
@@ -107,4 +129,4 @@ def _beyond(point: tuple[float, float], a: tuple[float, float], b: tuple[float, 
     return -_cross(a, b, point) / math.dist(a, b)
 
 
-MACHINE_RULES = (_upright_rules, _command_rules)
+MACHINE_RULES = (_inertia_rules, _upright_rules, _command_rules)

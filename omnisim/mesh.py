@@ -7,6 +7,7 @@ import numpy as np
 
 from omnisim.config import WheelType
 from omnisim.geometry import hub_radius, of_type, profile, roller_frames
+from omnisim.solids import half_width, outline
 
 RINGS, CORNERS = 81, 160  # of a roller: vertices lie on the exact surface, volume and inertia are within 1e-3
 FINE = 257, 320  # for simulators, where every edge costs energy: about the most that MuJoCo reads, 200000 triangles
@@ -62,9 +63,7 @@ def whole(kind: WheelType) -> Mesh:
 
 def hub_half_width(kind: WheelType) -> float:
     """Of the drawn hub, m: as wide as rollers are thick amid, or as their axes are long across the wheel."""
-    wheel = of_type(kind)
-    across = profile(wheel, np.array([wheel.alpha]))[0][0] * abs(wheel.sin_psi)
-    return max(wheel.radius - wheel.roller_distance, across)
+    return half_width(outline(kind))
 
 
 def placed(part: Mesh, centre: np.ndarray, axis: np.ndarray) -> Mesh:

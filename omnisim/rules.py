@@ -70,28 +70,13 @@ def _contact_torque_rules(config: Config) -> Iterator[Problem]:
 
 
 def _wheel_type_rules(config: Config) -> Iterator[Problem]:
-    """Tips with r(alpha) >= 0; rollers that a mass distribution can have (a flat disc is the limit)."""
+    """Tips with r(alpha) >= 0."""
     for name, wheel_type in config.wheel_types.items():
         path = ("wheel_types", name)
         limit = wheel_type.radius * math.cos(math.pi / wheel_type.roller_count)
         if wheel_type.roller_distance > limit * (1 + DECIMAL_TOLERANCE):
             allowed = f"radius * cos(pi / roller_count) = {limit!r}: there the tips of the rollers are points"
             yield Problem((*path, "roller_distance"), f"must be at most {allowed}")
-        roller = wheel_type.roller
-        limit = 2 * roller.inertia_transverse
-        if roller.inertia_axial > limit * (1 + DECIMAL_TOLERANCE):
-            allowed = f"2 * inertia_transverse = {limit!r}: no body has more"
-            yield Problem((*path, "roller", "inertia_axial"), f"must be at most {allowed}")
-
-
-def _chassis_rules(config: Config) -> Iterator[Problem]:
-    """Moments of inertia that a mass distribution can have (a flat plate is the limit)."""
-    inertia = config.chassis.inertia if config.chassis else ()
-    for axis, moment in enumerate(inertia):
-        limit = sum(inertia) - moment
-        if moment > limit * (1 + DECIMAL_TOLERANCE):
-            allowed = f"the sum of the other two = {limit:.12g}: no body has more"
-            yield Problem(("chassis", "inertia", axis), f"must be at most {allowed}")
 
 
 def _wheel_rules(config: Config) -> Iterator[Problem]:
@@ -207,7 +192,6 @@ RULES = (
     _friction_rules,
     _contact_torque_rules,
     _wheel_type_rules,
-    _chassis_rules,
     _wheel_rules,
     _place_rules,
     _wrench_rules,

@@ -20,7 +20,7 @@ def hanging(head: str, text: str) -> str:
 
 
 def columns(rows: list[tuple[str, ...]], indent: str = "") -> str:
-    """A table: every column as wide as its longest cell; the last one is wrapped."""
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]) - 1)]
+    """A table: every column as wide as its longest cell; the last one is wrapped. Empty without rows."""
+    widths = [max(map(len, column)) for column in list(zip(*rows, strict=True))[:-1]]
     heads = ("  ".join(f"{cell:<{width}}" for cell, width in zip(row, widths, strict=False)) for row in rows)
     return "\n".join(hanging(f"{indent}{head}  ", row[-1]) for head, row in zip(heads, rows, strict=True))

@@ -1,31 +1,40 @@
 """From what tomllib returns to a Config, or to every problem found."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
 from pydantic import ValidationError
 
 from omnisim.config import Config
+from omnisim.estimates import complete, shape_rules
 from omnisim.machine_rules import MACHINE_RULES
-from omnisim.problems import ConfigError, schema_problems
+from omnisim.problems import ConfigError, Problem, schema_problems
 from omnisim.rules import RULES
+
+Rule = Callable[[Config], Iterator[Problem]]
 
 
 def validate(data: Mapping[str, Any]) -> Config:
-    """The scene in `data` (what tomllib returns), or ConfigError with every problem found.
+    """The scene in `data` (what tomllib returns), complete, or ConfigError with every problem found.
 
-    Rules across keys compare values, and those of the machine need its parts: each stage waits for the one before.
+    Rules across keys compare values, estimates need shapes, and rules of the machine its parts: each stage waits for
+    the one before.
     """
     data = _tuples(data)
     try:
         config = Config.model_validate(data)
     except ValidationError as error:
         raise ConfigError(schema_problems(error, data)) from None
-    for rules in (RULES, MACHINE_RULES):
-        problems = [problem for rule in rules for problem in rule(config)]
-        if problems:
-            raise ConfigError(problems)
+    _obey((*RULES, shape_rules), config)
+    config = complete(config)
+    _obey(MACHINE_RULES, config)
     return config
+
+
+def _obey(rules: Iterable[Rule], config: Config) -> None:
+    problems = [problem for rule in rules for problem in rule(config)]
+    if problems:
+        raise ConfigError(problems)
 
 
 def _tuples(value: Any) -> Any:

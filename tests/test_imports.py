@@ -15,8 +15,8 @@ PACKAGE = Path(omnisim.__file__).parent
 LAYERS = (
     ("kernel", "direct", "toml_text", "text", "records", "files"),
     ("angle", "vector", "state", "tableau", "status", "config"),
-    ("roller", "contact.tracking", "problems", "trajectory", "ideal"),
-    ("rules", "machine_rules"),
+    ("roller", "contact.tracking", "problems", "trajectory", "ideal", "solids"),
+    ("rules", "machine_rules", "estimates"),
     ("validation",),
     ("scene",),
     ("contact.kinematics", "storage", "export", "report"),

@@ -24,3 +24,7 @@ def test_a_word_that_is_too_long_stays_whole():
 
 def test_columns_are_as_wide_as_their_longest_cell():
     assert columns([("a", "bb", "c"), ("aaa", "b", "ccc")]) == "a    bb  c\naaa  b   ccc"
+
+
+def test_a_table_without_rows_is_empty():
+    assert columns([]) == ""
