@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from omnisim.scene import Scene
 
 STATIONS = 17  # of the profile
+PACKAGE = "[A-Za-z][A-Za-z0-9_-]*"
 DRAWINGS, MESHES, MODELS = (".png", ".svg", ".pdf"), (".stl", ".obj"), (".xml", ".urdf")
 
 
@@ -25,15 +27,16 @@ DRAWINGS, MESHES, MODELS = (".png", ".svg", ".pdf"), (".stl", ".obj"), (".xml", 
 @click.option("--type", "name", metavar="NAME", help="A wheel type of the scene; else its first.")
 @click.option("-o", "output", metavar="FILE", help="Output file; its suffix says what it holds.")
 @click.option("--part", type=click.Choice(("wheel", "roller")), help="What a mesh holds; else the wheel.")
+@click.option("--package", metavar="NAME", help="ROS package of a .urdf: its meshes are package://NAME/...")
 @click.option("--force", is_flag=True, help="Replace output files that exist.")
-def wheel(scene: str, name: str | None, output: str | None, part: str | None, force: bool) -> None:
+def wheel(scene: str, name: str | None, output: str | None, part: str | None, package: str | None, force: bool) -> None:
     """Dimensions, room and ripple of a wheel of SCENE; its drawing, its mesh, or a model for other simulators.
 
     \b
     omnisim wheel youbot                             dimensions for the workshop
     omnisim wheel mixed --type omni -o omni.png      drawing: .png, .svg, .pdf
     omnisim wheel youbot --part roller -o roller.stl mesh in metres: .stl, .obj
-    omnisim wheel youbot -o youbot.xml               the whole scene: .xml (MuJoCo), .urdf, meshes beside it
+    omnisim wheel youbot -o youbot.xml               the whole machine: .xml (MuJoCo), .urdf, meshes beside it
     """
     from omnisim.scene import load
 
@@ -45,11 +48,13 @@ def wheel(scene: str, name: str | None, output: str | None, part: str | None, fo
         raise Failure(f"--part is for meshes: {', '.join(MESHES)}", BAD_INPUT)
     if name and suffix in MODELS:
         raise Failure(f"--type: a {suffix} has all wheels of the scene", BAD_INPUT)
+    if package is not None:
+        check_package(package, suffix)
     name, kind = wheel_type(loaded, name)
     if output is None:
         click.echo(about(name, kind))
     elif suffix in MODELS:
-        write_model(loaded, scene, output, force)
+        write_model(loaded, scene, output, package, force)
     else:
         from omnisim_cli.output import output_path
 
@@ -59,6 +64,13 @@ def wheel(scene: str, name: str | None, output: str | None, part: str | None, fo
         else:
             write_mesh(path, part or "wheel", name, kind)
         click.echo(path)
+
+
+def check_package(package: str, suffix: str) -> None:
+    if suffix != ".urdf":
+        raise Failure("--package is for .urdf: other models name the meshes beside them", BAD_INPUT)
+    if not re.fullmatch(PACKAGE, package):
+        raise Failure(f"--package {package}: must be the name of a ROS package, {PACKAGE}", BAD_INPUT)
 
 
 def wheel_type(scene: Scene, name: str | None) -> tuple[str, WheelType]:
@@ -166,30 +178,43 @@ def write_drawing(path: Path, name: str, kind: WheelType) -> None:
 
 def write_mesh(path: Path, part: str, name: str, kind: WheelType) -> None:
     from omnisim.geometry import gap, of_type
-    from omnisim.mesh import roller, whole, write
+    from omnisim.mesh import controller_note, roller, whole, write
 
     if part == "wheel" and gap(of_type(kind)) < 0.0:
         note("Warning: the rollers of this wheel overlap in one row, and so do those of the mesh")
     write(roller(kind) if part == "roller" else whole(kind), path, controller_note(name, kind))
 
 
-def controller_note(name: str, kind: WheelType) -> str:
-    return f"omnisim, metres; rolling radius for the controller {kind.radius:g} m ({name})"
+def write_model(scene: Scene, source: str, output: str, package: str | None, force: bool) -> None:
+    """The model, and beside it the meshes of a roller of each wheel type in use.
 
-
-def write_model(scene: Scene, source: str, output: str, force: bool) -> None:
-    """The model, and the roller of each wheel type in use as STEM_TYPE_roller.stl beside it."""
-    from omnisim.mesh import FINE, roller, write
-    from omnisim.mjcf import mjcf
-    from omnisim.robot_description import text
-    from omnisim.urdf import urdf
+    A mesh that is there already, just as it would be written, stays: that of a model in the other format.
+    """
+    from omnisim.files import write_whole
+    from omnisim.robot_files import robot_files
     from omnisim_cli.output import output_path
 
-    config, path = scene.config, output_path(output, source, force)
-    used = dict.fromkeys(wheel.type for wheel in config.wheels)
-    files = {name: output_path(str(path.with_name(f"{path.stem}_{name}_roller.stl")), source, force) for name in used}
-    for name, file in files.items():
-        write(roller(config.wheel_types[name], *FINE), file, controller_note(name, config.wheel_types[name]))
-    describe = urdf if path.suffix.lower() == ".urdf" else mjcf
-    path.write_text(text(describe(config, {name: file.name for name, file in files.items()})), encoding="utf-8")
-    click.echo("\n".join(map(str, (path, *files.values()))))
+    path = output_path(output, source, force)
+    if not path.stem.isprintable():
+        raise Failure(f"{path.stem!r}: the name of a model must be printable", BAD_INPUT)
+    images = robot_files(scene.config, path, package_prefix(path, package) if package else "")
+    missing = {file: image for file, image in images.items() if file == path or not holds(file, image)}
+    for file in missing:
+        output_path(str(file), source, force)
+    write_whole(missing)
+    click.echo("\n".join(map(str, images)))
+
+
+def holds(file: Path, image: bytes) -> bool:
+    return file.is_file() and file.read_bytes() == image
+
+
+def package_prefix(path: Path, package: str) -> str:
+    """package://NAME/ and the way from the package's folder to that of the file."""
+    from omnisim.robot_files import package_folder
+
+    folder = path.resolve().parent
+    root = package_folder(path, package)
+    if root is None:
+        note(f"Warning: no folder around {path} is the package '{package}'; meshes are named as if its own were")
+    return "/".join((f"package://{package}", *folder.relative_to(root or folder).parts, ""))

@@ -6,6 +6,7 @@ Vectors are in the frame of the wheel at spin angle 0: x along h (heading), y al
 `wheel` is a row of `Parameters.wheels`.
 """
 
+import itertools
 import math
 from collections.abc import Callable
 from typing import NamedTuple
@@ -33,7 +34,8 @@ __all__ = [
     "support",
 ]
 AZIMUTHS = 1001  # of half a pitch, for the ripple
-SPHERES = 3  # of a roller that is a row of them
+SPHERES = 3  # of a roller that is a row of them, to compare
+SHORTFALL = 2.5e-3  # of the wheel radius: how much lower a row of spheres may carry the wheel
 
 
 def of_type(kind: WheelType) -> np.record:
@@ -58,17 +60,43 @@ def roller_frames(kind: WheelType, mirrored: bool = False, phase: float = 0.0) -
 # --- rollers of another shape ---------------------------------------------------------------------
 
 
+class Spheres(NamedTuple):
+    """A row of spheres along a roller's axis, m: places from its middle, radii."""
+
+    places: np.ndarray
+    radii: np.ndarray
+
+
+def row_of_spheres(wheel: np.record, count: int) -> Spheres:
+    """`count` spheres that touch the profile from within, at parameters spread evenly.
+
+    The profile is the envelope of spheres about the point of the axis above the contact, R1 tan q / c from the middle,
+    with radius h_q: where the wheel stands on the one of q_i, its centre is low by R1 (1 - cos(q - q_i)) / cos q_i.
+    """
+    at = wheel.alpha * (2.0 * np.arange(count) + 1.0 - count) / count
+    return Spheres(wheel.roller_distance * np.tan(at) / wheel.cos_psi, np.array([drop(wheel, q) for q in at]))
+
+
+def shortfall(wheel: np.record, count: int) -> float:
+    """How much lower than R a row of spheres carries the wheel, at most, m: at the edge of two rollers."""
+    half = wheel.alpha / count
+    return wheel.roller_distance * (1.0 - math.cos(half)) / math.cos(wheel.alpha - half)
+
+
+def few_spheres(wheel: np.record) -> Spheres:
+    """As few as fall short of the wheel's radius by SHORTFALL of it at most."""
+    counts = itertools.count(1)
+    return row_of_spheres(wheel, next(n for n in counts if shortfall(wheel, n) <= SHORTFALL * wheel.radius))
+
+
 def shapes(wheel: np.record) -> dict[str, Callable[[np.ndarray], np.ndarray]]:
     """Shapes that stand for the exact roller, by how far they reach, m, in a direction: see `support`.
 
-    Ellipse, capsule and cylinder are as long and, amid, as thick as the roller. A sphere about the point of the axis
-    above the contact, R1 tan q / c from the middle, with radius h_q touches the profile from within at q.
+    Ellipse, capsule and cylinder are as long and, amid, as thick as the roller; spheres touch its profile from within.
     """
     half, middle = 0.5 * length(wheel), profile_radius(wheel, 0.0)
     straight = max(half - middle, 0.0)
-    at = wheel.alpha * (2.0 * np.arange(SPHERES) + 1.0 - SPHERES) / SPHERES
-    places = wheel.roller_distance * np.tan(at) / wheel.cos_psi
-    radii = np.array([drop(wheel, q) for q in at])
+    places, radii = row_of_spheres(wheel, SPHERES)
     return {
         "exact": lambda s: support(wheel, s),
         "ellipse": lambda s: np.hypot(half * s, middle * np.sqrt(1.0 - s**2)),

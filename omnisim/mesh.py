@@ -10,7 +10,8 @@ from omnisim.geometry import hub_radius, of_type, profile, roller_frames
 from omnisim.solids import half_width, outline
 
 RINGS, CORNERS = 81, 160  # of a roller: vertices lie on the exact surface, volume and inertia are within 1e-3
-FINE = 257, 320  # for simulators, where every edge costs energy: about the most that MuJoCo reads, 200000 triangles
+DRAWN = 33, 64  # of a roller that is drawn and touches nothing: 0.2 MB
+FINE = 257, 320  # of one that touches, where every edge costs energy: about the 200000 triangles that MuJoCo reads
 POINTED = 1e-6  # of the wheel radius: a smaller end disc is a point
 STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
@@ -76,6 +77,11 @@ def placed(part: Mesh, centre: np.ndarray, axis: np.ndarray) -> Mesh:
 def write(mesh: Mesh, path: Path, note: str) -> None:
     """An .obj or, by any other suffix, a binary .stl; metres. `note` (ASCII) goes into its head. Raises OSError."""
     path.write_bytes(obj(mesh, note) if path.suffix.lower() == ".obj" else stl(mesh, note))
+
+
+def controller_note(name: str, kind: WheelType) -> str:
+    """What whoever programs the controller has to know, for the head of a file."""
+    return f"omnisim, metres; rolling radius for the controller {kind.radius:g} m ({name})"
 
 
 def stl(mesh: Mesh, note: str) -> bytes:

@@ -1,4 +1,4 @@
-"""A scene for MuJoCo."""
+"""A scene for MuJoCo. Rollers touch as convex hulls of fine meshes, which roll far better there than few spheres."""
 
 import math
 from collections.abc import Mapping
@@ -7,39 +7,48 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from omnisim.config import Config
-from omnisim.robot_description import LAID, Body, bodies, headed, numbers
+from omnisim.robot_description import COLOURS, LAID, Body, bodies, headed, numbers
 
 STEP = 1e-4  # s
 # As near to rigid as this step allows: less stiffness and damping by mass (1/s^2, 1/s), critically damped.
 CONTACT = {"solref": "-1e6 -2e3", "solimp": "0.999 0.9999 0.0001", "condim": "3"}
-RUBBER, STAND_IN = "0.25 0.25 0.28 1", "0.5 0.65 0.8 0.4"  # colours
-UNTOUCHED = {"contype": "0", "conaffinity": "0", "rgba": STAND_IN}
+UNTOUCHED = {"contype": "0", "conaffinity": "0"}
+# Touches what touches all, but no other roller. Geoms of group 3 are hidden until asked for.
+TOUCHING = {"contype": "0", "conaffinity": "1", "group": "3"}
 
 
-def mjcf(config: Config, meshes: Mapping[str, str]) -> Element:
+def mjcf(config: Config, name: str, meshes: Mapping[str, str], contacts: Mapping[str, str]) -> Element:
     """The scene on a floor; the keyframe "start" has its initial pose and velocities.
 
+    meshes, contacts: of a roller of each wheel type in use, files of what is drawn and of what touches.
     A rate drive is a velocity actuator with its proportional gain and its limit, without the integral; any other drive
     is a torque (N m), of a motor at the axle. Actuators have the names of the wheels.
     """
-    root = headed(Element("mujoco", model=config.title or "omnisim"), config)
+    root = headed(Element("mujoco", model=name), config)
     SubElement(root, "compiler", angle="radian", eulerseq="XYZ")
     gravity = numbers(0.0, 0.0, -config.world.gravity)
-    SubElement(root, "option", timestep=repr(STEP), integrator="implicitfast", cone="elliptic", gravity=gravity)
+    SubElement(root, "option", timestep=numbers(STEP), integrator="implicitfast", cone="elliptic", gravity=gravity)
     friction = numbers(config.friction.coefficient, 0.0, 0.0)
     SubElement(SubElement(root, "default"), "geom", CONTACT | {"friction": friction})
     asset, world = SubElement(root, "asset"), SubElement(root, "worldbody")
     SubElement(world, "light", pos="0 0 3", directional="true")
     SubElement(world, "geom", name="floor", type="plane", size="10 10 1", rgba="0.85 0.85 0.85 1")
-    for file in meshes.values():
+    for file in (*meshes.values(), *contacts.values()):
         SubElement(asset, "mesh", name=file, file=file)
     elements = {}
-    for body in bodies(config, meshes):
+    for body in bodies(config):
         element = SubElement(elements.get(body.parent, world), "body", name=body.name)
         element.attrib |= {"pos": numbers(*body.place), "euler": numbers(*body.angles)}
         if body.parent is None:
             base_joints(element, config)
-        mjcf_parts(element, body)
+        hinge_and_inertia(element, body)
+        kind, size = body.shape
+        if kind == "roller":
+            drawn, touching = meshes[size], contacts[size]
+            SubElement(element, "geom", UNTOUCHED, type="mesh", mesh=drawn, rgba=COLOURS["rubber"])
+            SubElement(element, "geom", TOUCHING, type="mesh", mesh=touching)
+        elif size[0] > 0.0:
+            stand_in(element, body)
         elements[body.name] = element
     actuators(SubElement(root, "actuator"), config)
     start(SubElement(SubElement(root, "keyframe"), "key", name="start"), config)
@@ -56,32 +65,31 @@ def base_joints(element: Element, config: Config) -> None:
     SubElement(element, "joint", name="yaw", type="hinge", axis="0 0 1")
 
 
-def mjcf_parts(element: Element, body: Body) -> None:
-    """Its hinge, inertia and shape."""
+def hinge_and_inertia(element: Element, body: Body) -> None:
     if body.hinge:
         friction = {"damping": body.damping, "frictionloss": body.friction, "armature": body.armature}
-        shown = {key: repr(value) for key, value in friction.items() if value > 0.0}
-        SubElement(element, "joint", shown, name=body.name, axis=body.hinge)
+        shown = {key: numbers(value) for key, value in friction.items() if value > 0.0}
+        SubElement(element, "joint", shown, name=body.joint, axis=body.hinge)
     inertia = numbers(*body.inertia)
-    SubElement(element, "inertial", pos=numbers(*body.centre), mass=repr(body.mass), diaginertia=inertia)
+    SubElement(element, "inertial", pos=numbers(*body.centre), mass=numbers(body.mass), diaginertia=inertia)
+
+
+def stand_in(element: Element, body: Body) -> None:
+    """A plain shape that touches nothing."""
     kind, size = body.shape
-    if kind == "mesh":  # touches what touches all, but no other roller
-        SubElement(element, "geom", type=kind, mesh=size, contype="0", conaffinity="1", rgba=RUBBER)
-    elif kind == "box":
-        place, half = numbers(*body.centre), numbers(*(0.5 * np.array(size)))
-        SubElement(element, "geom", UNTOUCHED, type=kind, pos=place, size=half)
-    elif size[0] > 0.0:
-        half = numbers(size[0], 0.5 * size[1])
-        SubElement(element, "geom", UNTOUCHED, type=kind, euler=numbers(*LAID), size=half)
+    half = (*(0.5 * length for length in size),) if kind == "box" else (size[0], 0.5 * size[1])
+    angles = LAID if kind == "cylinder" else (0.0, 0.0, 0.0)
+    place = {"pos": numbers(*body.centre), "euler": numbers(*angles)}
+    SubElement(element, "geom", UNTOUCHED | place, type=kind, size=numbers(*half), rgba=COLOURS["stand_in"])
 
 
 def actuators(element: Element, config: Config) -> None:
     for wheel in config.wheels:
-        target = {"name": wheel.name, "joint": f"{wheel.name}_wheel"}
+        target = {"name": wheel.name, "joint": f"{wheel.name}_wheel_joint"}
         if wheel.drive.kind != "rate":
             SubElement(element, "motor", target)
             continue
-        velocity = SubElement(element, "velocity", target, kv=repr(wheel.drive.proportional))
+        velocity = SubElement(element, "velocity", target, kv=numbers(wheel.drive.proportional))
         if wheel.drive.torque_limit < math.inf:
             velocity.set("forcerange", numbers(-wheel.drive.torque_limit, wheel.drive.torque_limit))
 

@@ -1,11 +1,12 @@
-"""A scene as the bodies of other simulators, for MJCF (MuJoCo) and URDF, with rollers as meshes of the exact profile.
+"""A scene as the bodies of other simulators: MJCF (of MuJoCo) and URDF are both written from these.
 
 Masses, inertias, friction and bearings are those of the scene. It has no shapes of disks and chassis: plain stand-ins,
-which touch nothing, are drawn for them. x is forward, y left, z up; wheels turn about y, rollers about their own z.
+which touch nothing, are drawn for them. x is forward, y left, z up; wheels turn about y, rollers about their own z, and
+the position of a joint is the angle that omnisim has for it: 0 is spin angle 0, whatever the scene starts with.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import NamedTuple
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Comment, Element
@@ -16,13 +17,15 @@ from omnisim.geometry import hub_radius, of_type, roller_frames
 from omnisim.mesh import hub_half_width
 
 LAID = (-0.5 * math.pi, 0.0, 0.0)  # roll, pitch, yaw of a cylinder along the axle
+COLOURS = {"rubber": "0.25 0.25 0.28 1", "stand_in": "0.5 0.65 0.8 0.4"}
 
 
 class Body(NamedTuple):
     """A rigid body on a hinge about `hinge` of its own frame: the chassis, a disk, a roller.
 
     place, angles: of its frame in that of its parent, m and roll, pitch, yaw (rad, about fixed x, y, z). centre: of
-    mass, in its own frame. shape: mesh (file), cylinder (radius, length) or box (x, y, z), m.
+    mass, in its own frame; inertia: about it, along the axes of the frame. shape: roller (wheel type), cylinder
+    (radius, length) or box (x, y, z), m.
     """
 
     name: str
@@ -38,6 +41,11 @@ class Body(NamedTuple):
     friction: float = 0.0  # of the hinge, N m
     armature: float = 0.0  # at the hinge, kg m^2
 
+    @property
+    def joint(self) -> str:
+        """Its name: not that of the body, since simulators that read SDF want every name once."""
+        return f"{self.name}_joint"
+
 
 def note(config: Config) -> str:
     """What whoever programs the controller has to know."""
@@ -45,8 +53,8 @@ def note(config: Config) -> str:
     return "rolling radius for the controller: " + ", ".join(f"{r:g} m ({name})" for name, r in radii.items())
 
 
-def bodies(config: Config, meshes: Mapping[str, str]) -> Iterator[Body]:
-    """Parents before what they carry. meshes: file of the roller of each wheel type in use."""
+def bodies(config: Config) -> Iterator[Body]:
+    """Parents before what they carry."""
     if config.chassis is not None:
         low = 0.5 * min(config.type_of(wheel).radius for wheel in config.wheels)
         x, y = (max(low, 1.4 * max(abs(wheel.position[axis]) for wheel in config.wheels)) for axis in (0, 1))
@@ -56,10 +64,10 @@ def bodies(config: Config, meshes: Mapping[str, str]) -> Iterator[Body]:
             "chassis", None, "", still, still, chassis.mass, chassis.center_of_mass, inertia, ("box", (x, y, low))
         )
     for wheel in config.wheels:
-        yield from wheel_bodies(config, wheel, meshes[wheel.type])
+        yield from wheel_bodies(config, wheel)
 
 
-def wheel_bodies(config: Config, wheel: Wheel, mesh: str) -> Iterator[Body]:
+def wheel_bodies(config: Config, wheel: Wheel) -> Iterator[Body]:
     kind, name, centre = config.type_of(wheel), f"{wheel.name}_wheel", (0.0, 0.0, 0.0)
     disk, roller, across = kind.disk, kind.roller, kind.disk.inertia_diameter
     yield Body(
@@ -75,16 +83,18 @@ def wheel_bodies(config: Config, wheel: Wheel, mesh: str) -> Iterator[Body]:
         yield Body(
             f"{wheel.name}_roller_{number}", name, "0 0 1",
             tuple(place), (0.0, math.atan2(math.hypot(x, y), z), math.atan2(y, x)),
-            roller.mass, centre, inertia, ("mesh", mesh), roller.bearing_viscosity, roller.bearing_torque,
+            roller.mass, centre, inertia, ("roller", wheel.type), roller.bearing_viscosity, roller.bearing_torque,
         )  # fmt: skip
 
 
 def text(root: Element) -> str:
+    """No encoding is declared: readers of a str refuse one, and those of bytes take UTF-8."""
     ElementTree.indent(root)
-    return ElementTree.tostring(root, encoding="unicode") + "\n"
+    return '<?xml version="1.0"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
 
 
 def numbers(*values: float) -> str:
+    """To the last bit: every number of a description is written here, since repr of a NumPy number has its type."""
     return " ".join(repr(float(value)) for value in values)
 
 

@@ -28,6 +28,7 @@ LAYERS = (
     ("mesh", "viewer"),
     ("wheel_drawing", "robot_description"),
     ("mjcf", "urdf"),
+    ("robot_files",),
     ("wheel",),
     ("rigid", "body"),
     ("articulated", "joints", "bearings"),

@@ -13,6 +13,7 @@ from omnisim.ideal import wheel_rows
 from omnisim.mjcf import mjcf
 from omnisim.packing import bodies, pack
 from omnisim.robot_description import text
+from omnisim.robot_files import robot_files
 from omnisim.urdf import urdf
 
 SCENES = ("youbot", "kiwi", "mixed", "six_rollers", "authors_vehicle")
@@ -24,13 +25,16 @@ def mujoco():
 
 
 def written(folder, scene, describe, resolution=(9, 16)):
-    """A description and its meshes in a folder; its path."""
+    """A description and its meshes in a folder, drawn ones in the place of those that touch; its path."""
     config, files = scene.config, {}
     for name in {wheel.type for wheel in config.wheels}:
         files[name] = f"{name}_roller.stl"
         mesh.write(mesh.roller(config.wheel_types[name], *resolution), folder / files[name], "")
+    touching = [] if describe is urdf else [{name: "contact_" + file for name, file in files.items()}]
+    for file in files.values():
+        (folder / f"contact_{file}").write_bytes((folder / file).read_bytes())
     path = folder / f"scene.{describe.__name__}"
-    path.write_text(text(describe(config, files)))
+    path.write_text(text(describe(config, "scene", files, *touching)))
     return str(path)
 
 
@@ -53,7 +57,7 @@ def test_mujoco_has_the_mass_the_yaw_inertia_and_the_spin_inertia_of_the_scene(m
     yaw, held = (5, (2, 3, 4)) if scene.config.upright == "contacts" else (3, (2,))
     assert free_inertia(mujoco, model, yaw, held) == pytest.approx(whole.yaw_inertia, rel=1e-9)
     if scene.config.chassis is None:
-        spin = model.joint("wheel_wheel").dofadr[0]
+        spin = model.joint("wheel_wheel_joint").dofadr[0]
         exact = pack(scene.config).wheels[0].axle_inertia
         assert free_inertia(mujoco, model, spin, held) == pytest.approx(exact, rel=1e-12)
 
@@ -88,27 +92,6 @@ def test_rate_drives_are_velocity_actuators_with_their_limit_and_others_torques(
     assert (motors.actuator_gainprm[:, 0] == 1.0).all()
 
 
-def test_urdf_has_every_mass_and_a_continuous_joint_for_every_wheel_and_roller(mujoco, tmp_path):
-    scene = omnisim.load("mixed")
-    path = written(tmp_path, scene, urdf)
-    root = ET.parse(path).getroot()
-    masses = [float(mass.get("value")) for mass in root.iter("mass")]
-    assert sum(masses) == pytest.approx(bodies(scene.config).mass, rel=1e-12)
-    turning = sum(1 + scene.config.type_of(wheel).roller_count for wheel in scene.config.wheels)
-    assert [joint.get("type") for joint in root.iter("joint")] == ["continuous"] * turning
-    model = mujoco.MjModel.from_xml_path(path)
-    same = mujoco.MjModel.from_xml_path(written(tmp_path, scene, mjcf))
-    found, expected = (placed(mujoco, read) for read in (model, same))
-    for name in names(scene):
-        np.testing.assert_allclose(found.body(name).xpos, expected.body(name).xpos, atol=1e-12)
-
-
-def names(scene):
-    for wheel in scene.config.wheels:
-        yield f"{wheel.name}_wheel"
-        yield from (f"{wheel.name}_roller_{i}" for i in range(scene.config.type_of(wheel).roller_count))
-
-
 def placed(mujoco, model):
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
@@ -120,9 +103,10 @@ def test_names_with_hyphens_leave_the_comment_whole(tmp_path):
     kinds = {"o--x": config.wheel_types["omni"]}
     wheels = (config.wheels[0].model_copy(update={"type": "o--x"}),)
     hyphened = config.model_copy(update={"wheel_types": kinds, "wheels": wheels})
-    for describe in (mjcf, urdf):
-        assert "0.05 m (o-x)" in text(describe(hyphened, {"o--x": "roller.stl"}))
-        ET.fromstring(text(describe(hyphened, {"o--x": "roller.stl"})))
+    for suffix in (".xml", ".urdf"):
+        said = robot_files(hyphened, tmp_path / f"machine{suffix}")[tmp_path / f"machine{suffix}"].decode()
+        assert "0.05 m (o-x)" in said
+        ET.fromstring(said)
 
 
 STRAIGHT = ("initial.velocity=[0.5, 0.0]",)
