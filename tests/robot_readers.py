@@ -59,7 +59,7 @@ def by_urdf_parser_py(path) -> dict[str, Link]:
 
 def by_yourdfpy(path) -> dict[str, Link]:
     """The reader of many tools for learning and grasping."""
-    robot, found = yourdfpy_robot(path).robot, {}
+    robot, found = yourdfpy_robot(path, load_meshes=False).robot, {}
     joints = {joint.child: joint for joint in robot.joints}
     for link in robot.links:
         joint, inertial = joints.get(link.name), link.inertial

@@ -64,7 +64,8 @@ def test_a_mesh_is_written_with_the_rolling_radius_in_its_head(folder, arguments
 def test_a_model_is_written_with_the_rollers_of_all_types_beside_it(folder, suffix):
     result = command("wheel", "mixed", "-o", f"machine{suffix}")
     assert result.exit_code == 0, result.stderr
-    files = [f"machine{suffix}", "machine_mecanum_roller.stl", "machine_omni_roller.stl"]
+    parts = ("roller",) if suffix == ".urdf" else ("contact", "roller")
+    files = [f"machine{suffix}", *(f"machine_{kind}_{part}.stl" for kind in ("mecanum", "omni") for part in parts)]
     assert sorted(os.listdir(folder)) == files
     assert sorted(result.stdout.split()) == files
     named = {mesh.get("file") or mesh.get("filename") for mesh in ElementTree.parse(files[0]).iter("mesh")} - {None}
@@ -81,9 +82,47 @@ def test_a_file_that_exists_is_kept_unless_forced(folder):
     assert command("wheel", "youbot", "-o", "machine.xml", "--force").exit_code == 0
 
 
+def test_models_in_both_formats_stand_side_by_side_with_the_same_mesh(folder):
+    for suffix in (".urdf", ".xml"):
+        assert command("wheel", "kiwi", "-o", f"machine{suffix}").exit_code == 0
+    assert sorted(os.listdir(folder)) == [
+        "machine.urdf", "machine.xml", "machine_omni_contact.stl", "machine_omni_roller.stl"
+    ]  # fmt: skip
+    named = [{mesh.get("file") or mesh.get("filename") for mesh in ElementTree.parse(f"machine{suffix}").iter("mesh")}
+             for suffix in (".urdf", ".xml")]  # fmt: skip
+    assert named[0] == {"machine_omni_roller.stl"} and named[0] < named[1]
+    assert command("wheel", "kiwi", "-o", "machine.urdf").exit_code == 2  # the description itself is not replaced
+
+
+PACKAGE_XML = '<package format="3"><name>my_robot</name></package>'
+
+
+@pytest.mark.parametrize(("place", "content", "prefix"), [
+    ("my_robot/urdf", None, "package://my_robot/urdf/"),
+    ("checkout/robots/a", PACKAGE_XML, "package://my_robot/robots/a/"),
+    ("my_robot", PACKAGE_XML.replace("my_robot", "other"), "package://my_robot/"),
+    ("elsewhere", None, "package://my_robot/"),
+])  # fmt: skip
+def test_a_package_name_leads_from_its_folder_to_the_meshes(folder, place, content, prefix):
+    """By the name of a folder or of its package.xml; else as if the model's folder were the package, with a warning."""
+    (folder / place).mkdir(parents=True)
+    if content:
+        (folder / place.split("/")[0] / "package.xml").write_text(content)
+    result = command("wheel", "kiwi", "-o", f"{place}/machine.urdf", "--package", "my_robot")
+    assert result.exit_code == 0, result.stderr
+    assert ("is the package 'my_robot'" in result.stderr) == (prefix == "package://my_robot/")
+    named = {mesh.get("filename") for mesh in ElementTree.parse(f"{place}/machine.urdf").iter("mesh")}
+    assert named == {f"{prefix}machine_omni_roller.stl"}
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (("youbot", "-o", "no/such/folder/y.urdf"), "there is no folder"),
+        (("youbot", "-o", "y.xml", "--package", "my_robot"), "--package is for .urdf"),
+        (("youbot", "--package", "my_robot"), "--package is for .urdf"),
+        (("youbot", "-o", "y.urdf", "--package", "package://a"), "must be the name of a ROS package"),
+        (("youbot", "-o", "y.urdf", "--package", ""), "must be the name of a ROS package"),
         (
             ("mixed", "--type", "omnj"),
             "--type omnj: no such wheel type; did you mean 'omni'? The scene has: mecanum, omni",

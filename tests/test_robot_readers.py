@@ -23,8 +23,8 @@ def skew():
     """Two wheel types, wheels at odd headings, phases and spin angles, a centre of mass off the middle, bearings."""
     data = mirrored(tables("mixed"))
     for number, wheel in enumerate(data["wheels"]):
-        wheel |= {"heading_deg": 25.0 * number - 30.0, "phase_deg": 7.0 + number, "spin_angle_deg": 50.0 - 33.0 * number}
-        wheel |= {"spin_rate": 3.0 - number, "roller_rates": 0.5 + number}
+        wheel |= {"heading_deg": 25.0 * number - 30.0, "phase_deg": 7.0 + number}
+        wheel |= {"spin_angle_deg": 50.0 - 33.0 * number, "spin_rate": 3.0 - number, "roller_rates": 0.5 + number}
     data["chassis"]["center_of_mass"] = [0.02, -0.01, 0.09]
     data["wheel_types"]["omni"]["roller"] |= {"bearing_torque": 1e-4, "bearing_viscosity": 2e-7}
     data["time"] |= {"end": 0.2, "output_interval": 0.05}
@@ -87,10 +87,10 @@ def test_mjcf_and_urdf_of_a_machine_agree_body_by_body(tmp_path, name):
             assert (link.mass, link.parent, link.joint) == (same.mass, same.parent, same.joint)
             np.testing.assert_array_equal(link.centre, same.centre)
             np.testing.assert_array_equal(link.inertia, same.inertia)
-            np.testing.assert_allclose(found[body], expected[body], atol=1e-14)  # measured 0 and 2.8e-16
+            np.testing.assert_allclose(found[body], expected[body], atol=1e-14)  # measured 3e-16 and 0
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", ["skew", "six_rollers"])
 def test_mujoco_finds_the_same_machine_in_both_files(tmp_path, name):
     """Told to keep bodies that do not move, as it does by itself in an MJCF."""
     mujoco, config = pytest.importorskip("mujoco", reason="needs MuJoCo"), machine(name).config
@@ -140,8 +140,8 @@ def test_rollers_of_a_urdf_are_where_omnisim_has_them_on_the_way(tmp_path):
             axes = roller_axes(case.config.type_of(wheel), wheel, yaw, spin[wheel.name][row])
             for number, (centre, axis) in enumerate(zip(centres, axes, strict=True)):
                 found = robot.get_transform(f"{wheel.name}_roller_{number}")
-                np.testing.assert_allclose(turn @ found[:3, 3] + origin, centre, atol=1e-9)  # measured 3e-16
-                np.testing.assert_allclose(turn @ found[:3, 2], axis, atol=1e-9)  # measured 5e-16
+                np.testing.assert_allclose(turn @ found[:3, 3] + origin, centre, atol=1e-9)  # measured 1.2e-16
+                np.testing.assert_allclose(turn @ found[:3, 2], axis, atol=1e-9)  # measured 4.5e-16
 
 
 def roller_axes(kind, wheel, yaw, spin):
