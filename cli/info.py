@@ -126,7 +126,8 @@ def wheel_table(config: Config, parameters: Parameters) -> str:
     from omnisim.statics import static_loads
 
     rows = [("name", "type", "position", "heading", "mirrored", "drive", "load at standstill")]
-    for wheel, load in zip(config.wheels, static_loads(parameters), strict=True):
+    loads = static_loads(parameters, yaw=math.radians(config.initial.yaw_deg))
+    for wheel, load in zip(config.wheels, loads, strict=True):
         x, y = wheel.position
         place, turned = f"[{x:g}, {y:g}] m", f"{wheel.heading_deg:g} deg"
         mirrored = "yes" if wheel.mirrored else "no"

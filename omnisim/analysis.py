@@ -14,7 +14,7 @@ PAPER = {"acceleration": 1e-8, "velocity": 1e-7, "position": 1e-6}
 class EnergyError:
     """Largest |balance| (J), and the energy that it is measured by.
 
-    That is the initial kinetic energy, or else what friction, drives and wrench turn over (0: nothing moves).
+    That is the initial kinetic energy, or else what friction, drives, wrench and gravity turn over (0: nothing moves).
     """
 
     absolute: float
@@ -32,7 +32,9 @@ def energy_error(trajectory: Trajectory) -> EnergyError:
     error = float(np.abs(trajectory["energy/balance"]).max(initial=0.0))
     if len(kinetic) and kinetic[0] > 0.0:
         return EnergyError(error, float(kinetic[0]), "the initial kinetic energy")
-    works = (trajectory[f"energy/{name}"] for name in ("friction_loss", "drive_work", "wrench_work"))
+    works = [trajectory[f"energy/{name}"] for name in ("friction_loss", "drive_work", "wrench_work")]
+    if "energy/gravity" in trajectory:
+        works.append(trajectory["energy/gravity"] - trajectory["energy/gravity"][:1])
     turned_over = float(sum(np.abs(work).max(initial=0.0) for work in works))
     return EnergyError(error, turned_over, "the energy turned over")
 

@@ -5,7 +5,7 @@ holds what it carries. With the joint's own acceleration eliminated, what hangs 
 (Featherstone, Rigid Body Dynamics Algorithms, 2008, chapter 7):
 
     roller   moment = It (1 - a a) (alpha + w x a chi') + w_r x J w_r + T a - (1 - a a) torque
-             force  = m (a_r + g n) - f
+             force  = m (a_r - g) - f                      g: gravity, downwards
     wheel    moment = A alpha + lift x a_O + torque + A k phi''      phi'' = (tau - k . the rest) / (k . A k + J_r)
              force  = m a_O + alpha x lift + force + phi'' k x lift
 
@@ -16,7 +16,7 @@ with A about O: that of the disk and, of each roller, It (1 - a a) + m (rho^2 - 
 from typing import NamedTuple
 
 from omnisim.kernel import kernel, merged
-from omnisim.rigid import body_place, gyroscopic, rigid_body, second_axis, third_axis
+from omnisim.rigid import against_gravity, body_place, gyroscopic, rigid_body, second_axis, third_axis
 from omnisim.vector import Vec3, cross, dot, minus, plus, times
 from omnisim.wheel import bearing_torque
 
@@ -105,18 +105,18 @@ def across_axis(v, axis):
 @merged
 def articulate(parameters, w, y):
     """Wheel w with its rollers eliminated: Articulated, and what their bearings lose, W."""
-    wheel, gravity = parameters.wheels[w], parameters.machine.gravity
+    wheel, lifted = parameters.wheels[w], against_gravity(parameters.machine)
     disk, loss = rigid_body(y, body_place(parameters, w, 0)), 0.0
     axle, (across, along) = second_axis(disk.rotation), (wheel.disk_inertia[0], wheel.disk_inertia[1])
     inertia, mass, lift = axial(across, along, axle), wheel.disk_mass, Vec3(0.0, 0.0, 0.0)
-    torque, force = gyroscopic(across, along, axle, disk.rate), times(wheel.disk_mass * gravity, UP)
+    torque, force = gyroscopic(across, along, axle, disk.rate), times(wheel.disk_mass, lifted)
     for i in range(wheel.rollers):
         roller = rigid_body(y, body_place(parameters, w, i + 1))
         axis, rho = third_axis(roller.rotation), minus(roller.position, disk.position)
         joint = dot(minus(roller.rate, disk.rate), axis)
         friction = bearing_torque(wheel, joint)
         loss -= friction * joint
-        swept = plus(cross(disk.rate, cross(disk.rate, rho)), times(gravity, UP))
+        swept = plus(cross(disk.rate, cross(disk.rate, rho)), lifted)
         pull = times(wheel.roller_mass, swept)
         moment = plus(
             times(wheel.transverse_inertia * joint, cross(disk.rate, axis)),

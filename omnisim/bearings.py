@@ -9,7 +9,7 @@ rollers load, those of the axle. Axes of the results are fixed in what carries t
 
 from omnisim.angle import cos_sin
 from omnisim.kernel import kernel, merged
-from omnisim.rigid import needed_wrench
+from omnisim.rigid import against_gravity, needed_wrench
 from omnisim.state import places
 from omnisim.vector import Vec3, cross, dot, minus, plus, times
 from omnisim.wheel import azimuth, body_motion, centre_acceleration, world_heading
@@ -41,7 +41,7 @@ def recover(parameters, mode, w, y, dy, rates):
     x, y_rate = dy[at.velocity], dy[at.velocity + 1]
     forward, left = x * body.cos + y_rate * body.sin, y_rate * body.cos - x * body.sin
     along = centre_acceleration(wheel, body, forward, left, dy[at.yaw_rate])
-    centre = plus(plus(times(along.h, h), times(along.k, k)), times(machine.gravity, up))  # with the weight
+    centre = plus(plus(times(along.h, h), times(along.k, k)), against_gravity(machine))  # with the weight
     across, axle = wheel.disk_inertia[0], wheel.disk_inertia[1]
     force, moment = needed_wrench(wheel.disk_mass, across, axle, k, rate, centre, bent)
     here, normal = mode.roller % wheel.rollers, max(part.normal_force, 0.0) if part.loaded else 0.0

@@ -1,6 +1,6 @@
 """The machine as one body in the plane: Newton and Euler for its acceleration.
 
-    M A = sum F + f                        A_x, A_y of C along chassis axes
+    M A = sum F + f + M g_t                A_x, A_y of C along chassis axes; g_t: gravity along the floor
     I_z theta'' = sum lever . F + ...
 
 All forces are linear in the acceleration X = (A_x, A_y, theta''): sliding friction does not know it, and a sticking
@@ -127,6 +127,13 @@ def free_plane(machine, x, y, yaw):
 def pushed_plane(plane, x, y, yaw):
     """A Plane with one more force and moment."""
     return Plane(plane.xx, plane.xy, plane.xw, plane.yy, plane.yw, plane.ww, plane.x + x, plane.y + y, plane.yaw + yaw)
+
+
+@kernel
+def inclined_plane(machine, body, plane):
+    """A Plane with the weight along an inclined floor, which acts at C."""
+    x, y = machine.mass * machine.downhill[0], machine.mass * machine.downhill[1]
+    return pushed_plane(plane, x * body.cos + y * body.sin, y * body.cos - x * body.sin, 0.0)
 
 
 @kernel

@@ -6,7 +6,7 @@ from omnisim.articulated import UP, Wrench3
 from omnisim.body import Plane
 from omnisim.kernel import kernel, merged
 from omnisim.loads import tilt_of
-from omnisim.rigid import RigidBody, body_place, first_axis, rigid_body, second_axis, third_axis
+from omnisim.rigid import RigidBody, against_gravity, body_place, first_axis, rigid_body, second_axis, third_axis
 from omnisim.vector import Vec3, cross, dot, minus, plus, times
 
 
@@ -69,7 +69,7 @@ def chassis_balance(machine, carrier, wrench):
     x = resisting(carrier, arm, Wrench3(nothing, times(mass, carrier.x)))
     y = resisting(carrier, arm, Wrench3(nothing, times(mass, carrier.y)))
     yaw = resisting(carrier, arm, Wrench3(about_n, times(mass, cross(UP, arm))))
-    swept = plus(cross(rate, cross(rate, arm)), times(machine.gravity, UP))
+    swept = plus(cross(rate, cross(rate, arm)), against_gravity(machine))
     known = resisting(carrier, arm, Wrench3(cross(rate, momentum), times(mass, swept)))
     lever = machine.lever
     about_x, about_y = lever[1] * wrench.z - lever[2] * wrench.y, lever[2] * wrench.x - lever[0] * wrench.z

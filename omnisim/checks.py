@@ -6,7 +6,7 @@ from omnisim.contact.kinematics import Slip, inverse_mass, largest
 from omnisim.contact.reaction import COULOMB, friction_factor
 from omnisim.contact.tracking import IMPLICIT, Axis, Contact, explicit_contact, roller_axis
 from omnisim.kernel import kernel, merged, outlined
-from omnisim.state import places
+from omnisim.state import X, Y, places
 from omnisim.status import LOST_TRACK, NO_START, NOT_FINITE, RUNNING, TOO_STIFF, UNBALANCED
 from omnisim.tableau import EXPLICIT
 from omnisim.vector import dot
@@ -71,11 +71,13 @@ def check_energy(parameters, run):
     doubled += (
         machine.mass * (y[at.velocity] ** 2 + y[at.velocity + 1] ** 2) + machine.yaw_inertia * y[at.yaw_rate] ** 2
     )
+    potential = -machine.mass * (machine.downhill[0] * y[X] + machine.downhill[1] * y[Y])
     if clock.row == 0:
-        clock.energy = 0.5 * doubled
+        clock.energy, clock.potential = 0.5 * doubled, potential
+    fall = clock.potential - potential  # work of the weight
     loss = y[at.friction_loss] + (y[at.bearing_loss] if machine.bearings else 0.0)
-    balance = 0.5 * doubled - clock.energy + loss - y[at.drive_work] - y[at.wrench_work]
-    turned_over = clock.energy + abs(y[at.drive_work]) + abs(y[at.wrench_work])
+    balance = 0.5 * doubled - clock.energy + loss - y[at.drive_work] - y[at.wrench_work] - fall
+    turned_over = clock.energy + abs(y[at.drive_work]) + abs(y[at.wrench_work]) + abs(fall)
     clock.turnover = max(clock.turnover, turned_over)  # the works may have come back to nothing
     if abs(balance) > UNBALANCED_PART * clock.turnover + machine.mass * STILL * STILL and clock.status == RUNNING:
         clock.status, clock.wheel = UNBALANCED, -1

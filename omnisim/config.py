@@ -64,6 +64,7 @@ Real = Annotated[float, Field(description="a finite number")]
 Positive = Annotated[float, Field(gt=0, description="a finite number > 0")]
 PositiveOrNone = Annotated[float | None, Field(gt=0, description="a finite number > 0")]
 NonNegative = Annotated[float, Field(ge=0, description="a finite number >= 0")]
+Slope = Annotated[float, Field(ge=0, lt=90, description="a finite number from 0 to less than 90")]
 Boolean = Annotated[bool, Field(description="true or false")]
 Name = Annotated[str, Field(pattern=f"^{NAME}$", description="a name (a letter, then letters, digits, _ or -)")]
 Count = Annotated[int, Field(ge=3, le=MAX_ROLLERS, description=f"an integer from 3 to {MAX_ROLLERS}")]
@@ -103,6 +104,17 @@ class World(Table):
 
     gravity: NonNegative = 9.81
     upright: _choice("servo", "contacts") = None
+
+
+class Floor(Table):
+    """[floor]: a plane that rises by slope_deg (S) towards uphill_deg (U), the direction from the x axis of the floor.
+
+    The axes of the world are those of the floor, x and y in it, z normal to it: gravity is
+    g (-sin S cos U, -sin S sin U, -cos S).
+    """
+
+    slope_deg: Slope = 0.0
+    uphill_deg: Real = 0.0
 
 
 class Time(Table):
@@ -350,6 +362,7 @@ class Config(Table):
     schema_version: Annotated[int, Field(ge=1, le=1, alias="schema", description="1")]
     title: Annotated[str, Field(description="a string")] = ""
     world: World = Field(World(), alias="scene")
+    floor: Floor = Floor()
     time: Time
     solver: Solver = Solver()
     friction: Friction

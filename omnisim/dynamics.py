@@ -13,7 +13,7 @@ takes its share (`press_wheel`, `move_wheel`).
 import math
 
 from omnisim.angle import cos_sin
-from omnisim.body import Acceleration, free_plane
+from omnisim.body import Acceleration, free_plane, inclined_plane
 from omnisim.contact.coulomb import SLIP
 from omnisim.contact.reaction import VISCOUS
 from omnisim.contact.tracking import IMPLICIT, rho_rate, roller_axis
@@ -54,6 +54,8 @@ def reduced_rhs(parameters, mode, piece, t, y, dy, watch, kept):
         set_body_tilt(machine, room.loads, wrench, body.yaw_rate)
     load, others, sought = machine.mass * machine.gravity - wrench.z, 0, 0
     plane = free_plane(machine, wrench.x, wrench.y, wrench.yaw)
+    if machine.inclined:
+        plane = inclined_plane(machine, body, plane)
     heat, power = 0.0, 0.0  # of friction and of the drives, W
     if machine.bearings:
         dy[at.bearing_loss] = 0.0

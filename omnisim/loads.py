@@ -4,14 +4,15 @@ Three wheels: any load; more: a rigid chassis on equal springs. With the plane r
 
     unknowns   A_x, A_y (of C along chassis axes), theta''      b_0, b_1, b_2:   N_w = b_0 + b_1 x_w + b_2 y_w
 
-    rows       M A = sum F + f                                  sum N = M g - f_z
+    rows       M A = sum F + f + M g_t                          sum N = M g - f_z
                I_z theta'' = sum lever . F + ...                tilt about y and x, below
 
     tilt       sum N D x n - z_C n x sum F + (r x f)_h + theta'' S + theta'^2 n x S
                    = sum (tau - J_r phi'' - R F_h) k + (-J_k phi' theta' + sum Ia p' a_h + phi' G_n - theta' G_k) h
 
 where J_k phi'' + sum Ia p' s + theta' G_h = tau - J_r phi'' - R F_h has been used (J_r: rotor of the motor). With
-upright = "servo" the load is known and tilt is the servo's.
+upright = "servo" the load is known and tilt is the servo's. On an inclined floor g is what of gravity is normal to it;
+what lies along it, g_t, acts at C, about which the moments are taken.
 """
 
 from typing import NamedTuple

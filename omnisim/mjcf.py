@@ -7,6 +7,7 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from omnisim.config import Config
+from omnisim.packing import gravity
 from omnisim.robot_description import COLOURS, LAID, Body, bodies, headed, numbers
 
 STEP = 1e-4  # s
@@ -26,8 +27,9 @@ def mjcf(config: Config, name: str, meshes: Mapping[str, str], contacts: Mapping
     """
     root = headed(Element("mujoco", model=name), config)
     SubElement(root, "compiler", angle="radian", eulerseq="XYZ")
-    gravity = numbers(0.0, 0.0, -config.world.gravity)
-    SubElement(root, "option", timestep=numbers(STEP), integrator="implicitfast", cone="elliptic", gravity=gravity)
+    along, normal = gravity(config)
+    option = {"timestep": numbers(STEP), "integrator": "implicitfast", "cone": "elliptic"}
+    SubElement(root, "option", option, gravity=numbers(*along, -normal))
     friction = numbers(config.friction.coefficient, 0.0, 0.0)
     SubElement(SubElement(root, "default"), "geom", CONTACT | {"friction": friction})
     asset, world = SubElement(root, "asset"), SubElement(root, "worldbody")

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from math import isfinite
+from math import isfinite, radians, sin
 from typing import NamedTuple
 
 from omnisim.config import Config, Drive, Friction, Roller, Wheel, unused_keys
@@ -97,6 +97,7 @@ def algebraic(config: Config, parameters: Parameters) -> Iterator[Part]:
     yield from drives(config.wheels)
     if chassis:
         yield Part("command", config.command is not None, 0, command_reason(config))
+    yield Part("slope", bool(parameters.machine.inclined), 0, slope_reason(config))
     yield Part("wrench", bool(config.wrench.times), 0, wrench_reason(config))
     yield Part("chassis", chassis is not None, 0, chassis_reason(config))
     if chassis:
@@ -139,8 +140,8 @@ def names(some: Sequence[Wheel], wheels: Sequence[Wheel]) -> str:
 
 def motion_reason(config: Config) -> str:
     if config.chassis:
-        return "x, y of the common centre of mass, and yaw; upright on the flat floor"
-    return "x, y and yaw of the wheel; the servo holds it upright on the flat floor"
+        return "x, y of the common centre of mass, and yaw; upright on the plane floor"
+    return "x, y and yaw of the wheel; the servo holds it upright on the plane floor"
 
 
 def wheels_reason(config: Config) -> str:
@@ -253,6 +254,14 @@ def command_reason(config: Config) -> str:
     points = len(config.command.times)
     twist = f"twist table of {points} points" if points > 1 else "constant twist"
     return f"{twist}; ideal wheels give rate drives their targets"
+
+
+def slope_reason(config: Config) -> str:
+    floor, along = config.floor, config.world.gravity * sin(radians(config.floor.slope_deg))
+    if not along:
+        return "the floor is level" if config.world.gravity else "there is no gravity"
+    uphill = f"{floor.slope_deg:g} deg, uphill at {floor.uphill_deg:g} deg from x"
+    return f"{uphill}: gravity along the floor {along:.4g} m/s^2"
 
 
 def wrench_reason(config: Config) -> str:

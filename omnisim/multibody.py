@@ -40,6 +40,7 @@ from omnisim.kernel import kernel, merged, outlined
 from omnisim.loads import TILT_X, TILT_Y, held_body, place_load, solve
 from omnisim.parameters import CONTACTS
 from omnisim.rigid import (
+    against_gravity,
     body_place,
     needed_wrench,
     rate_states,
@@ -304,7 +305,7 @@ def move_bodies(parameters, mode, w, carrier, linear, angular, y, dy):
         turned = plus(carried, times(rolling, axis))
         rate_states(dy, first, roller, acceleration, turned)
         dy[wheel.rates + i] = rolling
-        lifted = plus(acceleration, times(machine.gravity, UP))
+        lifted = plus(acceleration, against_gravity(machine))
         force, moment = needed_wrench(wheel.roller_mass, across, along, axis, roller.rate, lifted, turned)
         keep_joint(room.joints[w, i + 1], minus(moment, twisted), minus(force, pressed))
 

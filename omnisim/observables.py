@@ -218,14 +218,21 @@ def energy(parameters: Parameters, rows: Rows) -> dict[str, np.ndarray]:
     kinetic = 0.5 * doubled
     loss, drive, wrench = y[:, at.friction_loss], y[:, at.drive_work], y[:, at.wrench_work]
     bearings = y[:, at.bearing_loss] if machine.bearings else np.zeros(len(y))
+    gravity = potential(machine, y)
     return {
         "energy/kinetic": kinetic,
+        **({"energy/gravity": gravity} if machine.inclined else {}),
         "energy/friction_loss": loss,
         "energy/bearing_loss": bearings,
         "energy/drive_work": drive,
         "energy/wrench_work": wrench,
-        "energy/balance": kinetic - kinetic[:1] + loss + bearings - drive - wrench,
+        "energy/balance": kinetic - kinetic[:1] + gravity - gravity[:1] + loss + bearings - drive - wrench,
     }
+
+
+def potential(machine: np.record, y: np.ndarray) -> np.ndarray:
+    """Energy of all bodies in gravity (T), J: -M g . r_C from the world's origin, the constant part included."""
+    return machine.mass * (machine.gravity * machine.height - y[:, [X, Y]] @ machine.downhill)
 
 
 def bearing_loads(found: np.ndarray, rollers: int, chassis: bool) -> dict[str, np.ndarray]:

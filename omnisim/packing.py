@@ -114,9 +114,12 @@ def machine_values(config: Config, types: list[WheelType]) -> dict:
     bearings = any(kind.roller.has_bearing_friction for kind in types)
     formulation = FORMULATIONS[config.solver.formulation]
     every_rate = bearings or formulation == MULTIBODY
+    along, normal = gravity(config)
     pushed = whole.centre if config.chassis is None else np.array(config.chassis.center_of_mass)
     return {
-        "gravity": config.world.gravity,
+        "gravity": normal,
+        "downhill": along,
+        "inclined": any(along),
         "mass": whole.mass,
         "mobility": 1.0 / whole.mass,
         "yaw_inertia": whole.yaw_inertia,
@@ -130,7 +133,7 @@ def machine_values(config: Config, types: list[WheelType]) -> dict:
         "friction": friction.coefficient,
         "slip_speed": friction.slip_speed,
         "viscosity": friction.viscosity,
-        "slip_floor": slip_floor(friction, whole.mass * config.world.gravity),
+        "slip_floor": slip_floor(friction, whole.mass * normal),
         "tracking": TRACKINGS[config.solver.tracking],
         "patch_radius": friction.patch_radius if friction.contact_torque != "none" else 0.0,
         "formulation": formulation,
@@ -145,6 +148,14 @@ def machine_values(config: Config, types: list[WheelType]) -> dict:
         "pushed": any(any(force) or torque for force, torque in zip(*config.wrench.table[1:], strict=True)),
         "body_frame": config.wrench.frame == "body",
     }
+
+
+def gravity(config: Config) -> tuple[tuple[float, float], float]:
+    """What of gravity lies along the floor, world x and y, and what is normal to it, downwards; m/s^2."""
+    slope, size = math.radians(config.floor.slope_deg), config.world.gravity
+    cos, sin = exact_cos_sin(config.floor.uphill_deg)
+    downhill = size * math.sin(slope)
+    return (-downhill * cos + 0.0, -downhill * sin + 0.0), size * math.cos(slope)
 
 
 def slip_floor(friction: Friction, weight: float) -> float:

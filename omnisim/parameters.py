@@ -8,7 +8,9 @@ from omnisim.state import PLACES
 
 MACHINE = np.dtype(
     [
-        ("gravity", np.float64),  # m/s^2
+        ("gravity", np.float64),  # towards the floor, m/s^2
+        ("downhill", np.float64, (2,)),  # gravity along the floor: world x and y, m/s^2
+        ("inclined", np.int64),  # 1: there is some
         ("mass", np.float64),  # M: everything, kg
         ("yaw_inertia", np.float64),  # I_z, kg m^2
         ("height", np.float64),  # z_C: of the common centre of mass C, m

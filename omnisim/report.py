@@ -108,6 +108,9 @@ def _energy(trajectory: Trajectory) -> str:
              if name != "bearing_loss" or trajectory["energy/bearing_loss"][-1])  # fmt: skip
     error = np.abs(trajectory["energy/balance"]).max()
     change = f"kinetic {kinetic[0]:.6g} -> {kinetic[-1]:.6g} J"
+    if "energy/gravity" in trajectory:
+        gravity = trajectory["energy/gravity"]
+        change += f", of gravity {gravity[0]:.6g} -> {gravity[-1]:.6g} J"
     return f"{change}, {', '.join(works)}; balanced to {error:.2g} J"
 
 

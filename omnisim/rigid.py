@@ -53,6 +53,13 @@ def rigid_body(y, first):
 
 
 @kernel
+def against_gravity(machine):
+    """Acceleration that it takes to stay at rest in gravity (Vec3, m/s^2): with it the weight is one more inertial
+    force."""
+    return Vec3(-machine.downhill[0], -machine.downhill[1], machine.gravity)
+
+
+@kernel
 def vector_at(y, first):
     return Vec3(y[first], y[first + 1], y[first + 2])
 

@@ -127,6 +127,7 @@ CLOCK = np.dtype(
         ("implicit", np.int64),  # the step under way is implicit
         ("converged", np.int64),  # the last trial step: an implicit one may fail
         ("energy", np.float64),  # kinetic, at the start, J
+        ("potential", np.float64),  # of the weight on an inclined floor, at the start, J
         ("turnover", np.float64),  # the largest sum of that and of the works so far, J
         ("status", np.int64),
         ("wheel", np.int64),  # that caused the status, or -1

@@ -27,7 +27,7 @@ def relaxation_rate(config: Config, parameters: Parameters) -> float:
 def heaviest_load(config: Config, parameters: Parameters) -> float:
     """Largest normal force on any wheel at standstill, N."""
     lowest = min(force[2] for force in config.wrench.table[1])
-    return float(static_loads(parameters, lowest).max())
+    return float(static_loads(parameters, lowest, math.radians(config.initial.yaw_deg)).max())
 
 
 def resolve(config: Config, parameters: Parameters) -> int:

@@ -110,6 +110,8 @@ def mirrored(data: dict) -> dict:
         initial[key] = -initial[key]
     for key in {"position", "velocity"} & set(initial):
         initial[key] = [initial[key][0], -initial[key][1]]
+    if "floor" in data:
+        data["floor"]["uphill_deg"] = -data["floor"].get("uphill_deg", 0.0)
     if "command" in data:
         data["command"]["twist"] = [[vx, -vy, -yaw_rate] for vx, vy, yaw_rate in data["command"]["twist"]]
     if "wrench" in data:
@@ -122,6 +124,8 @@ def rotated(data: dict, angle_deg: float) -> dict:
     """The same machine after a turn of the world about the origin."""
     data = json.loads(json.dumps(data))
     turn = rotation(np.radians(angle_deg))
+    if "floor" in data:
+        data["floor"]["uphill_deg"] = data["floor"].get("uphill_deg", 0.0) + angle_deg
     initial = data.setdefault("initial", {})
     initial["yaw_deg"] = initial.get("yaw_deg", 0.0) + angle_deg
     for key in {"position", "velocity"} & set(initial):

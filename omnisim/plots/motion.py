@@ -24,9 +24,12 @@ def of_body(path: str, value=np.asarray):
 
 
 def works(run: Trajectory) -> dict[str, np.ndarray]:
-    """Energies (J) by name; losses and works that there are none of are left out."""
+    """Energies (J) by name, that in gravity from its start on; losses and works that there are none of are left out."""
     names = ("friction_loss", "bearing_loss", "drive_work", "wrench_work")
     found = {name.replace("_", " "): run[f"energy/{name}"] for name in names if run[f"energy/{name}"].any()}
+    if "energy/gravity" in run:
+        gravity = run["energy/gravity"]
+        found = {"energy in gravity": gravity - gravity[:1]} | found
     return {"kinetic energy": run["energy/kinetic"]} | found
 
 

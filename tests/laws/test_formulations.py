@@ -14,6 +14,7 @@ from omnisim.analysis import distance, divergence, energy_error
 
 FORMULATIONS = ("reduced", "multibody")
 COULOMB = "friction={law='coulomb', coefficient=0.5}"
+SLOPE = "floor={slope_deg=8.0, uphill_deg=70.0}"
 SCENES = {
     "bare wheel, regularized": (REFERENCE / "testbench_psi0.toml", 2e-4, []),
     "bare wheel, angled rollers": (REFERENCE / "testbench_psi30.toml", 2e-4, []),
@@ -23,6 +24,8 @@ SCENES = {
     "kiwi, coulomb": (REFERENCE / "kiwi.toml", 5e-5, [COULOMB]),
     "mecanum, regularized": (REFERENCE / "mecanum.toml", 1e-5, []),
     "mecanum, coulomb": (REFERENCE / "mecanum.toml", 1e-4, [COULOMB]),
+    "bare wheel on a slope, coulomb": ("coulomb_wheel", 2e-4, [SLOPE]),
+    "mecanum on a slope, coulomb": (REFERENCE / "mecanum.toml", 1e-4, [COULOMB, SLOPE]),
     "bearing friction, three types": ("mixed", 2e-4, ["wheel_types.omni.roller.bearing_viscosity=1e-6"]),
 }
 

@@ -177,7 +177,9 @@ class Machine:
             raise ValueError("fewer than three contacts carry no vehicle")
         if friction["law"] not in ("regularized", "saturated", "viscous", "none"):
             raise ValueError(f"the oracle has no friction law {friction['law']!r}")
-        self.gravity = general.get("gravity", 9.81)
+        slope, uphill = (radians(scene.get("floor", {}).get(f"{key}_deg", 0.0)) for key in ("slope", "uphill"))
+        down = np.array([-sin(slope) * cos(uphill), -sin(slope) * sin(uphill), -cos(slope)])
+        self.gravity = general.get("gravity", 9.81) * down  # in axes of the floor
         self.law, self.slip_speed = friction["law"], friction.get("slip_speed", 1e-6)
         self.mu = friction["coefficient"] if self.law in ("regularized", "saturated") else 0.0
         self.viscosity = friction["viscosity"] if self.law == "viscous" else 0.0
@@ -305,7 +307,7 @@ class Machine:
         turned, w = bodies[:, ROTATION].reshape(-1, 3, 3), bodies[:, OMEGA]
         inertia = (turned * self.inertia[:, None, :]) @ turned.transpose(0, 2, 1)
         matrix[self.turn[:, :, None], self.turn[:, None, :]] = inertia
-        applied[:, 2] = -self.mass * self.gravity
+        applied[:, :3] = self.mass[:, None] * self.gravity
         applied[:, 3:] = -cross(w, (inertia @ w[..., None])[..., 0])
 
     def add_loads(self, time: float, bodies: np.ndarray, mode: Mode, applied: np.ndarray) -> None:

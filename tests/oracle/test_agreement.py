@@ -32,6 +32,7 @@ CASES["mirrored, phase, driven and pushed"] = (
 )
 CASES["saturated"] = ("friction.law=saturated", "time.end=0.25")
 CASES["viscous"] = ("friction.law=viscous", "friction.viscosity=5.0", "time.end=0.5")
+CASES["on a slope"] = ("floor={slope_deg=20.0, uphill_deg=-35.0}", "time.end=0.5", *PUSHED)
 CASES["no friction"] = ("friction.law=none", "time.end=0.5")
 SKEW, MECANUM = Path(__file__).parent / "skew.toml", REFERENCE / "mecanum.toml"
 # rollers that spin, edges nearby, a yaw rate, and a slip speed that spares the oracle some of the stiffness
@@ -48,6 +49,7 @@ HEAVY = (
 LAWS = ("regularized", "saturated", "viscous", "none")
 MACHINES = {"three skew wheels": (SKEW, ()), "the same with a servo": (SKEW, ("scene.upright=servo",))}
 MACHINES["four mecanum wheels"] = (MECANUM, HEAVY)
+MACHINES["three skew wheels on a slope"] = (SKEW, ("floor={slope_deg=8.0, uphill_deg=110.0}",))
 
 # all that moves and all that pushes, in SI units; measured on a bare wheel: motion 9e-13, forces 9e-12,
 # accelerations 6e-11

@@ -21,6 +21,7 @@ from oracle.machine import AXIS, OMEGA, UP, VELOCITY, Machine
 
 HERE = REFERENCE.parent / "oracle"
 PUSH = "wrench={times=[0.0], force=[[1.0, -2.0, 3.0]], yaw_torque=[0.1]}"
+SLOPE = "floor={slope_deg=12.0, uphill_deg=70.0}"
 AT_REST = ["initial={yaw_deg=25.0}", *(f"wheels.{name}.spin_rate=0.0" for name in ("front", "left", "right"))]
 SCENES = {
     "bare wheel": (REFERENCE / "testbench_psi30.toml", [PUSH]),
@@ -29,6 +30,10 @@ SCENES = {
     "mecanum on a servo": (REFERENCE / "mecanum.toml", ["scene.upright=servo"]),
     "skew machine": (HERE / "skew.toml", []),
     "viscous": (REFERENCE / "kiwi.toml", ["friction={law='viscous', viscosity=5.0}"]),
+    "bare wheel on a slope": (REFERENCE / "testbench_psi30.toml", [PUSH, SLOPE]),
+    "skew machine on a slope": (HERE / "skew.toml", [SLOPE]),
+    "mecanum on a servo and a slope": (REFERENCE / "mecanum.toml", ["scene.upright=servo", SLOPE]),
+    "sticking on a slope": (HERE / "skew.toml", ["friction={law='coulomb', coefficient=0.9}", *AT_REST, SLOPE]),
     "sticking": (HERE / "skew.toml", ["friction={law='coulomb', coefficient=0.9}", *AT_REST]),
 }  # fmt: skip
 
