@@ -25,7 +25,7 @@ SCENES = {
     "mecanum, regularized": (REFERENCE / "mecanum.toml", 1e-5, []),
     "mecanum, coulomb": (REFERENCE / "mecanum.toml", 1e-4, [COULOMB]),
     "bare wheel on a slope, coulomb": ("coulomb_wheel", 2e-4, [SLOPE]),
-    "mecanum on a slope, coulomb": (REFERENCE / "mecanum.toml", 1e-4, [COULOMB, SLOPE]),
+    "kiwi on a slope, regularized": (REFERENCE / "kiwi.toml", 1e-4, [SLOPE]),
     "bearing friction, three types": ("mixed", 2e-4, ["wheel_types.omni.roller.bearing_viscosity=1e-6"]),
 }
 
