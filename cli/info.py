@@ -72,6 +72,8 @@ def about_scene(scene: Scene) -> str:
                 section("machine", machine_facts(parameters)),
                 f"wheels\n{wheel_table(config, parameters)}",
                 f"spin rates of ideal wheels, which do not slip, rad/s\n{ideal_table(config)}",
+                f"steepest slopes at rest, deg: static friction along the rollers' axes, estimated\n"
+                f"{slope_table(config, parameters)}",
             ]
         for wheel, record in first_of_each_type(config, parameters):
             name = "wheel type" if config.chassis else f"wheel '{wheel.name}' of type"
@@ -145,6 +147,24 @@ def ideal_table(config: Config) -> str:
         shown = zip(rates, motions, strict=True)
         rows.append((wheel.name, *(f"{round(rate, 9) + 0.0:>{len(motion)}.4g}" for rate, motion in shown)))
     return columns(rows, indent="  ")
+
+
+def slope_table(config: Config, parameters: Parameters) -> str:
+    """On which slopes the machine slides, drives up no more, or tips."""
+    from omnisim.slopes import least, steepest
+
+    rows = [("uphill", "holds, wheels locked", "drives up", "tips")]
+    rows += [("ahead", *steepest(config, parameters, 0.0)), ("to the left", *steepest(config, parameters, 90.0))]
+    rows.append(("any way, the least", *least(config, parameters)))
+    if config.floor.slope_deg:
+        uphill_deg = config.floor.uphill_deg - config.initial.yaw_deg
+        rows.append((f"on its {config.floor.slope_deg:g} deg", *steepest(config, parameters, uphill_deg)))
+    return columns([rows[0], *((name, *map(shown_slope, slopes)) for name, *slopes in rows[1:])], indent="  ")
+
+
+def shown_slope(slope: float) -> str:
+    degrees = math.degrees(slope)
+    return "never" if degrees > 89.99 else f"{round(degrees, 6) + 0.0:.3g}"
 
 
 def first_of_each_type(config: Config, parameters: Parameters) -> list[tuple]:

@@ -54,6 +54,7 @@ def page(trajectory: Trajectory) -> str:
     imports = {"vendor": _module("vendor/vendor.min")} | {f"omnisim/{name}": _module(name) for name in MODULES}
     return Template(_text("page.html")).substitute(
         title=html.escape(trajectory.attributes["title"] or "omnisim"),
+        floor=_floor(config),
         style=_text("vendor/uPlot.min.css") + _text("style.css"),
         imports=_json({"imports": imports}),
         data=_json(data),
@@ -91,6 +92,14 @@ def _wheel(config: Config, wheel: Wheel) -> dict[str, Any]:
         "psi": -psi if wheel.mirrored else psi,
         "phase": math.radians(wheel.phase_deg),
     }
+
+
+def _floor(config: Config) -> str:
+    """A line on the floor where it slopes: the page shows it level, as its axes are."""
+    floor = config.floor
+    if not floor.slope_deg:
+        return ""
+    return f"\n  <p>the floor rises by {floor.slope_deg:g}&deg; towards {floor.uphill_deg:g}&deg; from its x axis</p>"
 
 
 def motion(trajectory: Trajectory) -> dict[str, np.ndarray]:

@@ -62,6 +62,14 @@ def test_mujoco_has_the_mass_the_yaw_inertia_and_the_spin_inertia_of_the_scene(m
         assert free_inertia(mujoco, model, spin, held) == pytest.approx(exact, rel=1e-12)
 
 
+def test_a_slope_is_in_the_gravity_of_mjcf():
+    """A floor that rises ahead pulls back."""
+    config = omnisim.load("youbot", ["floor.slope_deg=30.0", "scene.gravity=10.0"]).config
+    root = mjcf(config, "youbot", *[{name: f"{name}.stl" for name in config.wheel_types}] * 2)
+    x, y, z = map(float, root.find("option").get("gravity").split())
+    assert (x, y, z) == pytest.approx((-5.0, 0.0, -math.sqrt(75.0)), rel=1e-14)
+
+
 def test_the_keyframe_has_the_start_of_the_scene(mujoco, tmp_path):
     scene = omnisim.load("six_rollers")
     model = mujoco.MjModel.from_xml_path(written(tmp_path, scene, mjcf))

@@ -145,6 +145,12 @@ def test_a_title_is_text_whatever_it_says(runs):
     ]
 
 
+def test_a_slope_is_told(runs, youbot):
+    assert "the floor rises" not in youbot
+    sloping = omnisim.simulate(omnisim.load("youbot", ["time.end=0.03", "floor.slope_deg=7.5", "floor.uphill_deg=30"]))
+    assert "the floor rises by 7.5&deg; towards 30&deg; from its x axis" in page(sloping)
+
+
 def test_without_rows_there_is_nothing_to_show():
     with pytest.raises(NothingToShow, match="no rows"):
         page(synthetic_trajectory(rows=0, events=0))
