@@ -11,6 +11,7 @@ Such forces are there unless some twist of the machine lets gravity do more work
 
 import math
 from collections.abc import Callable, Iterator
+from functools import partial
 from itertools import combinations
 from typing import NamedTuple
 
@@ -49,10 +50,10 @@ def steepest(config: Config, parameters: Parameters, uphill_deg: float) -> Slope
     found, torques = footing(parameters), np.array([largest_torque(wheel.drive) for wheel in config.wheels])
     friction = parameters.machine.friction if config.friction.law in RUBBING else 0.0
     locked, driven = (
-        limit(lambda slope, most=most: stands(parameters, found, friction, most, slope, uphill))
-        for most in (np.full(len(torques), np.inf), torques)
+        partial(stands, parameters, found, friction, most, uphill) for most in (np.full(len(torques), np.inf), torques)
     )
-    return Slopes(locked, driven, tipping(parameters, uphill))
+    holds = limit(locked)
+    return Slopes(holds, holds if driven(min(holds, STEEPEST)) else limit(driven), tipping(parameters, uphill))
 
 
 def least(config: Config, parameters: Parameters) -> Slopes:
@@ -87,7 +88,7 @@ def footing(parameters: Parameters) -> Footing:
 
 
 def stands(
-    parameters: Parameters, footing: Footing, friction: float, torques: np.ndarray, slope: float, uphill: np.ndarray
+    parameters: Parameters, footing: Footing, friction: float, torques: np.ndarray, uphill: np.ndarray, slope: float
 ) -> bool:
     """Whether friction and torques (W,), N m, hold the machine on a slope (rad)."""
     machine, wheels = parameters.machine, parameters.wheels
