@@ -90,7 +90,7 @@ def ready(scene: Scene) -> March:
     config = scene.config
     parameters = pack(config)
     run = begin(config, parameters)
-    rows = blank_rows(run, config.time.outputs + 1)
+    rows = blank_rows(run, config.time.outputs + 1, config.bearing_loads, bool(parameters.machine.odometry))
     log = np.zeros(4 * EVENTS_PER_STEP, EVENT).view(np.recarray)
     return March(parameters, METHODS[config.solver.method].stages, run, rows, log)
 

@@ -69,7 +69,7 @@ def simulate_and_save(scene: Scene, path: Path, quiet: bool) -> Trajectory:
 
 def report(trajectory: Trajectory, path: Path) -> str:
     """The summary of a run, for people."""
-    from omnisim.report import accuracy, odometry
+    from omnisim.report import accuracy, odometry, peaks
 
     a, rows = trajectory.attributes, len(trajectory.time)
     kinds = Counter(trajectory["events/kind"].tolist())
@@ -83,6 +83,7 @@ def report(trajectory: Trajectory, path: Path) -> str:
         "steps": f"{a['steps']}, with {a['rhs_evaluations']} right-hand sides",
         "events": ", ".join(f"{count} {kind}{'s' * (count != 1)}" for kind, count in events.items()),
         "energy": energy(trajectory),
+        "peaks": peaks(trajectory),
         "odometry": odometry(trajectory),
         "file": f"{path} ({rows} rows, {path.stat().st_size / 1e6:.2g} MB)",
         "status": a["status"],
@@ -91,13 +92,12 @@ def report(trajectory: Trajectory, path: Path) -> str:
 
 def coarse(trajectory: Trajectory) -> str:
     """What to say of a run whose energies do not balance; empty if they do."""
-    from omnisim.analysis import energy_error
+    from omnisim.analysis import unaccounted
 
-    most = trajectory["energy/kinetic"].max(initial=0.0)
-    missing = energy_error(trajectory).absolute / most if most > 0.0 else 0.0
+    missing = unaccounted(trajectory)
     if missing < COARSE:
         return ""
-    return f"Warning: energy is unaccounted for, {missing:.1%} of the largest kinetic energy: time.step is too coarse"
+    return f"Warning: energy is unaccounted for, {missing:.1%} of what was there or came in: time.step is too coarse"
 
 
 def missed(trajectory: Trajectory) -> str:

@@ -8,7 +8,7 @@ rollers load, those of the axle. Axes of the results are fixed in what carries t
 """
 
 from omnisim.angle import cos_sin
-from omnisim.kernel import kernel, merged
+from omnisim.kernel import kernel, merged, outlined
 from omnisim.rigid import against_gravity, needed_wrench
 from omnisim.state import places
 from omnisim.vector import Vec3, cross, dot, minus, plus, times
@@ -27,7 +27,7 @@ def mounting(wheel, heading, i, spin_angle):
     return d, cross(axis, d), axis
 
 
-@merged
+@outlined
 def recover(parameters, mode, w, y, dy, rates):
     """Force and moment of the joints of wheel w, from its motion and the floor's forces, into the room; rates (N,):
     absolute axial rates of its rollers, rad/s."""

@@ -13,7 +13,7 @@ from omnisim.vector import dot
 from omnisim.wheel import rho_of
 
 UNBALANCED_PART = 0.05  # of the energy of the scene
-STILL = 1e-9  # m/s: slower than that moves what stands, in rounding
+STILL = 1e-9  # m/s: slower than that moves what stands, in rounding; there is no energy to account for
 STIFF_STEPS = 3  # surplus of steps too large for the rate at which slip relaxes, before the run stops
 LOST = 1e-3  # |rho|^2 - 1 at which the implicit tracking is no longer worth its name
 
@@ -79,8 +79,23 @@ def check_energy(parameters, run):
     balance = 0.5 * doubled - clock.energy + loss - y[at.drive_work] - y[at.wrench_work] - fall
     turned_over = clock.energy + abs(y[at.drive_work]) + abs(y[at.wrench_work]) + abs(fall)
     clock.turnover = max(clock.turnover, turned_over)  # the works may have come back to nothing
-    if abs(balance) > UNBALANCED_PART * clock.turnover + machine.mass * STILL * STILL and clock.status == RUNNING:
+    missing = abs(balance) > UNBALANCED_PART * clock.turnover
+    if missing and fastest(parameters, run) > STILL and clock.status == RUNNING:
         clock.status, clock.wheel = UNBALANCED, -1
+
+
+@kernel
+def fastest(parameters, run):
+    """The largest speed at which anything moves: the body, or a wheel or a roller at its circumference, m/s."""
+    y, at = run.y, places(parameters)
+    speed, turning = max(abs(y[at.velocity]), abs(y[at.velocity + 1])), abs(y[at.yaw_rate])
+    for w in range(len(run.mode)):
+        wheel = parameters.wheels[w]
+        reach = abs(wheel.offset[0]) + abs(wheel.offset[1]) + wheel.radius
+        speed = max(speed, reach * turning, wheel.radius * abs(y[at.spin_rate + w]))
+        for i in range(wheel.rollers):
+            speed = max(speed, (wheel.radius - wheel.roller_distance) * abs(run.rates[w, i]))
+    return speed
 
 
 @kernel

@@ -53,7 +53,8 @@ class Loop:
         self.parameters: Parameters = pack(scene.config)
         self.run = begin(scene.config, self.parameters)
         try:
-            self.rows = blank_rows(self.run, scene.config.time.outputs + 1)
+            count, machine = scene.config.time.outputs + 1, self.parameters.machine
+            self.rows = blank_rows(self.run, count, scene.config.bearing_loads, bool(machine.odometry))
         except MemoryError as error:
             raise SceneError(f"{scene.source}: time.output_interval: too many rows for the memory: {error}") from None
         self.log = blank(EVENT, 4 * EVENTS_PER_STEP)

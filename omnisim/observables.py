@@ -11,6 +11,7 @@ from omnisim.constraints import residuals
 from omnisim.contact.kinematics import joint_rate
 from omnisim.contact.tracking import IMPLICIT, roller_axis
 from omnisim.direct import direct
+from omnisim.extremes import odometry_extremes, wheel_extremes
 from omnisim.kernel import kernel
 from omnisim.loads import servo
 from omnisim.parameters import MULTIBODY, SERVO, Parameters
@@ -159,6 +160,7 @@ def datasets(parameters: Parameters, rows: Rows, interval: float, config: Config
     data |= energy(parameters, rows)
     if parameters.machine.odometry:
         data |= odometry(parameters, rows.y, data["body/position"])
+        data |= odometry_extremes(rows.odometry_extremes)
     if config.chassis is not None and parameters.machine.upright == SERVO:
         data["body/servo_torque"] = observed.servo
     if multibody:
@@ -170,6 +172,8 @@ def datasets(parameters: Parameters, rows: Rows, interval: float, config: Config
         if bearings:
             group |= bearing_loads(observed.bearings[:, w], number, config.chassis is not None)
         data |= {f"wheels/{wheel.name}/{path}": values for path, values in group.items()}
+        extremes = wheel_extremes(rows.extremes[:, w], rows.bearing_extremes[:, w], number, config.chassis is not None)
+        data |= {path.format(wheel.name): values for path, values in extremes.items()}
     return data
 
 

@@ -7,14 +7,69 @@ import numpy as np
 from omnisim.text import aligned, columns
 from omnisim.trajectory import ROLLER, ROLLERS, TABLE, WHEEL, Trajectory
 
+BEARING_LOADS = ("radial_force", "axial_force", "tilting_moment")
+
 
 def summary(trajectory: Trajectory) -> str:
     """What a trajectory holds, for people: several aligned lines without a final newline."""
-    return "\n\n".join(filter(None, [aligned(_facts(trajectory)), bearings(trajectory), _datasets(trajectory)]))
+    parts = [aligned(_facts(trajectory)), extremes(trajectory), bearings(trajectory), _datasets(trajectory)]
+    return "\n\n".join(filter(None, parts))
+
+
+def extremes(trajectory: Trajectory) -> str:
+    """The largest of each wheel's loads, slip, torque and power in the march, and the least of what has a sign; empty
+    if they are not recorded."""
+    path = "interval_max/wheels/{}/normal_force"
+    if not len(trajectory.time) or path.format(trajectory.wheels[0]) not in trajectory:
+        return ""
+    quantities = {
+        "normal_force": "load, N",
+        "friction_force": "friction, N",
+        "slip_velocity": "slip, m/s",
+        "drive_torque": "drive torque, N m",
+        "drive_power": "drive power, W",
+    }
+    lines = [("extremes of the march", *quantities.values())]
+    for wheel in trajectory.wheels:
+        lines.append((wheel, *(_range(trajectory, f"wheels/{wheel}/{name}") for name in quantities)))
+    return columns(lines)
+
+
+def _range(trajectory: Trajectory, path: str) -> str:
+    """The least and the largest value in the march, or the largest of what has no sign."""
+    most, least = largest(trajectory, path), f"interval_min/{path}"
+    return f"{trajectory[least].min():.4g} to {most:.4g}" if least in trajectory else f"{most:.4g}"
+
+
+def largest(trajectory: Trajectory, path: str) -> float:
+    """The largest value of a quantity in the whole march, by its path below interval_max; NaN without rows."""
+    values = trajectory[f"interval_max/{path}"]
+    return float(values.max()) if values.size else float("nan")
+
+
+def peaks(trajectory: Trajectory) -> str:
+    """The largest magnitudes of loads, slip, torque and power at any wheel in the march; empty if not recorded."""
+    shown = (("load", "normal_force", "N"), ("friction", "friction_force", "N"), ("slip", "slip_velocity", "m/s"),
+             ("torque", "drive_torque", "N m"), ("power", "drive_power", "W"))  # fmt: skip
+    if not extremes(trajectory):
+        return ""
+    found = []
+    for name, path, units in shown:
+        most = max(_magnitude(trajectory, f"wheels/{wheel}/{path}") for wheel in trajectory.wheels)
+        if most > 0.0:
+            found.append(f"{name} {most:.4g} {units}")
+    return ", ".join(found)
+
+
+def _magnitude(trajectory: Trajectory, path: str) -> float:
+    """The largest magnitude in the march of a quantity, by its path below interval_max."""
+    least = f"interval_min/{path}"
+    most = largest(trajectory, path)
+    return max(most, float(-trajectory[least].min())) if least in trajectory else most
 
 
 def bearings(trajectory: Trajectory) -> str:
-    """Peak and RMS of what each wheel's axle and its rollers carry, for the sizing of bearings; empty if not recorded.
+    """Peak in the march and RMS of the rows of what axles and rollers carry, to size bearings by; empty if not recorded.
 
     Of the rollers, those of the one that carries most.
     """
@@ -22,17 +77,15 @@ def bearings(trajectory: Trajectory) -> str:
     for wheel in trajectory.wheels if len(trajectory.time) else ():
         for name, path, along in ((f"{wheel}, axle", WHEEL, 1), (f"{wheel}, rollers", ROLLERS, 2)):
             path = path.format(wheel=wheel)
-            if f"{path}/bearing_force" in trajectory:
+            if f"interval_max/{path}/bearing_radial_force" in trajectory:
                 force, moment = trajectory[f"{path}/bearing_force"], trajectory[f"{path}/bearing_moment"]
                 across = [np.linalg.norm(np.delete(load, along, axis=-1), axis=-1) for load in (force, moment)]
                 loads = across[0], np.abs(force[..., along]), across[1]
-                lines.append((name, *(f"{_peak(load):.4g} ({_rms(load):.4g})" for load in loads)))
+                highest = [_magnitude(trajectory, f"{path}/bearing_{load}") for load in BEARING_LOADS]
+                shown = (f"{peak:.4g} ({_rms(load):.4g})" for peak, load in zip(highest, loads, strict=True))
+                lines.append((name, *shown))
     header = ("bearing loads: peak (RMS)", "radial, N", "axial, N", "tilting moment, N m")
     return columns([header, *lines]) if lines else ""
-
-
-def _peak(load: np.ndarray) -> float:
-    return float(load.max())
 
 
 def _rms(load: np.ndarray) -> float:
@@ -41,11 +94,23 @@ def _rms(load: np.ndarray) -> float:
 
 
 def odometry(trajectory: Trajectory) -> str:
-    """How far the odometry of the wheels is off in the last row; empty if there is none."""
+    """How far the odometry of the wheels is off at the end and, in the march, at most; empty if there is none."""
     if "odometry/yaw_error" not in trajectory or not len(trajectory.time):
         return ""
     position, yaw = trajectory["odometry/position_error"][-1], trajectory["odometry/yaw_error"][-1]
-    return f"off by {np.hypot(*position):.3g} m and {abs(yaw):.3g} rad at the end"
+    said = f"off by {np.hypot(*position):.3g} m and {abs(yaw):.3g} rad at the end"
+    if "interval_max/odometry/position_error" not in trajectory:
+        return said
+    most, turned = (_magnitude(trajectory, f"odometry/{name}_error") for name in ("position", "yaw"))
+    way = distance_travelled(trajectory)
+    part = f" ({most / way:.2%} of the {way:.4g} m driven)" if way > 0.0 else ""
+    return f"{said}; by {most:.3g} m{part} and {turned:.3g} rad at most"
+
+
+def distance_travelled(trajectory: Trajectory) -> float:
+    """Length of the path of the body up to the last row, m: the integral of its speed by the trapezoidal rule."""
+    speed = np.linalg.norm(trajectory["body/velocity"], axis=1)
+    return float(np.sum(0.5 * (speed[1:] + speed[:-1]) * np.diff(trajectory.time)))
 
 
 def accuracy(trajectory: Trajectory) -> str:

@@ -9,7 +9,7 @@ from omnisim.contact.tracking import IMPLICIT
 from omnisim.grip import alignment, fineness, stopping_alignment
 from omnisim.parameters import MULTIBODY, Parameters
 from omnisim.records import blank, plain, records
-from omnisim.state import CLOCK, MODE, WATCH, YAW, Newton, Rows, Run, X, Y, places_in
+from omnisim.state import CLOCK, EXTREME, MODE, WATCH, YAW, Newton, Rows, Run, X, Y, places_in
 from omnisim.stiffness import resolve
 from omnisim.tableau import EXPLICIT, METHODS
 
@@ -70,14 +70,17 @@ def newton_room(parameters: Parameters, states: int) -> Newton:
     )
 
 
-def blank_rows(run: Run, count: int) -> Rows:
-    """Room for `count` rows of a run."""
+def blank_rows(run: Run, count: int, bearings: bool = False, odometry: bool = False) -> Rows:
+    """Room for `count` rows of a run; of bearing loads and of the odometry's error if asked for."""
     wheels, rollers = run.rates.shape
     return Rows(
         y=np.empty((count, len(run.y))),
         rates=np.empty((count, wheels, rollers)),
         mode=blank(MODE, count, wheels),
         piece=np.empty(count, np.uint32),
+        extremes=blank(EXTREME, count, wheels),
+        bearing_extremes=np.empty((count * bearings, wheels, rollers + 1, 4)),
+        odometry_extremes=np.empty((count * odometry, 3)),
     )
 
 

@@ -111,6 +111,15 @@ WATCH = np.dtype(
         ("factor", np.float64, (2,)),  # g of the friction law F = -g v, N s/m
     ]
 )
+EXTREME = np.dtype(
+    [
+        ("normal_force", np.float64, (2,)),  # of the whole wheel, least and most, N
+        ("drive_torque", np.float64, (2,)),  # N m
+        ("drive_power", np.float64, (2,)),  # W
+        ("friction_square", np.float64),  # |F|^2 at any of its contacts, most, N^2
+        ("slip_square", np.float64),  # |v|^2, m^2/s^2
+    ]
+)
 CLOCK = np.dtype(
     [
         ("steps", np.int64),  # grid steps in all
@@ -183,9 +192,17 @@ class Run(NamedTuple):
 
 
 class Rows(NamedTuple):
-    """What is recorded at the T output times: states (T, n), rates (T, W, N), mode (T, W) and piece (T,)."""
+    """What is recorded at the T output times, and of the interval that each of them ends; the next one is under way.
+
+    y (T, n): states; rates (T, W, N); mode (T, W); piece (T,); extremes (T, W): records EXTREME. bearing_extremes
+    (T, W, N + 1, 4): of axle and rollers as extremes.py counts them, odometry_extremes (T, 3): of the error of the
+    reported pose; no rows where a scene has none.
+    """
 
     y: np.ndarray
     rates: np.ndarray
     mode: np.recarray
     piece: np.ndarray
+    extremes: np.recarray
+    bearing_extremes: np.ndarray
+    odometry_extremes: np.ndarray

@@ -24,6 +24,7 @@ from omnisim.events import (
     transition,
 )
 from omnisim.exchange import release_rollers, settle, stand_up
+from omnisim.extremes import begin_interval, follow, follow_again
 from omnisim.grip import begin_to_stop, hold, outrun, rests, step_length, stopped_speed, stops
 from omnisim.implicit import implicit_step
 from omnisim.joints import hold_bodies
@@ -76,6 +77,7 @@ def march(parameters, method, run, rows, log):
         check(parameters, run)
         stiffest = parameters.machine.bearing_relaxation
         if clock.status == RUNNING:
+            begin_interval(parameters, run, rows, 0)
             write_row(parameters, run, rows)
         if clock.choice == EXPLICIT and stiffest * clock.dt > clock.stability_limit:
             clock.status, clock.rate = STIFF_BEARING, stiffest
@@ -84,7 +86,7 @@ def march(parameters, method, run, rows, log):
     while clock.status == RUNNING and clock.step < clock.goal and clock.rhs < clock.pause:
         if clock.events + 2 * EVENTS_PER_STEP > len(log):
             return LOG_FULL
-        grid_step(parameters, method, run, log)
+        grid_step(parameters, method, run, rows, log)
         if clock.dt - clock.elapsed <= GRID_ROUNDING * clock.dt * (
             clock.step + 1
         ):  # it may have stopped at its very end
@@ -110,8 +112,13 @@ def enter_piece(parameters, run, rows, log):
         clock.piece += 1
         refresh(parameters, run, here)
         settle_others(parameters, run, log, here)
-        if clock.step % clock.steps_per_row == 0:
-            clock.row -= 1
+        on_row = clock.step % clock.steps_per_row == 0
+        clock.row -= on_row
+        if clock.step == 0:
+            begin_interval(parameters, run, rows, 0)
+        else:
+            follow_again(parameters, run, rows, clock.row)
+        if on_row:
             write_row(parameters, run, rows)
 
 
@@ -127,11 +134,12 @@ def write_row(parameters, run, rows):
     copy(run.y, rows.y[row])
     rows.piece[row] = run.clock.piece
     run.clock.row = row + 1
+    begin_interval(parameters, run, rows, row + 1)
 
 
 @merged
-def grid_step(parameters, method, run, log):
-    """One dt, with all its events and knots."""
+def grid_step(parameters, method, run, rows, log):
+    """One dt, with all its events and knots; what it passes through enters the extremes of its interval."""
     clock = run.clock
     start, first_event, turns, others, slips = clock.step * clock.dt, clock.events, 0, 0, 0
     clock.elapsed = 0.0
@@ -147,6 +155,7 @@ def grid_step(parameters, method, run, log):
                     resting = resting or rests(parameters, run, w, side)
             if resting:
                 settle_slips(parameters, run, log, -1, 0, t)
+                follow_again(parameters, run, rows, clock.row)
             for w in range(len(run.mode)):
                 stopping = stopping or stops(parameters, run, w)
             if stopping:
@@ -155,6 +164,7 @@ def grid_step(parameters, method, run, log):
             h = step_length(parameters, run, t, h)
         h, kind, w, side = step_to_event(parameters, method, run, t, h)
         accept(run)
+        follow(parameters, run, rows, clock.row)
         if parameters.machine.formulation == MULTIBODY:
             hold_bodies(parameters, run, True)
         clock.elapsed += h
@@ -163,6 +173,7 @@ def grid_step(parameters, method, run, log):
         if kind >= 0:
             transition(parameters, run, log, kind, w, side, start + clock.elapsed)
             settle_others(parameters, run, log, start + clock.elapsed)
+            follow_again(parameters, run, rows, clock.row)
             turns += kind == TURN
             others += kind not in (TURN, EXIT)
         elif h < whole:
@@ -171,6 +182,7 @@ def grid_step(parameters, method, run, log):
             clock.piece += 1
             refresh(parameters, run, start + clock.elapsed)
             settle_others(parameters, run, log, start + clock.elapsed)
+            follow_again(parameters, run, rows, clock.row)
         else:
             return
         if turns > TURNS_PER_STEP:
@@ -269,13 +281,13 @@ def locate(parameters, method, run, t, h, kind, w, side, value):
     spin, direction = places(parameters).spin_rate + w, run.mode[w].direction
     if kind == EXIT:  # the angle and its rate are known at both ends
         enough = SLIDING * h
-        if value >= -direction * run.trial[spin] * tolerance:
+        if low == 0.0 and value >= -direction * run.trial[spin] * tolerance:  # the trial is that of the whole step
             return h
         if low == 0.0 and high == h:
             s = hermite_root(h, g_low, g_high, -direction * run.y[spin], -direction * run.trial[spin], s)
     elif kind == GRIP and run.mode[w].grip[side] == CREEP:  # what is left of the slip is taken away
         slack = stopped_speed(parameters, run, w, side)
-        if value >= -slack:
+        if low == 0.0 and value >= -slack:
             return h
     for iteration in range(60):
         g = trial_guard(parameters, method, run, t, s, kind, w, side)

@@ -69,6 +69,37 @@ BODY = "wheel centre (bare wheel) or chassis origin on the floor (vehicle)"
 WHEEL, ROLLERS = "wheels/{wheel}", "wheels/{wheel}/rollers"
 T, E = (TIME,), (EVENT,)
 
+# Of which quantities a run tells the extremes of each interval between two rows: of the march, not of the rows.
+# Those with a sign have a least value, too.
+EXTREMES = (
+    ("odometry/position_error", "m", "error of the reported position", False),
+    ("odometry/yaw_error", "rad", "error of the reported yaw angle", True),
+    (f"{WHEEL}/normal_force", "N", "normal force of the floor on the wheel", True),
+    (f"{WHEEL}/friction_force", "N", "friction force of the floor on a roller, its length", False),
+    (f"{WHEEL}/slip_velocity", "m/s", "slip velocity, its length", False),
+    (f"{WHEEL}/drive_torque", "N m", "drive torque on the disk about k", True),
+    (f"{WHEEL}/drive_power", "W", "power of the drive torque", True),
+    (f"{WHEEL}/bearing_radial_force", "N", "force of the axle on the wheel across it, its length", False),
+    (f"{WHEEL}/bearing_axial_force", "N", "force of the axle on the wheel along it", True),
+    (f"{WHEEL}/bearing_tilting_moment", "N m", "moment of the axle on the wheel across it, its length", False),
+    (f"{ROLLERS}/bearing_radial_force", "N", "force of its axle on the roller across it, its length", False),
+    (f"{ROLLERS}/bearing_axial_force", "N", "force of its axle on the roller along it", True),
+    (f"{ROLLERS}/bearing_tilting_moment", "N m", "moment of its axle on the roller across it, its length", False),
+)
+
+
+def _extremes() -> Iterator[Quantity]:
+    """The rows of the table that EXTREMES makes: interval_max/PATH, and interval_min/PATH of those with a sign."""
+    since = "in the march since the row before (of row 0: at the start)"
+    for group, word in (("interval_max", "largest"), ("interval_min", "least")):
+        scale = f"{group}/{ROLLER}"
+        yield Quantity(scale, (scale,), "1", "rollers of this wheel, counted from 0", "int64", optional=True)
+        for path, units, description, signed in EXTREMES:
+            if signed or group == "interval_max":
+                axes = (TIME, scale) if path.startswith(ROLLERS) else T
+                yield Quantity(f"{group}/{path}", axes, units, f"{word} {description}, {since}", optional=True)
+
+
 # Every dataset, in the order of the file. A scale comes before the datasets that use it.
 TABLE = (
     Quantity(TIME, T, "s", "output times: row i is i * output_interval"),
@@ -124,6 +155,7 @@ TABLE = (
              "largest distance by which any step so far took a body from its joints, before it was put back, m or rad",
              optional=True),
     Quantity("constraints/velocity_drift", T, "1", "the same of velocities, m/s or rad/s", optional=True),
+    *_extremes(),
     Quantity("energy/kinetic", T, "J", "kinetic energy of all bodies"),
     Quantity("energy/gravity", T, "J", "energy of all bodies in gravity, on an inclined floor: 0 at the world's origin",
              optional=True),
