@@ -31,6 +31,15 @@ GROUPS = {
     "": "Scales of the root", "body": "Body", "odometry": "Odometry", "wheels/{wheel}": "Wheels",
     "wheels/{wheel}/rollers": "Rollers", "constraints": "Constraints", "energy": "Energy", "events": "Events",
 }  # fmt: skip
+EXTREMES = """
+## Extremes of the march
+
+What peaks between two rows is in no row. So `interval_max/PATH` and, of what has a sign, `interval_min/PATH` hold the
+largest and the least value that a quantity took in any accepted step and after any event since the row before, both
+rows included; row 0 has those of the start. They do not depend on `output_interval`, and see what the step sees: halve
+the step to learn what a peak still gains. Of vectors they hold the length. What happens after the last row of a run that
+stopped early is in none of them.
+"""
 
 
 def page() -> str:
@@ -44,6 +53,8 @@ def page() -> str:
         members = [row for row in TABLE if row.path.rpartition("/")[0] == group]
         lines += ["", f"## {title}\n", "| dataset | shape | units | |", "| --- | --- | --- | --- |"]
         lines += map(line, members)
+    lines += [EXTREMES, "| dataset | shape | units | |", "| --- | --- | --- | --- |"]
+    lines += [line(row) for row in TABLE if row.path.startswith("interval_")]
     return "\n".join([*lines, "", "Datasets in *italics* are only in files of scenes that have them.", ""])
 
 

@@ -69,7 +69,7 @@ def _magnitude(trajectory: Trajectory, path: str) -> float:
 
 
 def bearings(trajectory: Trajectory) -> str:
-    """Peak in the march and RMS of the rows of what axles and rollers carry, to size bearings by; empty if not recorded.
+    """Peak in the march and RMS of the rows of what axles and rollers carry, to size bearings by; or nothing.
 
     Of the rollers, those of the one that carries most.
     """

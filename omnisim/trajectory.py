@@ -90,7 +90,7 @@ EXTREMES = (
 
 def _extremes() -> Iterator[Quantity]:
     """The rows of the table that EXTREMES makes: interval_max/PATH, and interval_min/PATH of those with a sign."""
-    since = "in the march since the row before (of row 0: at the start)"
+    since = "since the row before"
     for group, word in (("interval_max", "largest"), ("interval_min", "least")):
         scale = f"{group}/{ROLLER}"
         yield Quantity(scale, (scale,), "1", "rollers of this wheel, counted from 0", "int64", optional=True)

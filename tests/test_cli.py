@@ -99,6 +99,19 @@ def test_a_run_whose_energies_do_not_balance_is_warned_of(folder):
     assert command("run", SCENE, *coarse, "--force", "--quiet").stderr == ""
 
 
+def test_a_run_whose_energy_comes_from_nowhere_stops():
+    """Of 1e300 kg forces are lost in rounding: the wheels roll on while the chassis stands."""
+    result = command("run", "kiwi", *settings("chassis.mass=1e300", "time.end=1.0"))
+    assert result.exit_code == 1
+    assert "more than 5 % of the energy" in result.stderr and "kiwi.h5" in result.stderr
+
+
+def test_energy_of_what_stands_is_not_missed():
+    """Rounding of a machine that its motors cannot move, 1e-27 J, is no error of the motion."""
+    result = command("run", "youbot", *settings("chassis.mass=1e300", "time.end=0.5"))
+    assert result.exit_code == 0 and result.stderr == ""
+
+
 @pytest.mark.parametrize(
     ("overrides", "reason"),
     [

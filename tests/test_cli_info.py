@@ -59,11 +59,20 @@ def test_info_of_a_scene_fits_a_terminal_and_tells_its_types_once(name):
 def test_a_machine_says_how_far_its_odometry_is_off_and_what_it_holds(folder):
     result = command("run", "kiwi", *settings("time.end=0.6"))
     assert result.exit_code == 0, result.stderr
-    off = r"^odometry +off by (\S+) m and (\S+) rad at the end$"
-    position, yaw = map(float, re.search(off, result.stdout, re.MULTILINE).groups())
+    off = (
+        r"^odometry +off by (\S+) m and (\S+) rad at the end;\s+"
+        r"by (\S+) m \((\S+)%\s+of\s+the\s+(\S+)\s+m\s+driven\)\s+and\s+(\S+)\s+rad\s+at\s+most$"
+    )
+    position, yaw, most, part, way, turned = map(float, re.search(off, result.stdout, re.MULTILINE).groups())
     run = omnisim.open_trajectory("kiwi.h5")
     assert position == pytest.approx(math.hypot(*run["odometry/position_error"][-1]), rel=1e-2)
     assert yaw == pytest.approx(abs(run["odometry/yaw_error"][-1]), rel=1e-2)
+    assert most == pytest.approx(run["interval_max/odometry/position_error"].max(), rel=1e-2)
+    assert turned == pytest.approx(
+        np.abs(omnisim.open_trajectory("kiwi.h5")["interval_max/odometry/yaw_error"]).max(), rel=1e-2
+    )
+    assert part == pytest.approx(100.0 * most / way, abs=0.006)
+    assert way == pytest.approx(np.hypot(*np.diff(run["body/position"][:, :2], axis=0).T).sum(), rel=1e-3)
     text = command("info", "kiwi.h5").stdout
     assert re.search(off, text, re.MULTILINE)
     assert "/odometry/yaw" in text and "servo_torque" not in text  # its contacts carry roll and pitch
@@ -83,8 +92,25 @@ def test_info_sums_up_what_bearings_carry(folder):
     assert command("run", "youbot", "-o", "loads.h5", *overrides).exit_code == 0
     shown, run = command("info", "loads.h5").stdout, omnisim.open_trajectory("loads.h5")
     axle = re.search(r"^rear_left, axle +(\S+) \((\S+)\) +(\S+) ", shown, re.MULTILINE)
-    force = run["wheels/rear_left/bearing_force"]
+    force, path = run["wheels/rear_left/bearing_force"], "wheels/rear_left/bearing"
     radial = np.hypot(force[:, 0], force[:, 2])
-    expected = radial.max(), np.sqrt(np.mean(radial**2)), np.abs(force[:, 1]).max()
+    most, along = run[f"interval_max/{path}_radial_force"].max(), run[f"interval_min/{path}_axial_force"].min()
+    expected = most, np.sqrt(np.mean(radial**2)), max(run[f"interval_max/{path}_axial_force"].max(), -along)
     np.testing.assert_allclose([float(number) for number in axle.groups()], expected, rtol=1e-3)
     assert "/wheels/NAME/rollers/bearing_moment" in shown and "constraints" not in shown
+
+
+def test_info_and_the_summary_name_the_largest_of_the_march(folder):
+    """Slip of a stopping wheel lasts a fraction of the time between two rows."""
+    result = command("run", "kiwi", *settings("time.end=0.3", "time.output_interval=0.1"))
+    run, text = omnisim.open_trajectory("kiwi.h5"), command("info", "kiwi.h5").stdout
+    block = text.partition("\nextremes of the march")[2].partition("\n\n")[0].splitlines()[1:]
+    rows = [re.split(" {2,}", line) for line in block]
+    assert [row[0] for row in rows] == list(run.wheels)
+    names = ("normal_force", "friction_force", "slip_velocity", "drive_torque", "drive_power")
+    for wheel, *shown in rows:
+        for name, value in zip(names, shown, strict=True):
+            most = run[f"interval_max/wheels/{wheel}/{name}"].max()
+            assert float(value.split()[-1]) == pytest.approx(most, rel=1e-3)
+    load = max(run[f"interval_max/wheels/{wheel}/normal_force"].max() for wheel in run.wheels)
+    assert re.search(rf"^peaks +load {load:.4g} N, friction ", result.stdout, re.MULTILINE)
