@@ -95,7 +95,7 @@ def coarse(trajectory: Trajectory) -> str:
     from omnisim.analysis import unaccounted
 
     missing = unaccounted(trajectory)
-    if missing < COARSE:
+    if missing < COARSE or not trajectory.complete:  # else the status has said more
         return ""
     return f"Warning: energy is unaccounted for, {missing:.1%} of what was there or came in: time.step is too coarse"
 

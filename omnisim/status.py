@@ -51,7 +51,8 @@ SENTENCES = {
     ),
     UNBALANCED: (
         "inaccurate: at t = {time:.9g} s more than 5 % of the energy of the scene came from nowhere; time.step = "
-        "{step:.3g} s is too long for this motion with {method}: use time.step < {tenth:.2g} s or method = 'radau5'"
+        "{step:.3g} s is too long for this motion with {method}: use time.step < {tenth:.2g} s or method = 'radau5'; "
+        "or masses are too far apart for numbers of 16 digits"
     ),
     RESTLESS: (
         "friction at wheel '{wheel}' changed more than a thousand times in one step at t = {time:.9g} s: time.step = "

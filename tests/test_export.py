@@ -24,7 +24,8 @@ def whole_machine():
     """Every dataset that there can be, the optional ones too."""
     data = synthetic_data(rollers=ROLLERS, wheels=WHEELS)
     sizes = {"time": 11} | {axis: len(labels) for axis, labels in LABELS.items()}
-    sizes |= {f"wheels/{wheel}/rollers/roller": count for wheel, count in zip(WHEELS, ROLLERS, strict=True)}
+    for wheel, count in zip(WHEELS, ROLLERS, strict=True):
+        sizes |= {f"{group}wheels/{wheel}/rollers/roller": count for group in ("", "interval_max/", "interval_min/")}
     random = np.random.default_rng(1)
     for path, row in layout(WHEELS).items():
         if path not in data and not row.is_scale:

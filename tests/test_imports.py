@@ -41,7 +41,7 @@ LAYERS = (
     ("implicit",),
     ("grip",),
     ("exchange",),
-    ("events",),
+    ("events", "extremes"),
     ("stepper",),
     ("statics", "model"),
     ("stiffness",),
