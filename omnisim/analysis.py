@@ -33,23 +33,27 @@ def energy_error(trajectory: Trajectory) -> EnergyError:
     error = float(np.abs(trajectory["energy/balance"]).max(initial=0.0))
     if len(kinetic) and kinetic[0] > 0.0:
         return EnergyError(error, float(kinetic[0]), "the initial kinetic energy")
-    works = [trajectory[f"energy/{name}"] for name in ("friction_loss", "drive_work", "wrench_work")]
+    turned_over = sum(np.abs(work).max(initial=0.0) for work in (trajectory["energy/friction_loss"], *works(trajectory)))
+    return EnergyError(error, float(turned_over), "the energy turned over")
+
+
+def works(trajectory: Trajectory) -> list[np.ndarray]:
+    """Works on the machine since t = 0, J: of the drives, of the wrench, and of the weight on a slope."""
+    found = [trajectory["energy/drive_work"], trajectory["energy/wrench_work"]]
     if "energy/gravity" in trajectory:
-        works.append(trajectory["energy/gravity"] - trajectory["energy/gravity"][:1])
-    turned_over = float(sum(np.abs(work).max(initial=0.0) for work in works))
-    return EnergyError(error, turned_over, "the energy turned over")
+        found.append(trajectory["energy/gravity"][:1] - trajectory["energy/gravity"])
+    return found
 
 
 def unaccounted(trajectory: Trajectory) -> float:
-    """Part of all energy that was there at the start or came in by drives and wrench, for which no row accounts.
+    """Part of all energy that was there at the start or came in since, for which no row accounts.
 
     Nothing of what stands: there is only rounding. A run of which it exceeds 5 % stops (checks.py).
     """
     spins = (f"wheels/{wheel}/spin_rate" for wheel in trajectory.wheels)
     if not any(np.any(np.abs(trajectory[path]) > STANDING) for path in ("body/velocity", "body/yaw_rate", *spins)):
         return 0.0
-    works = sum(np.abs(trajectory[f"energy/{name}"]) for name in ("drive_work", "wrench_work"))
-    turnover = float(np.max(trajectory["energy/kinetic"][0] + works))
+    turnover = float(np.max(trajectory["energy/kinetic"][0] + sum(map(np.abs, works(trajectory)))))
     return energy_error(trajectory).absolute / turnover if turnover > 0.0 else 0.0
 
 
