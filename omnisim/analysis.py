@@ -33,7 +33,8 @@ def energy_error(trajectory: Trajectory) -> EnergyError:
     error = float(np.abs(trajectory["energy/balance"]).max(initial=0.0))
     if len(kinetic) and kinetic[0] > 0.0:
         return EnergyError(error, float(kinetic[0]), "the initial kinetic energy")
-    turned_over = sum(np.abs(work).max(initial=0.0) for work in (trajectory["energy/friction_loss"], *works(trajectory)))
+    turned = [trajectory["energy/friction_loss"], *works(trajectory)]
+    turned_over = sum(np.abs(work).max(initial=0.0) for work in turned)
     return EnergyError(error, float(turned_over), "the energy turned over")
 
 

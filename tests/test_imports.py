@@ -44,6 +44,7 @@ LAYERS = (
     ("events", "extremes"),
     ("stepper",),
     ("statics", "model"),
+    ("slopes",),
     ("stiffness",),
     ("start",),
     ("observables",),
