@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from omnisim.text import aligned, columns
-from omnisim_cli.screen import BAD_INPUT, Failure, compilation_noted
+from omnisim_cli.screen import BAD_INPUT, Failure, compilation_noted, warn
 
 if TYPE_CHECKING:
     import numpy as np
@@ -34,7 +34,9 @@ def info(source: str) -> None:
     else:
         from omnisim.scene import load
 
-        click.echo(about_scene(load(source)))
+        scene = load(source)
+        warn(scene.warnings)
+        click.echo(about_scene(scene))
 
 
 def is_hdf5(source: str) -> bool:

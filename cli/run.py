@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from omnisim.text import aligned
-from omnisim_cli.screen import Failure, Progress, compilation_noted, note
+from omnisim_cli.screen import Failure, Progress, compilation_noted, note, warn
 
 if TYPE_CHECKING:
     from omnisim.scene import Scene
@@ -41,6 +41,8 @@ def run(scene: str, output: str | None, overrides: tuple[str, ...], force: bool,
 
     loaded = load(scene, overrides)
     path = output_path(f"{loaded.name}.h5" if output is None else output, scene, force)
+    if not quiet:
+        warn(loaded.warnings)
     trajectory = simulate_and_save(loaded, path, quiet)
     if not quiet:
         click.echo(report(trajectory, path))

@@ -3,7 +3,7 @@
 import os
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
 import click
@@ -26,6 +26,12 @@ class Failure(click.ClickException):
 def note(text: str) -> None:
     """A message on stderr, out of the way of results."""
     click.echo(text, err=True)
+
+
+def warn(lines: Iterable[str]) -> None:
+    """What is doubtful, one line each on stderr."""
+    for line in lines:
+        note(f"Warning: {line}")
 
 
 def leave_at_once(*_: object) -> None:

@@ -55,19 +55,28 @@ def _upright_rules(config: Config) -> Iterator[Problem]:
         where = "the wheel centres lie on one line, and contacts on a line cannot carry roll and pitch"
         yield Problem(path, f'{what}needs wheels around the machine: {where}; use "servo"')
     else:
-        yield from _balance_rules(config, points)
+        yield from _balance_rules(config)
 
 
-def _balance_rules(config: Config, points: Points) -> Iterator[Problem]:
+def _balance_rules(config: Config) -> Iterator[Problem]:
+    if where := outside(config):
+        yield Problem(("chassis", "center_of_mass"), f"{where}; the machine would tip")
+
+
+def outside(config: Config) -> str:
+    """How far the common centre of mass lies outside of the wheels; empty if it does not, or if they are on a line."""
+    points = [wheel.position for wheel in config.wheels]
+    if len(points) < 3 or _on_a_line(points):
+        return ""
     x, y = _common_center_of_mass(config)
     hull = _hull(points)
     edges = [(_beyond((x, y), points[a], points[b]), a, b) for a, b in zip(hull, hull[1:] + hull[:1], strict=True)]
     distance, a, b = max(edges)
-    if distance > EDGE_TOLERANCE * _span(points):
-        names = f"'{config.wheels[a].name}' to '{config.wheels[b].name}'"
-        where = f"the common centre of mass, at [{x:.6g}, {y:.6g}], lies outside of the wheels"
-        message = f"{where}: {distance:.3g} m beyond the line from {names}; the machine would tip"
-        yield Problem(("chassis", "center_of_mass"), message)
+    if distance <= EDGE_TOLERANCE * _span(points):
+        return ""
+    names = f"'{config.wheels[a].name}' to '{config.wheels[b].name}'"
+    where = f"the common centre of mass, at [{x:.6g}, {y:.6g}], lies outside of the wheels"
+    return f"{where}: {distance:.3g} m beyond the line from {names}"
 
 
 def _common_center_of_mass(config: Config) -> tuple[float, float]:
@@ -91,7 +100,9 @@ def _command_rules(config: Config) -> Iterator[Problem]:
     if motions:
         names = ", ".join(wheel.name for wheel in config.wheels if wheel.drive.follows_command)
         what = f"the rates of the wheels that follow it ({names}) do not determine vx, vy and yaw_rate"
-        yield Problem(("command",), f"singular: {what}; they leave open: {', '.join(motions)}")
+        hands = ideal.handedness(config)
+        cure = f"; {hands.told}; expected {hands.cure}" if hands else ""
+        yield Problem(("command",), f"singular: {what}; they leave open: {', '.join(motions)}{cure}")
 
 
 def _span(points: Points) -> float:

@@ -3,7 +3,8 @@
 import re
 import tomllib
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +42,24 @@ class Scene:
     text: str
     name: str
     source: str
+    _written: "_Written" = field(repr=False, compare=False)
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What is hardly meant, one line each: file, line, key, value, what is expected. See plausibility.py."""
+        from omnisim.plausibility import doubts  # here: it computes, and not everyone asks
+
+        return tuple(_report(doubts(self.config), self._written).splitlines())
+
+
+@dataclass(frozen=True)
+class _Written:
+    """A scene as it was handed over: what it says, overrides applied; its text without them; its source; overrides."""
+
+    data: dict[str, Any]
+    text: str
+    source: str
+    applied: "tuple[_Override, ...]"
 
 
 @dataclass(frozen=True)
@@ -79,13 +98,14 @@ def parse(text: str, source: str = "<text>", overrides: Iterable[str] = ()) -> S
     applied = []
     for argument in overrides:
         applied.append(_apply(data, argument))
+    written = _Written(data, text, source, tuple(applied))
     try:
         config = validate(data)
     except ConfigError as error:
-        raise SceneError(_report(error.problems, data, text, source, applied)) from None
+        raise SceneError(_report(error.problems, written)) from None
     if applied:
         text = rewrite(text, [(override.path, override.value) for override in applied], data)
-    return Scene(config, text, "scene" if source == "<text>" else Path(source).stem, source)
+    return Scene(config, text, "scene" if source == "<text>" else Path(source).stem, source, written)
 
 
 def packaged_scenes() -> list[str]:
@@ -195,12 +215,13 @@ def _topmost_new(data: dict[str, Any], path: KeyPath, argument: str) -> KeyPath:
 # --- messages -------------------------------------------------------------------------------------
 
 
-def _report(
-    problems: Iterable[Problem], data: dict[str, Any], text: str, source: str, applied: Iterable[_Override]
-) -> str:
+def _report(problems: Iterable[Problem], written: _Written) -> str:
     """One line for each problem in the order of the file, those of overrides first."""
-    places = {path: (line, f"{source}:{line}") for path, line in locate(text).items()}
-    for override in applied:
+    problems, data = list(problems), written.data
+    if not problems:
+        return ""  # the text is not scanned in vain
+    places = {path: (line, f"{written.source}:{line}") for path, line in locate(written.text).items()}
+    for override in written.applied:
         top = override.top
         places = {path: place for path, place in places.items() if path[: len(top)] != top}
         places[top] = (0, f"--set {override.argument}")
