@@ -1,8 +1,9 @@
 """A scene as the bodies of other simulators: MJCF (of MuJoCo) and URDF are both written from these.
 
-Masses, inertias, friction and bearings are those of the scene. It has no shapes of disks and chassis: plain stand-ins,
-which touch nothing, are drawn for them. x is forward, y left, z up; wheels turn about y, rollers about their own z, and
-the position of a joint is the angle that omnisim has for it: 0 is spin angle 0, whatever the scene starts with.
+Masses, inertias, friction and bearings are those of the scene. Disks and chassis touch nothing: a plain cylinder and a
+box are drawn for them, the box of the chassis' size where the scene has it. x is forward, y left, z up; wheels turn
+about y, rollers about their own z, and the position of a joint is the angle that omnisim has for it: 0 is spin angle 0,
+whatever the scene starts with.
 """
 
 import math
@@ -56,15 +57,18 @@ def note(config: Config) -> str:
 def bodies(config: Config) -> Iterator[Body]:
     """Parents before what they carry."""
     if config.chassis is not None:
-        low = 0.5 * min(config.type_of(wheel).radius for wheel in config.wheels)
-        x, y = (max(low, 1.4 * max(abs(wheel.position[axis]) for wheel in config.wheels)) for axis in (0, 1))
         chassis, still = config.chassis, (0.0, 0.0, 0.0)
-        inertia = chassis.inertia
-        yield Body(
-            "chassis", None, "", still, still, chassis.mass, chassis.center_of_mass, inertia, ("box", (x, y, low))
-        )
+        box = ("box", chassis.size if chassis.size[0] > 0.0 else box_between(config))
+        yield Body("chassis", None, "", still, still, chassis.mass, chassis.center_of_mass, chassis.inertia, box)
     for wheel in config.wheels:
         yield from wheel_bodies(config, wheel)
+
+
+def box_between(config: Config) -> tuple[float, float, float]:
+    """A plain box that reaches towards the wheels, half as high as the smallest, m."""
+    low = 0.5 * min(config.type_of(wheel).radius for wheel in config.wheels)
+    x, y = (max(low, 1.4 * max(abs(wheel.position[axis]) for wheel in config.wheels)) for axis in (0, 1))
+    return x, y, low
 
 
 def wheel_bodies(config: Config, wheel: Wheel) -> Iterator[Body]:

@@ -188,6 +188,18 @@ def test_both_readers_find_one_small_mesh_by_wheel_type_and_a_few_spheres_by_rol
         assert [part.geometry.sphere.radius for part in robot.link_map[name].collisions] == spheres.radii.tolist()
 
 
+def test_a_chassis_of_known_size_is_drawn_as_its_box_at_its_centre_of_mass(tmp_path):
+    data = tables("mixed")
+    data["chassis"] = {"mass": 8.0, "size": [0.4, 0.3, 0.1], "ground_clearance": 0.03}
+    config = scene(data).config
+    link = yourdfpy_robot(exported(tmp_path, config, ".urdf"), load_meshes=False).link_map["chassis"]
+    assert link.visuals[0].geometry.box.size.tolist() == [0.4, 0.3, 0.1]
+    np.testing.assert_array_equal(link.visuals[0].origin[:3, 3], config.chassis.center_of_mass)
+    assert link.inertial.inertia[2, 2] == pytest.approx(8.0 / 12.0 * (0.4**2 + 0.3**2), rel=1e-12)
+    box = ElementTree.parse(exported(tmp_path, config, ".xml")).find(".//geom[@type='box']")
+    assert box.get("size") == "0.2 0.15 0.05"
+
+
 @pytest.mark.parametrize("name", SCENES)
 def test_names_in_a_urdf_are_met_once_and_nothing_in_it_is_unknown(tmp_path, name, capsys):
     """urdf_parser_py says on stderr what it does not know; a link and a joint of one name are an error in SDF."""
