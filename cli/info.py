@@ -117,9 +117,9 @@ def estimate_table(config: Config) -> str:
 def machine_facts(parameters: Parameters) -> dict[str, str]:
     """What all bodies make up together."""
     machine = parameters.machine
-    x, y = machine.centre + 0.0
+    (x, y), weight = machine.centre + 0.0, machine.mass * math.hypot(machine.gravity, *machine.downhill)
     return {
-        "mass": f"{machine.mass:.6g} kg, chassis and wheels; weight {machine.mass * machine.gravity:.6g} N",
+        "mass": f"{machine.mass:.6g} kg, chassis and wheels; weight {weight:.6g} N",
         "centre of mass": f"[{x:.6g}, {y:.6g}, {machine.height:.6g}] m in chassis axes, z above the floor",
         "yaw inertia": f"{machine.yaw_inertia:.6g} kg m^2 about it",
     }

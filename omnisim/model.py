@@ -175,6 +175,8 @@ def odometry_reason(config: Config, told: bool) -> str:
 
 def load_reason(config: Config, carried: bool) -> str:
     weight = "the weight less the vertical force"
+    if config.floor.slope_deg:
+        weight = "what of weight and external force is normal to the floor"
     if not config.chassis:
         return f"multiplier of the floor: {weight}"
     if not carried:

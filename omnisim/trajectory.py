@@ -103,7 +103,7 @@ def _extremes() -> Iterator[Quantity]:
 # Every dataset, in the order of the file. A scale comes before the datasets that use it.
 TABLE = (
     Quantity(TIME, T, "s", "output times: row i is i * output_interval"),
-    Quantity(AXIS, (AXIS,), "1", "world axes: x and y on the floor, z up", "str"),
+    Quantity(AXIS, (AXIS,), "1", "world axes: x and y on the floor, z normal to it, up", "str"),
     Quantity(PLANE, (PLANE,), "1", "directions in the plane of the floor", "str", optional=True),
     Quantity(TANGENT, (TANGENT,), "1", "directions along the floor: h heading, k axle (left)", "str"),
     Quantity(HUB, (HUB,), "1", "directions at a wheel's axle: h heading, k left, n up", "str", optional=True),

@@ -2,11 +2,13 @@
 
 import math
 import re
+import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
 from commands import SCENE, command, settings
+from machines import toml
 
 import omnisim
 from omnisim.scene import packaged_scenes
@@ -44,6 +46,23 @@ def test_info_of_a_machine_has_its_whole_its_wheels_and_each_type_once():
     assert rates["front_left"] == pytest.approx([1 / 0.0475, -1 / 0.0475, -turn], rel=1e-3)
     assert text.count("roller length") == 1 and "wheel type 'mecanum'\n" in text
     assert "31 states" in text and "all wheels: rate of the command" in text
+
+
+def test_info_says_on_which_slopes_a_machine_slides_drives_up_no_more_and_tips(folder):
+    """Four mecanum wheels: mu / sqrt 2 along the axes, mu / 2 across; the steeper the weaker its drives."""
+    scene = tomllib.loads(omnisim.load("youbot").text)
+    scene["floor"] = {"slope_deg": 5.0, "uphill_deg": 45.0}
+    for wheel in scene["wheels"]:
+        wheel["drive"]["torque_limit"] = 0.5
+    (folder / "sloping.toml").write_text("\n".join(f"{key} = {toml(value)}" for key, value in scene.items()))
+    rows = {name: row for name, *row in table(command("info", "sloping.toml").stdout, "steepest slopes")}
+    mu, weight = scene["friction"]["coefficient"], 22.8 * 9.81
+    climbs = math.degrees(math.asin(4 * 0.5 / 0.0475 / weight))
+    ahead, least = (math.degrees(math.atan(mu / by)) for by in (math.sqrt(2.0), 2.0))
+    assert [float(slope) for slope in rows["ahead"][:2]] == pytest.approx([ahead, climbs], rel=5e-3)
+    assert float(rows["any way, the least"][0]) == pytest.approx(least, rel=5e-3)
+    assert float(rows["on its 5 deg"][0]) == pytest.approx(least, rel=5e-3)
+    assert "steepest slopes" not in command("info", SCENE).stdout  # a servo holds a bare wheel
 
 
 @pytest.mark.parametrize("name", packaged_scenes())

@@ -59,6 +59,7 @@ def test_only_what_the_scene_needs_is_modelled():
     assert of_wheel("friction.law=none") == plain - {"friction"}
     assert of_wheel("wheels.wheel.drive={kind='torque', torque=1.0}") == plain | {"torque drive"}
     assert of_wheel("wrench.times=[0]", "wrench.force=[[1, 0, 0]]") == plain | {"wrench"}
+    assert of_wheel("floor.slope_deg=5") == plain | {"slope"}
     assert of_wheel("solver.tracking=implicit") == plain | {"rho"}
     bearings = of_wheel("wheel_types.omni.roller.bearing_viscosity=1e-6")
     assert bearings == plain | {"roller rates", "bearing friction"}
