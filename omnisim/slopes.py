@@ -20,6 +20,7 @@ import numpy as np
 from omnisim.config import Config, Drive
 from omnisim.drives import drive_law
 from omnisim.parameters import CONTACTS, Parameters
+from omnisim.plausibility import most_torque
 from omnisim.statics import centres, loads_under
 
 RUBBING = ("coulomb", "regularized", "saturated")  # laws with a coefficient
@@ -47,7 +48,7 @@ class Footing(NamedTuple):
 def steepest(config: Config, parameters: Parameters, uphill_deg: float) -> Slopes:
     """The steepest slopes whose uphill direction lies so many degrees to the left of the machine's x axis."""
     uphill = np.array([math.cos(math.radians(uphill_deg)), math.sin(math.radians(uphill_deg))])
-    found, torques = footing(parameters), np.array([largest_torque(wheel.drive) for wheel in config.wheels])
+    found, torques = footing(parameters), np.array([driving_torque(wheel.drive) for wheel in config.wheels])
     friction = parameters.machine.friction if config.friction.law in RUBBING else 0.0
     locked, driven = (
         partial(stands, parameters, found, friction, most, uphill) for most in (np.full(len(torques), np.inf), torques)
@@ -119,11 +120,6 @@ def edges(parameters: Parameters, downhill: np.ndarray) -> Iterator[tuple[float,
                 yield float(one @ normal / size), float(normal @ downhill / size)
 
 
-def largest_torque(drive: Drive) -> float:
-    """What a drive gives at standstill at most, N m: 0 of a free wheel, infinite without a limit."""
-    if drive.kind == "free":
-        return 0.0
-    law = drive_law(drive)
-    if drive.kind == "rate":
-        return law.limit
-    return max(law.gain * max(map(abs, drive.table[1])) - law.friction_torque, 0.0)
+def driving_torque(drive: Drive) -> float:
+    """What is left of a drive's largest torque after its own friction, N m; infinite where nothing limits it."""
+    return max(most_torque(drive) - drive_law(drive).friction_torque, 0.0)

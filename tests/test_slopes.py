@@ -43,12 +43,14 @@ def test_torques_limit_what_wheels_can_climb():
     """Four straight wheels: 4 tau / R = M g sin S; sideways nothing holds them."""
     rate = {"kind": "rate", "rate": 1.0, "proportional": 1.0, "torque_limit": 0.3}
     motor = {"kind": "dc_motor", "voltage": 6.0, "resistance": 2.0, "torque_constant": 0.1}
-    for drive in ({"kind": "torque", "torque": 0.3}, rate, motor):
+    for drive in (rate, motor, motor | {"voltage": 7.0, "friction_torque": 0.05}):
         data = machine("omni", friction=COULOMB, drives=[drive] * 4)
         found, mass = estimate(data), bodies(scene(data).config).mass
         assert math.sin(found.climbs) == pytest.approx(4.0 * 0.3 / 0.0625 / (mass * G), rel=1e-9)
         assert math.tan(found.holds) == pytest.approx(MU, rel=1e-9)
         assert estimate(data, 90.0).holds == pytest.approx(0.0, abs=1e-11)
+    told = estimate(machine("omni", friction=COULOMB, drives=[{"kind": "torque", "torque": 0.3}] * 4))
+    assert told.climbs == told.holds  # a torque of the scene itself is no limit
 
 
 @pytest.mark.short

@@ -190,3 +190,14 @@ def test_a_slope_is_one_motion_by_every_way_to_compute_it():
         pass
     assert np.array_equal(loop.trajectory()["energy/gravity"], motion["energy/gravity"])
     assert "energy/gravity" not in omnisim.simulate(reference_scene("kiwi", time))
+
+
+def test_a_machine_that_stands_far_away_on_a_slope_stands():
+    """Its weight does no work but in rounding of its place, which is no energy from nowhere."""
+    data = on_slope(machine("omni", friction=COULOMB), np.radians(5.0), 90.0)
+    data["wheels"] = [wheel | {"heading_deg": 90.0} for wheel in data["wheels"]]
+    force = G * np.sin(np.radians(5.0)) * (CHASSIS["mass"] + 4 * wheel_mass("omni")) / 4
+    for wheel in data["wheels"]:
+        wheel["drive"] = {"kind": "torque", "torque": force * TYPES["omni"]["radius"]}
+    stands = run(data | {"initial": {"position": [1234.5, -987.6]}})
+    assert speed(stands).max() < 1e-9
