@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from omnisim.trajectory import Trajectory
 
 VIEWS = (
-    "story", "path", "contact", "slip", "forces", "rollers", "ripple", "odometry", "energy", "bearings", "trackings",
+    "story", "path", "drives", "contact", "slip", "forces", "rollers", "ripple", "odometry", "energy", "bearings",
+    "trackings",
 )  # fmt: skip
 FORMATS = (".png", ".svg", ".pdf")
 NO_WINDOW = "no display to open a window on; -o FILE writes the picture to a file"

@@ -5,6 +5,7 @@ import pytest
 from synthetic import synthetic_attributes, synthetic_data, synthetic_trajectory
 
 import omnisim
+import omnisim.commanded
 from omnisim.status import EVENT_KINDS
 from omnisim.trajectory import Trajectory
 
@@ -14,6 +15,7 @@ matplotlib.use("agg")
 from matplotlib import pyplot  # noqa: E402
 
 from omnisim import plots  # noqa: E402
+from omnisim.plots.marks import ordinal  # noqa: E402
 
 MACHINE = ("left", "back", "right")
 
@@ -38,6 +40,27 @@ def machine(**attributes):
     return Trajectory(synthetic_attributes(wheels=MACHINE, **attributes), data)
 
 
+def motors():
+    """The same with motors that have targets, and with the extremes between rows."""
+    run = machine()
+    random = np.random.default_rng(2).standard_normal
+    for wheel in MACHINE:
+        of = f"wheels/{wheel}"
+        run.data |= {f"{of}/{name}": random(41) for name in ("target_rate", "voltage", "current", "electrical_power")}
+        for name in ("normal_force", "drive_torque", "drive_power"):
+            run.data[f"interval_max/{of}/{name}"] = run[f"{of}/{name}"] + 1.0
+            run.data[f"interval_min/{of}/{name}"] = run[f"{of}/{name}"] - 2.0
+        for name in ("slip_velocity", "friction_force"):
+            run.data[f"interval_max/{of}/{name}"] = np.hypot(*run[f"{of}/{name}"].T) + 3.0
+    return run
+
+
+def undriven():
+    run = synthetic_trajectory()
+    run.data["wheels/wheel/drive_torque"] = np.zeros(11)
+    return run
+
+
 @pytest.fixture(scope="module")
 def kiwi():
     twist = ["command.times=[0, 0.1, 0.2]", "command.twist=[[0, 0, 0], [0.5, 0, 0], [0.5, 0, 0.5]]"]
@@ -50,10 +73,18 @@ def wheel():
     return omnisim.simulate(omnisim.load("coulomb_wheel", ["output.bearing_loads=true"]))
 
 
+def axes_of(figure, ylabel):
+    (axes,) = [axes for axes in figure.axes if axes.get_ylabel().replace("\n", " ") == ylabel]
+    return axes
+
+
 def lines(figure, ylabel):
     """The curves (x, y) of the axes with this label, by their own label."""
-    (axes,) = [axes for axes in figure.axes if axes.get_ylabel().replace("\n", " ") == ylabel]
-    return {line.get_label(): line.get_data() for line in axes.get_lines()}
+    return {line.get_label(): line.get_data() for line in axes_of(figure, ylabel).get_lines()}
+
+
+def has_panel(figure, ylabel):
+    return ylabel in [axes.get_ylabel().replace("\n", " ") for axes in figure.axes]
 
 
 def every_axis_is_named(figure):
@@ -73,7 +104,7 @@ def test_every_view_of_a_machine_is_drawn(name, kiwi):
         every_axis_is_named(figure)
 
 
-@pytest.mark.parametrize("name", sorted(set(plots.VIEWS) - {"trackings", "odometry"}))
+@pytest.mark.parametrize("name", sorted(set(plots.VIEWS) - {"trackings", "odometry", "drives"}))
 def test_every_view_of_a_wheel_is_drawn(name, wheel):
     plots.VIEWS[name](wheel).canvas.draw()
 
@@ -161,6 +192,148 @@ def test_single_views_show_the_datasets(kiwi):
     np.testing.assert_array_equal(yaw[1], kiwi["odometry/yaw_error"])
 
 
+def test_the_drives_view_shows_rates_beside_their_targets_torque_and_power(kiwi):
+    figure = plots.drives(kiwi)
+    rates, deviations = lines(figure, "spin rate, rad/s"), lines(figure, "spin rate less target, rad/s")
+    twists = np.column_stack([np.interp(kiwi.time, [0, 0.1, 0.2], column) for column in np.array(
+        [[0, 0, 0], [0.5, 0, 0], [0.5, 0, 0.5]]).T])  # fmt: skip
+    power = 0.0
+    for wheel, heading, (x, y) in zip(kiwi.wheels, (150, 270, 30), [(0.0625, 0.1083), (-0.125, 0), (0.0625, -0.1083)],
+                                      strict=True):  # fmt: skip
+        cos, sin = np.cos(np.radians(heading)), np.sin(np.radians(heading))
+        target = (twists[:, 0] * cos + twists[:, 1] * sin + twists[:, 2] * (x * sin - y * cos)) / 0.05
+        rate = kiwi[f"wheels/{wheel}/spin_rate"]
+        np.testing.assert_allclose(rates[f"target of {wheel}"][1], target, atol=1e-3)  # places have four digits
+        np.testing.assert_array_equal(rates[wheel][1], rate)
+        np.testing.assert_array_equal(deviations[wheel][1], rate - rates[f"target of {wheel}"][1])
+        for label, path in (("drive torque, N m", "drive_torque"), ("mechanical power, W", "drive_power")):
+            np.testing.assert_array_equal(lines(figure, label)[wheel][1], kiwi[f"wheels/{wheel}/{path}"])
+        power += kiwi[f"wheels/{wheel}/drive_power"]
+    np.testing.assert_allclose(lines(figure, "power of all drives, W")["at the wheels"][1], power, atol=1e-15)
+    assert not has_panel(figure, "voltage, V")
+
+
+def test_the_drives_view_of_motors_shows_what_the_file_has_of_them():
+    run = motors()
+    figure = plots.drives(run)
+    for label, path in (("voltage, V", "voltage"), ("current, A", "current"),
+                        ("electrical power, W", "electrical_power")):  # fmt: skip
+        for wheel in MACHINE:
+            np.testing.assert_array_equal(lines(figure, label)[wheel][1], run[f"wheels/{wheel}/{path}"])
+    target = lines(figure, "spin rate, rad/s")["target of back"][1]
+    np.testing.assert_array_equal(target, run["wheels/back/target_rate"])
+    supply = sum(run[f"wheels/{wheel}/electrical_power"] for wheel in MACHINE)
+    np.testing.assert_allclose(lines(figure, "power of all drives, W")["from the supply"][1], supply, atol=1e-15)
+    plots.drives([run, machine(title="another")]).canvas.draw()
+
+
+@pytest.mark.parametrize(
+    ("name", "label", "path"),
+    [
+        ("forces", "normal force, N", "normal_force"),
+        ("forces", "friction, N", "friction_force"),
+        ("slip", "slip speed, m/s", "slip_velocity"),
+        ("drives", "drive torque, N m", "drive_torque"),
+        ("drives", "mechanical power, W", "drive_power"),
+    ],
+)
+def test_a_band_reaches_as_far_as_the_extremes_between_rows(name, label, path):
+    """Over the interval before each row; where only the largest is known, up from the smaller of its two rows."""
+    run = motors()
+    axes = axes_of(plots.VIEWS[name](run), label)
+    for wheel in MACHINE:
+        (band,) = [band for band in axes.collections if band.get_label() == f"band of {wheel}"]
+        found = {tuple(vertex) for vertex in band.get_paths()[0].vertices}
+        high = run[f"interval_max/wheels/{wheel}/{path}"]
+        values = run[f"wheels/{wheel}/{path}"]
+        values = values if values.ndim == 1 else np.hypot(*values.T)
+        low = run.data.get(f"interval_min/wheels/{wheel}/{path}", np.minimum(values, [values[0], *values[:-1]]))
+        for i in range(1, 41):
+            for edge in (low, high):
+                assert {(run.time[i - 1], edge[i]), (run.time[i], edge[i])} <= found
+    assert not axes_of(plots.VIEWS[name](machine()), label).collections
+
+
+def test_extremes_of_bearing_loads_and_of_odometry_are_bands(kiwi):
+    figure = plots.bearings(kiwi)
+    assert not axes_of(figure, "axle, axial, N").collections
+    run = Trajectory(kiwi.attributes, kiwi.data)
+    force = kiwi["wheels/left/bearing_force"][:, 1]
+    run.data["interval_max/wheels/left/bearing_axial_force"] = force + 0.1
+    run.data["interval_min/wheels/left/bearing_axial_force"] = force - 20.0
+    run.data["interval_max/wheels/left/rollers/bearing_radial_force"] = np.full((len(run.time), 18), 7.0)
+    run.data["interval_max/odometry/position_error"] = np.full(len(run.time), 0.3)
+    figure = plots.bearings(run)
+    (band,) = axes_of(figure, "axle, axial, N").collections
+    assert band.get_paths()[0].vertices[:, 1].max() == np.abs(force - 20.0).max()  # whichever its sign
+    (band,) = axes_of(figure, "roller, radial, N").collections
+    assert band.get_paths()[0].vertices[:, 1].max() == 7.0
+    for figure, label in ((plots.odometry(run), "error of position, m"), (plots.path(run), "distance, m")):
+        (band,) = axes_of(figure, label).collections
+        assert band.get_paths()[0].vertices[:, 1].max() == 0.3
+
+
+def test_beside_the_path_stand_the_commanded_one_and_that_of_the_odometry(kiwi):
+    figure = plots.path(kiwi)
+    found = lines(figure, "y, m")
+    commanded = omnisim.commanded.path(omnisim.scene.parse(kiwi.attributes["scene"]).config, kiwi.time)
+    np.testing.assert_array_equal(found["commanded"], commanded[:, :2].T)
+    np.testing.assert_array_equal(found["odometry"], kiwi["odometry/position"].T)
+    distances = lines(figure, "distance, m")
+    position = kiwi["body/position"][:, :2]
+    np.testing.assert_allclose(distances["machine from command"][1], np.hypot(*(position - commanded[:, :2]).T))
+    np.testing.assert_allclose(distances["odometry from machine"][1], np.hypot(*kiwi["odometry/position_error"].T))
+    legend = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+    assert legend[:4] == ["begin", "path", "commanded", "odometry"]
+
+
+def test_the_outline_stands_where_the_wheels_are(kiwi):
+    """The corners of its frame are the wheel centres: omni wheels touch the floor right below them."""
+    outlines = plots.path(kiwi).axes[0].collections[0]
+    for row, frame in ((0, 0), (-1, -4)):  # a frame and three wheels each, the last row's at the end
+        corners = outlines.get_paths()[frame].vertices[:3]
+        contacts = np.array([kiwi[f"wheels/{wheel}/contact_point"][row, :2] for wheel in kiwi.wheels])
+        distances = np.hypot(*(corners[:, None] - contacts).transpose(2, 0, 1))
+        assert distances.min(axis=1).max() < 1e-12  # 4e-16
+
+
+def test_the_story_shows_drives_where_there_are_any(kiwi, wheel):
+    for run, driven in ((kiwi, True), (wheel, False), ([wheel, kiwi], True)):
+        figure = plots.story(run)
+        assert has_panel(figure, "drive torque, N m") == has_panel(figure, "spin rate, rad/s") == driven
+
+
+@pytest.mark.parametrize(("count", "drawn", "said"), [(30, 30, "slip"), (608, 30, "slip, every 21st of 608"),
+                                                      (31, 16, "slip, every 2nd of 31")])  # fmt: skip
+def test_of_many_events_every_so_many_is_marked_and_the_legend_says_so(count, drawn, said):
+    run = synthetic_trajectory(events=count)
+    run.data["events/kind"] = np.array(["slip"] * count)
+    run.data["events/time"] = np.linspace(0.05, 0.95, count)
+    axes = plots.path(run).axes[0]
+    (marks,) = [line for line in axes.get_lines() if line.get_label() == "slip"]
+    assert len(marks.get_xdata()) == drawn
+    ends = np.interp([0.05, 0.95], run.time, run["body/position"][:, 0])
+    np.testing.assert_array_equal(marks.get_xdata()[[0, -1]], ends)
+    assert axes.get_legend().get_texts()[-1].get_text() == said
+
+
+def test_ticks_of_thousands_of_events_are_thinned_too():
+    run = synthetic_trajectory(events=6001)
+    run.data["events/kind"] = np.array(["slip"] * 6001)
+    run.data["events/wheel"] = np.array(["wheel"] * 6001)
+    run.data["events/time"] = np.linspace(0.0, 1.0, 6001)
+    strip = plots.slip(run).axes[-1]
+    assert [text.get_text() for text in strip.get_yticklabels()] == ["slip\nevery 21st of 6001"]
+    (ticks,) = strip.get_lines()
+    assert 280 < len(ticks.get_xdata()) <= 301 and set(ticks.get_xdata()[[0, -1]]) == {0.0, 1.0}
+
+
+def test_ordinals():
+    numbers = [1, 2, 3, 4, 11, 12, 13, 21, 102, 111, 113, 1003]
+    shown = ["1st", "2nd", "3rd", "4th", "11th", "12th", "13th", "21st", "102nd", "111th", "113th", "1003rd"]
+    assert [ordinal(number) for number in numbers] == shown
+
+
 def test_the_map_of_rollers_has_their_joint_rates_and_follows_the_contact(kiwi):
     for axes, wheel in zip(plots.rollers(kiwi).axes, kiwi.wheels, strict=False):
         (image,), (contact,) = axes.get_images(), axes.get_lines()
@@ -238,6 +411,7 @@ def test_runs_of_one_title_are_numbered():
         ("odometry", [synthetic_trajectory()], "no odometry"),
         ("bearings", [synthetic_trajectory()], "output.bearing_loads = true"),
         ("ripple", [synthetic_trajectory()], "no ripple to show: wheel 'wheel' turns past fewer"),
+        ("drives", [undriven()], "no drives to show"),
         ("story", [synthetic_trajectory(rows=0)], "no rows"),
         ("trackings", [synthetic_trajectory()], "two files"),
         (

@@ -7,6 +7,7 @@ Every view takes trajectories and returns a Figure of pyplot; PlotError says wha
 """
 
 from omnisim.plots.bearing_loads import bearings
+from omnisim.plots.drive import drives
 from omnisim.plots.floor import path
 from omnisim.plots.motion import contact, energy, forces, odometry, slip
 from omnisim.plots.overview import story
@@ -15,6 +16,6 @@ from omnisim.plots.roller_maps import rollers
 from omnisim.plots.spectra import ripple
 from omnisim.plots.style import PlotError
 
-_ALL = (story, path, contact, slip, forces, rollers, ripple, odometry, energy, bearings, trackings)
+_ALL = (story, path, drives, contact, slip, forces, rollers, ripple, odometry, energy, bearings, trackings)
 VIEWS = {view.__name__: view for view in _ALL}
 __all__ = ["VIEWS", "PlotError", *VIEWS]

@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from omnisim.plots.panels import Panel, over_time
+from omnisim.plots.panels import Bands, Curves, Panel, over_time, upwards
 from omnisim.plots.style import PlotError, Runs, view
 from omnisim.trajectory import HUB, LABELS, MOUNT, ROLLERS, WHEEL, Trajectory
 
@@ -30,18 +30,30 @@ def has_axle(run: Trajectory) -> bool:
 def panels_of(name: str, group: str, axis: int) -> list[Panel]:
     """The three loads of the bearings in a group of the file, whose axle points along an axis."""
 
-    def curves(dataset: str, part):
-        def of_run(run: Trajectory) -> dict[str, np.ndarray]:
+    def panel(label: str, load: str, dataset: str, part) -> Panel:
+        def curves(run: Trajectory) -> Curves:
             paths = {wheel: f"{group.format(wheel=wheel)}/{dataset}" for wheel in run.wheels}
             return {wheel: most(part(run[path], axis)) for wheel, path in paths.items() if path in run}
 
-        return of_run
+        def bands(run: Trajectory) -> Bands:
+            paths = {wheel: f"{group.format(wheel=wheel)}/bearing_{load}" for wheel in run.wheels}
+            found = {wheel: peak(run, path) for wheel, path in paths.items() if f"interval_max/{path}" in run}
+            return {wheel: upwards(curves(run)[wheel], highest) for wheel, highest in found.items()}
+
+        return Panel(f"{name}, {label}", curves, bands)
 
     return [
-        Panel(f"{name}, radial, N", curves("bearing_force", across)),
-        Panel(f"{name}, axial, N", curves("bearing_force", along)),
-        Panel(f"{name}, tilting\nmoment, N m", curves("bearing_moment", across)),
+        panel("radial, N", "radial_force", "bearing_force", across),
+        panel("axial, N", "axial_force", "bearing_force", along),
+        panel("tilting\nmoment, N m", "tilting_moment", "bearing_moment", across),
     ]
+
+
+def peak(run: Trajectory, path: str) -> np.ndarray:
+    """The largest magnitude (T) of a load since the row before, whichever its sign."""
+    extremes = [most(np.abs(run[f"{group}/{path}"])) for group in ("interval_max", "interval_min")
+                if f"{group}/{path}" in run]  # fmt: skip
+    return np.max(extremes, axis=0)
 
 
 def across(loads: np.ndarray, axis: int) -> np.ndarray:

@@ -3,14 +3,10 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from omnisim.plots.panels import Panel, of_wheels, over_time
+from omnisim.plots.drive import TORQUE
+from omnisim.plots.panels import Bands, Panel, bands_of_wheels, extremes, of_wheels, over_time, size
 from omnisim.plots.style import PlotError, Runs, view
 from omnisim.trajectory import Trajectory
-
-
-def size(vectors: np.ndarray) -> np.ndarray:
-    """Lengths (T) of vectors (T, n)."""
-    return np.linalg.norm(vectors, axis=-1)
 
 
 def along(axis: int):
@@ -25,12 +21,15 @@ def of_body(path: str, value=np.asarray):
 
 def works(run: Trajectory) -> dict[str, np.ndarray]:
     """Energies (J) by name, that in gravity from its start on; losses and works that there are none of are left out."""
-    names = ("friction_loss", "bearing_loss", "drive_work", "wrench_work")
-    found = {name.replace("_", " "): run[f"energy/{name}"] for name in names if run[f"energy/{name}"].any()}
+    found = {"kinetic energy": run["energy/kinetic"]}
     if "energy/gravity" in run:
         gravity = run["energy/gravity"]
-        found = {"energy in gravity": gravity - gravity[:1]} | found
-    return {"kinetic energy": run["energy/kinetic"]} | found
+        found["energy in gravity"] = gravity - gravity[:1]
+    for name in ("friction_loss", "bearing_loss", "drive_work", "wrench_work", "electrical", "heat"):
+        path = f"energy/{name}"
+        if path in run and run[path].any():
+            found[name.replace("_", " ")] = run[path]
+    return found
 
 
 def position_errors(run: Trajectory) -> dict[str, np.ndarray]:
@@ -39,10 +38,22 @@ def position_errors(run: Trajectory) -> dict[str, np.ndarray]:
     return {"distance": size(error), "along x": error[:, 0], "along y": error[:, 1]}
 
 
+def position_reach(run: Trajectory) -> Bands:
+    """How far the distance reaches between rows."""
+    path = "odometry/position_error"
+    return {"distance": extremes(run, path)} if f"interval_max/{path}" in run else {}
+
+
+def yaw_reach(run: Trajectory) -> Bands:
+    path = "odometry/yaw_error"
+    return {"": extremes(run, path)} if f"interval_max/{path}" in run else {}
+
+
 SPEED = Panel("speed, m/s", of_body("body/velocity", lambda velocity: size(velocity[:, :2])))
 YAW_RATE = Panel("yaw rate, rad/s", of_body("body/yaw_rate"))
-NORMAL_FORCE = Panel("normal force, N", of_wheels("normal_force"))
-SLIP_SPEED = Panel("slip speed, m/s", of_wheels("slip_velocity", size))
+NORMAL_FORCE = Panel("normal force, N", of_wheels("normal_force"), bands_of_wheels("normal_force"))
+SLIP_SPEED = Panel("slip speed, m/s", of_wheels("slip_velocity", size), bands_of_wheels("slip_velocity"))
+FRICTION = Panel("friction, N", of_wheels("friction_force", size), bands_of_wheels("friction_force"))
 WORKS = Panel("energy, J", works)
 BALANCE = Panel("|balance|, J", of_body("energy/balance", np.abs), log=True)
 
@@ -69,12 +80,13 @@ def slip(runs: Runs) -> Figure:
 
 @view
 def forces(runs: Runs) -> Figure:
-    """What the floor does to each wheel, and its drive."""
+    """What the floor does to each wheel: normal force, friction and its components; the torque of its drive."""
     return over_time(runs, [
         NORMAL_FORCE,
+        FRICTION,
         Panel("friction along\nheading, N", of_wheels("friction_force", along(0))),
         Panel("friction along\naxle, N", of_wheels("friction_force", along(1))),
-        Panel("drive torque, N m", of_wheels("drive_torque")),
+        TORQUE,
     ])  # fmt: skip
 
 
@@ -85,8 +97,8 @@ def odometry(runs: Runs) -> Figure:
         if "odometry/yaw_error" not in run:
             raise PlotError(f"{name}: no odometry; only machines have it whose spin rates tell their motion")
     return over_time(runs, [
-        Panel("error of position, m", position_errors),
-        Panel("error of yaw, rad", of_body("odometry/yaw_error")),
+        Panel("error of position, m", position_errors, position_reach),
+        Panel("error of yaw, rad", of_body("odometry/yaw_error"), yaw_reach),
     ])  # fmt: skip
 
 

@@ -27,7 +27,7 @@ def ripple(runs: Runs) -> Figure:
         speed = of_wheel(runs[name], next(iter(found)), forward_speed(runs[name]))
         above.plot(*speed, label=name, **look(number, 0, len(runs)))
     if len(wheels) > 1:
-        legend_of_parts(below, wheels, runs)
+        legend_of_parts(below, wheels, runs, {})
     above.set(ylabel="forward speed, m/s")
     below.set(ylabel="normal force, N", xlabel="frequency over the wheel's exchange frequency")
     for axes in (above, below):

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import wraps
 
 import matplotlib.pyplot as plt
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -13,6 +14,8 @@ from omnisim.trajectory import Trajectory
 # Okabe & Ito, without their yellow: told apart with any colour vision, and on white paper
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 LINES = (("-", 1.9), ("--", 1.6), ("-.", 1.4), (":", 1.2))  # style and width: what lies beneath is wider, and seen
+TARGET = {"linewidth": 4.5, "alpha": 0.3, "solid_capstyle": "butt", "zorder": 1.5}  # pale, beneath what follows it
+BAND = {"alpha": 0.22, "linewidth": 0.0, "zorder": 1.2}  # extremes between rows, about the line through the rows
 LEAST_SPAN = 1e-9  # of an axis, in its unit: less is rounding
 INK, QUIET = "0.15", "0.6"
 WIDEST, TALLEST = 120, 6  # characters in a line of the legend of runs, lines in that of parts
@@ -100,10 +103,14 @@ def log_scale(axes: Axes) -> None:
         axes.set_yscale("log", nonpositive="mask")
 
 
-def legend_of_parts(axes: Axes, parts: list[str], runs: Runs) -> None:
-    """A legend of the parts beside the axes; of several runs, whose colours the figure explains, by their lines."""
+def legend_of_parts(axes: Axes, parts: list[str], runs: Runs, more: Mapping[str, Artist]) -> None:
+    """A legend of the parts, and of more by name, beside the axes.
+
+    Of several runs, whose colours the figure explains, parts are told by their lines.
+    """
     ink = {"color": INK} if len(runs) > 1 else {}
-    legend_beside(axes, [Line2D([], [], **look(0, i, 1) | ink) for i in range(len(parts))], parts)
+    lines = [Line2D([], [], **look(0, i, 1) | ink) for i in range(len(parts))]
+    legend_beside(axes, [*lines, *more.values()], [*parts, *more])
 
 
 def legend_beside(axes: Axes, handles: list, labels: list[str]) -> None:
