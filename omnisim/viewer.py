@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from omnisim.commanded import target_rates
 from omnisim.config import Config, Wheel, WheelType
 from omnisim.geometry import of_type, profile
 from omnisim.scene import parse
@@ -26,13 +27,21 @@ from omnisim.trajectory import Trajectory
 ROWS_PER_SECOND = 60.0  # more than a screen shows; the page interpolates with the rates
 MOST_ROWS = 20_000  # of long runs: about 10 MB on four wheels of eighteen rollers
 PROFILE_POINTS = 17  # the page leaves out every other one, or three of four, where nobody sees it
-MODULES = ("motion", "wheels", "chassis", "machine", "arrows", "shadow", "quality", "stage", "chart", "timebar", "main")
+MODULES = (
+    "motion", "wheels", "chassis", "machine", "arrows", "shadow", "quality", "stage", "quantities", "timebar", "chart",
+    "main",
+)  # fmt: skip
 
 # What the page gets, by path in the file. Positions and angles grow with the run, so they keep all their digits.
 BODY = {"time": "float64", "body/position": "float64", "body/yaw": "float64", "body/velocity": "float32",
         "body/yaw_rate": "float32", "energy/balance": "float32"}  # fmt: skip
 WHEEL = {"spin_angle": "float64", "spin_rate": "float32", "normal_force": "float32", "slip_velocity": "float32",
-         "friction_force": "float32", "contact_roller": "int32"}  # fmt: skip
+         "friction_force": "float32", "drive_torque": "float32", "drive_power": "float32",
+         "contact_roller": "int32"}  # fmt: skip
+# Those that not every file has, all float32; and of which it has the extremes between rows.
+BODY_MORE = ("odometry/position_error", "odometry/yaw_error")
+WHEEL_MORE = ("voltage", "current", "electrical_power")
+WHEEL_EXTREMES = ("normal_force", "friction_force", "slip_velocity", "drive_torque", "drive_power")
 
 
 class NothingToShow(ValueError):
@@ -48,7 +57,7 @@ def page(trajectory: Trajectory) -> str:
         "title": trajectory.attributes["title"],
         "status": trajectory.attributes["status"],
         "machine": machine(config),
-        "motion": {path: encoded(array) for path, array in motion(trajectory).items()},
+        "motion": {path: encoded(array) for path, array in (motion(trajectory) | targets(trajectory, config)).items()},
         "events": events(trajectory),
     }
     imports = {"vendor": _module("vendor/vendor.min")} | {f"omnisim/{name}": _module(name) for name in MODULES}
@@ -103,15 +112,37 @@ def _floor(config: Config) -> str:
 
 
 def motion(trajectory: Trajectory) -> dict[str, np.ndarray]:
-    """The datasets of BODY and WHEEL, thinned, and the angle of each roller relative to its wheel (K, N_r), rad."""
+    """The datasets of BODY and WHEEL and those that there are of the others, thinned; extremes; and the angle of each
+    roller relative to its wheel (K, N_r), rad."""
     rows = kept_rows(trajectory.time)
-    arrays = {path: trajectory[path][rows].astype(dtype) for path, dtype in BODY.items()}
+    arrays = {path: trajectory[path][rows].astype(dtype) for path, dtype in BODY.items()} | extremes(trajectory, rows)
+    more = [*BODY_MORE, *(f"wheels/{wheel}/{name}" for wheel in trajectory.wheels for name in WHEEL_MORE)]
+    arrays |= {path: trajectory[path][rows].astype(np.float32) for path in more if path in trajectory}
     for wheel in trajectory.wheels:
         path = f"wheels/{wheel}"
         arrays |= {f"{path}/{name}": trajectory[f"{path}/{name}"][rows].astype(kind) for name, kind in WHEEL.items()}
         angle = _integral(trajectory.time, trajectory[f"{path}/rollers/joint_rate"])
         arrays[f"{path}/rollers/joint_angle"] = angle[rows].astype(np.float32)
     return arrays
+
+
+def extremes(trajectory: Trajectory, rows: np.ndarray) -> dict[str, np.ndarray]:
+    """Largest and least values (K,) since the row before of those that are kept, where the file has them."""
+    paths = [*BODY_MORE, *(f"wheels/{wheel}/{name}" for wheel in trajectory.wheels for name in WHEEL_EXTREMES)]
+    starts = np.append(0, rows[:-1] + 1)  # of the rows up to each one kept
+    found = {}
+    for group, extreme in (("interval_max", np.maximum), ("interval_min", np.minimum)):
+        for path in (f"{group}/{path}" for path in paths):
+            if path in trajectory:
+                found[path] = extreme.reduceat(trajectory[path], starts).astype(np.float32)
+    return found
+
+
+def targets(trajectory: Trajectory, config: Config) -> dict[str, np.ndarray]:
+    """Target spin rates (K,), rad/s, of the wheels that have one."""
+    rows = kept_rows(trajectory.time)
+    found = target_rates(trajectory, config)
+    return {f"wheels/{wheel}/target_rate": rate[rows].astype(np.float32) for wheel, rate in found.items()}
 
 
 def kept_rows(time: np.ndarray) -> np.ndarray:

@@ -246,7 +246,7 @@ def test_a_band_reaches_as_far_as_the_extremes_between_rows(name, label, path):
         found = {tuple(vertex) for vertex in band.get_paths()[0].vertices}
         high = run[f"interval_max/wheels/{wheel}/{path}"]
         values = run[f"wheels/{wheel}/{path}"]
-        values = values if values.ndim == 1 else np.hypot(*values.T)
+        values = values if values.ndim == 1 else np.linalg.norm(values, axis=1)
         low = run.data.get(f"interval_min/wheels/{wheel}/{path}", np.minimum(values, [values[0], *values[:-1]]))
         for i in range(1, 41):
             for edge in (low, high):
@@ -261,13 +261,13 @@ def test_extremes_of_bearing_loads_and_of_odometry_are_bands(kiwi):
     force = kiwi["wheels/left/bearing_force"][:, 1]
     run.data["interval_max/wheels/left/bearing_axial_force"] = force + 0.1
     run.data["interval_min/wheels/left/bearing_axial_force"] = force - 20.0
-    run.data["interval_max/wheels/left/rollers/bearing_radial_force"] = np.full((len(run.time), 18), 7.0)
+    run.data["interval_max/wheels/left/rollers/bearing_radial_force"] = np.full((len(run.time), 18), 70.0)
     run.data["interval_max/odometry/position_error"] = np.full(len(run.time), 0.3)
     figure = plots.bearings(run)
     (band,) = axes_of(figure, "axle, axial, N").collections
     assert band.get_paths()[0].vertices[:, 1].max() == np.abs(force - 20.0).max()  # whichever its sign
     (band,) = axes_of(figure, "roller, radial, N").collections
-    assert band.get_paths()[0].vertices[:, 1].max() == 7.0
+    assert band.get_paths()[0].vertices[:, 1].max() == 70.0
     for figure, label in ((plots.odometry(run), "error of position, m"), (plots.path(run), "distance, m")):
         (band,) = axes_of(figure, label).collections
         assert band.get_paths()[0].vertices[:, 1].max() == 0.3

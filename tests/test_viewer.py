@@ -15,7 +15,7 @@ from omnisim.packing import pack
 from omnisim.roller import axial_coordinate, profile_radius
 from omnisim.scene import packaged_scenes
 from omnisim.trajectory import Trajectory
-from omnisim.viewer import BODY, PROFILE_POINTS, WHEEL, NothingToShow, kept_rows, machine, motion, page
+from omnisim.viewer import BODY, BODY_MORE, PROFILE_POINTS, WHEEL, NothingToShow, kept_rows, machine, motion, page
 from omnisim_cli.main import cli
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -77,6 +77,34 @@ def test_the_arrays_in_the_page_are_the_datasets_of_the_file(runs, name):
         for path, dtype in WHEEL.items():
             path = f"wheels/{wheel}/{path}"
             assert (decoded(arrays[path]) == trajectory[path][rows].astype(dtype)).all()
+    for path in BODY_MORE:
+        assert (path in arrays) == (path in trajectory)
+        assert path not in arrays or (decoded(arrays[path]) == trajectory[path][rows].astype("float32")).all()
+
+
+def test_the_page_has_the_targets_of_the_drives(runs):
+    """Half a second to 0.5 m/s: wheels of 47.5 mm radius are to turn at 10.5 rad/s from then on."""
+    trajectory, arrays = runs["youbot"], embedded(page(runs["youbot"]))["motion"]
+    time = decoded(arrays["time"])
+    for wheel in trajectory.wheels:
+        target = decoded(arrays[f"wheels/{wheel}/target_rate"])
+        assert np.abs(target - np.minimum(time, 0.5) / 0.0475).max() < 1e-6  # 4e-7, float32
+    assert not [path for path in embedded(page(runs["coulomb_wheel"]))["motion"] if "target" in path]
+
+
+def test_extremes_of_rows_that_are_left_out_count_for_the_next_one_kept():
+    trajectory = synthetic_trajectory(rows=1001)
+    trajectory.data["time"] = 1e-3 * np.arange(1001)
+    path = "wheels/wheel/drive_torque"
+    trajectory.data[f"interval_max/{path}"] = highest = trajectory[path] + 1.0
+    trajectory.data[f"interval_min/{path}"] = trajectory[path] - 1.0
+    rows, arrays = kept_rows(trajectory.time), motion(trajectory)
+    assert len(rows) == 60
+    for i in range(1, len(rows)):
+        since = slice(rows[i - 1] + 1, rows[i] + 1)
+        assert arrays[f"interval_max/{path}"][i] == np.float32(highest[since].max())
+        assert arrays[f"interval_min/{path}"][i] == np.float32(trajectory[path][since].min() - 1.0)
+    assert len(arrays[f"interval_max/{path}"]) == 60 and arrays[f"interval_max/{path}"][0] == np.float32(highest[0])
 
 
 def test_the_events_in_the_page_are_those_of_the_file(runs):
@@ -278,15 +306,102 @@ def test_the_slider_sets_the_time_and_keys_step_by_rows(runs, shown):
         assert tab.evaluate("omnisim.time") == expected
 
 
-def test_an_event_is_told_where_the_mouse_is_and_a_click_goes_there(runs, shown):
-    tab, times = shown("kiwi"), runs["kiwi"]["events/time"]
+LANE = 12  # px
+
+
+@pytest.mark.parametrize("kind", ["exchange", "stick", "slip"])
+def test_an_event_is_told_where_the_mouse_is_in_the_lane_of_its_kind_and_a_click_goes_there(runs, shown, kind):
+    tab, run = shown("kiwi"), runs["kiwi"]
+    times = run["events/time"][run["events/kind"] == kind]
+    lane = [name for name in ("exchange", "stick", "slip") if name in run["events/kind"]].index(kind)
+    assert f"{len(times)} {kind}" == tab.locator("#lanes span").nth(lane).text_content()
     bar = tab.locator("#marks").bounding_box()
-    there = {"x": 8 + (bar["width"] - 16) * times[0] / runs["kiwi"].time[-1], "y": 7}
+    there = {"x": 8 + (bar["width"] - 16) * times[0] / run.time[-1], "y": LANE * (lane + 0.4)}
     tab.locator("#marks").hover(position=there)
-    assert f"{times[0]:.4f} s: " in tab.locator("#tooltip").text_content()
+    assert f"{times[0]:.4f} s: {kind}" in tab.locator("#tooltip").text_content()
     tab.locator("#marks").click(position=there)
     reached = tab.evaluate("omnisim.time")  # of one of the events within a pixel
     assert reached in times and abs(reached - times[0]) < 1e-4
+
+
+# The colours, opaque where there is a mark, down the middle of each lane at times in s.
+COLOURS = """([times, lanes]) => {
+  const canvas = document.getElementById("marks");
+  const pen = canvas.getContext("2d");
+  const width = canvas.clientWidth - 16;
+  return times.map((t) => lanes.map((lane) => {
+    const x = Math.round((8 + (width * t) / omnisim.duration) * devicePixelRatio - 0.5);
+    return [...pen.getImageData(x, (12 * lane + 5) * devicePixelRatio, 1, 1).data].join();
+  }));
+}"""
+
+
+def test_no_slip_is_hidden_behind_a_stick(runs, shown):
+    """Each has its mark in the lane of slips, in its own colour; so have those at whose time a wheel sticks."""
+    tab, run = shown("mixed"), runs["mixed"]
+    times = {kind: run["events/time"][run["events/kind"] == kind] for kind in ("stick", "slip")}
+    found = tab.evaluate(COLOURS, [times["slip"].tolist(), [1, 2]])
+    assert len(found) > 30 and {slip for _, slip in found} == {"229,165,10,255"}
+    beside = np.abs(times["slip"][:, None] - times["stick"]).min(axis=1) < 1e-3  # s: less than a pixel
+    assert beside.any()  # one lane for both would hide these
+    assert {stick for (stick, _), near in zip(found, beside, strict=True) if near} == {"46,158,68,255"}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_time_axis_stands_below_the_slider(runs, shown, name):
+    tab, end = shown(name), runs[name].time[-1]
+    slider = tab.get_by_role("slider").bounding_box()
+    labels = tab.locator("#axis span").all()
+    times = [float(label.text_content()) for label in labels]
+    assert times[0] == 0.0 and 4 < len(times) < 20 and end - times[-1] < times[1]
+    assert np.diff(times) == pytest.approx(times[1])
+    for label, time in zip(labels, times, strict=True):
+        box = label.bounding_box()
+        middle = box["x"] + box["width"] / 2
+        assert abs(middle - (slider["x"] + 8 + (slider["width"] - 16) * time / end)) < 0.1  # px; where the thumb is
+        assert box["y"] >= slider["y"] + slider["height"] - 1
+
+
+def test_ticks_are_round_whatever_the_duration(shown):
+    ask = "async ([d, p]) => (await import('omnisim/timebar')).ticks(d, p)"
+    for duration, pixels, expected in (
+        (10.0, 1000, range(11)), (10.0, 200, (0, 5, 10)), (0.3, 500, (0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3)),
+        (0.0, 500, [0]), (1000.0, 900, range(0, 1001, 100)), (2.5e-3, 400, (0, 5e-4, 1e-3, 1.5e-3, 2e-3, 2.5e-3)), (10.0, 0, [0]),
+    ):  # fmt: skip
+        assert shown("kiwi").evaluate(ask, [duration, pixels]) == list(expected)
+
+
+CURVES = """async () => {
+  const [{ Motion }, { quantities }] = await Promise.all([import("omnisim/motion"), import("omnisim/quantities")]);
+  const data = JSON.parse(document.getElementById("data").textContent);
+  return quantities(new Motion(data.motion), data.machine.wheels);
+}"""
+
+
+def test_the_chart_has_curves_of_spin_rate_torque_power_and_odometry_error(runs, shown):
+    tab, run = shown("youbot"), runs["youbot"]
+    curves, rows = tab.evaluate(CURVES), kept_rows(run.time)
+    assert tab.locator("#quantity option").all_text_contents() == list(curves)
+    for title, name in (("spin rate, rad/s", "spin_rate"), ("drive torque, N m", "drive_torque"),
+                        ("drive power, W", "drive_power")):  # fmt: skip
+        assert [curve["label"] for curve in curves[title]] == list(run.wheels)
+        for curve in curves[title]:
+            expected = run[f"wheels/{curve['label']}/{name}"][rows].astype("float32")
+            assert np.array_equal(curve["values"], expected)
+    (position,), (yaw,) = curves["odometry error, m"], curves["odometry error, rad"]
+    error = np.hypot(*run["odometry/position_error"][rows].astype("float32").astype(float).T)
+    assert np.allclose(position["values"], error, rtol=1e-12, atol=0.0)
+    assert np.array_equal(yaw["values"], run["odometry/yaw_error"][rows].astype("float32"))
+    assert "voltage, V" not in curves and "odometry error, m" not in shown("coulomb_wheel").evaluate(CURVES)
+
+
+def test_a_curve_tells_its_target_beside_its_value(shown):
+    tab = shown("youbot")
+    tab.locator("#quantity").select_option("spin rate, rad/s")
+    tab.evaluate("omnisim.seek(5)")
+    legend = tab.locator("#chart .u-legend")
+    assert legend.inner_text().count("(target 10.53)") == 4
+    assert len([row for row in legend.locator(".u-series").all() if row.is_visible()]) == 5  # time and four wheels
 
 
 # Feeds the module that picks how finely to draw: [frames, ms each] in turn; the level after each, 0 the finest.

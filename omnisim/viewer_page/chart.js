@@ -1,25 +1,13 @@
-// One quantity over time, with a cursor in step; a click goes to that time.
+// One quantity over time, with a cursor in step; a click goes to that time. Its time runs as that of the slider below.
 
 import { uPlot } from "vendor";
+import { quantities } from "omnisim/quantities";
+import { THUMB, ticks } from "omnisim/timebar";
 
 const SERIES = ["#1f8ede", "#e07b1a", "#35a853", "#b05fd0", "#d2423c", "#14a3a8", "#a1887f", "#c0a000"];
-const HEIGHT = 150;
+const HEIGHT = 122; // px, without the legend
+const GUTTER = 108; // px left of the time 0, as in style.css
 const LEAST = 1e-9; // of speeds and forces that an axis shows: less is rounding
-
-// What may be plotted: title with unit, and the columns by name.
-function quantities(motion, wheels) {
-  const sizes = (...columns) => columns[0].map((_, row) => Math.hypot(...columns.map((column) => column[row])));
-  const pair = (path) => sizes(motion.column(path, 0), motion.column(path, 1));
-  const each = (make) => Object.fromEntries(wheels.map(({ name }) => [name, make(`wheels/${name}`)]));
-  return {
-    "speed, m/s": { speed: pair("body/velocity") },
-    "yaw rate, rad/s": { "yaw rate": motion.column("body/yaw_rate") },
-    "slip, m/s": each((path) => pair(`${path}/slip_velocity`)),
-    "normal force, N": each((path) => motion.column(`${path}/normal_force`)),
-    "friction force, N": each((path) => pair(`${path}/friction_force`)),
-    "energy balance, J": { balance: motion.column("energy/balance") },
-  };
-}
 
 // Limits of an axis for these values: rounding does not fill it.
 function spread(low, high, least) {
@@ -31,11 +19,7 @@ export class Chart {
     Object.assign(this, { element, select, motion, seek, quantities: quantities(motion, wheels) });
     select.append(...Object.keys(this.quantities).map((name) => new Option(name)));
     select.addEventListener("change", () => this.draw());
-    new ResizeObserver(() => this.plot?.setSize({ width: element.clientWidth, height: this.height })).observe(element);
-  }
-
-  get height() {
-    return HEIGHT - 28; // the legend takes the rest
+    new ResizeObserver(() => this.plot?.setSize({ width: element.clientWidth, height: HEIGHT })).observe(element);
   }
 
   recolour(colour) {
@@ -44,31 +28,27 @@ export class Chart {
   }
 
   draw() {
-    const columns = this.quantities[this.select.value];
+    const { series, bands, columns } = drawn(this.quantities[this.select.value]);
+    const { duration } = this.motion;
     const axis = { stroke: this.colours.text, grid: { stroke: this.colours.grid, width: 0.5 }, ticks: { show: false } };
-    const number = (_, value) => (value == null ? "" : Number(value.toPrecision(4)).toString());
-    const short = (_, ticks) => ticks.map((tick) => Number(tick.toPrecision(6)).toString());
     const least = this.select.value.startsWith("energy") ? 0 : LEAST;
+    const within = (plot) => ticks(duration, plot.bbox.width / devicePixelRatio);
     this.plot?.destroy();
     this.plot = new uPlot(
       {
         width: this.element.clientWidth,
-        height: this.height,
-        scales: { x: { time: false }, y: { range: (_, low, high) => spread(low, high, least) } },
+        height: HEIGHT,
+        padding: [8, THUMB, 6, 0],
+        scales: {
+          x: { time: false, range: () => [0, duration || 1] },
+          y: { range: (_, low, high) => spread(low, high, least) },
+        },
         axes: [
-          { ...axis, size: 26, values: short },
-          { ...axis, size: 58, values: short },
+          { ...axis, size: 0, splits: within, values: (_, times) => times.map(() => "") },
+          { ...axis, size: GUTTER, values: (_, numbers) => numbers.map((one) => Number(one.toPrecision(6)).toString()) },
         ],
-        series: [
-          { label: "t, s", value: number },
-          ...Object.keys(columns).map((label, i) => ({
-            label,
-            stroke: SERIES[i % SERIES.length],
-            width: 1.5,
-            points: { show: false },
-            value: number,
-          })),
-        ],
+        series: [{ label: "t, s", value: (_, time) => short(time) }, ...series],
+        bands,
         hooks: { ready: [(plot) => this.update(plot)] },
         cursor: {
           y: false,
@@ -76,7 +56,7 @@ export class Chart {
           bind: { mousemove: none, mouseenter: none, mouseleave: none },
         },
       },
-      [Array.from(this.motion.times), ...Object.values(columns)],
+      [Array.from(this.motion.times), ...columns],
       this.element,
     );
     const go = (event) => event.buttons && this.seek(this.plot.posToVal(event.offsetX, "x"));
@@ -87,6 +67,32 @@ export class Chart {
   update(plot = this.plot) {
     plot.setCursor({ left: plot.valToPos(this.motion.time, "x"), top: 0 });
   }
+}
+
+// Series, bands and columns of uPlot for some curves: targets dashed, extremes as a pale band. Both stand in no legend:
+// a curve has its target's value beside its own.
+function drawn(curves) {
+  const [series, bands, columns] = [[], [], []];
+  const add = (values, how) => {
+    series.push({ points: { show: false }, ...how });
+    return columns.push(values);
+  };
+  curves.forEach(({ label, values, target, low, high }, i) => {
+    const stroke = SERIES[i % SERIES.length];
+    const hidden = { label, class: "beside", points: { show: false, size: 0 } };
+    if (high) {
+      const edge = { ...hidden, width: 0, paths: uPlot.paths.stepped({ align: -1 }) };
+      bands.push({ series: [add(high, edge), add(low, edge)], fill: `${stroke}40` });
+    }
+    if (target) add(target, { ...hidden, stroke, width: 1.2, dash: [5, 4] });
+    const value = (_, one, __, row) => short(one) + (target && one != null ? ` (target ${short(target[row])})` : "");
+    add(values, { label, stroke, width: 1.5, value });
+  });
+  return { series, bands, columns };
+}
+
+function short(value) {
+  return value == null ? "" : Number(value.toPrecision(4)).toString();
 }
 
 const none = () => null; // the cursor is where the time is, not the mouse

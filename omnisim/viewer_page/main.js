@@ -27,7 +27,13 @@ stage.scene.add(arrows.group);
 const [chart, timebar] = [
   new Chart(element("chart"), element("quantity"), motion, data.machine.wheels, seek),
   new Timebar(
-    { slider: element("time"), canvas: element("marks"), tooltip: element("tooltip"), legend: element("kinds") },
+    {
+      slider: element("time"),
+      canvas: element("marks"),
+      tooltip: element("tooltip"),
+      lanes: element("lanes"),
+      axis: element("axis"),
+    },
     data.events,
     motion.duration,
     seek,
