@@ -324,14 +324,14 @@ def test_an_event_is_told_where_the_mouse_is_in_the_lane_of_its_kind_and_a_click
     assert reached in times and abs(reached - times[0]) < 1e-4
 
 
-# The colours, opaque where there is a mark, down the middle of each lane at times in s.
+# Red, green, blue and opacity in lanes of the marks at times in s.
 COLOURS = """([times, lanes]) => {
   const canvas = document.getElementById("marks");
   const pen = canvas.getContext("2d");
   const width = canvas.clientWidth - 16;
   return times.map((t) => lanes.map((lane) => {
     const x = Math.round((8 + (width * t) / omnisim.duration) * devicePixelRatio - 0.5);
-    return [...pen.getImageData(x, (12 * lane + 5) * devicePixelRatio, 1, 1).data].join();
+    return [...pen.getImageData(x, (12 * lane + 5) * devicePixelRatio, 1, 1).data];
   }));
 }"""
 
@@ -340,11 +340,11 @@ def test_no_slip_is_hidden_behind_a_stick(runs, shown):
     """Each has its mark in the lane of slips, in its own colour; so have those at whose time a wheel sticks."""
     tab, run = shown("mixed"), runs["mixed"]
     times = {kind: run["events/time"][run["events/kind"] == kind] for kind in ("stick", "slip")}
-    found = tab.evaluate(COLOURS, [times["slip"].tolist(), [1, 2]])
-    assert len(found) > 30 and {slip for _, slip in found} == {"229,165,10,255"}
+    sticks, slips = np.array(tab.evaluate(COLOURS, [times["slip"].tolist(), [1, 2]])).transpose(1, 0, 2)
     beside = np.abs(times["slip"][:, None] - times["stick"]).min(axis=1) < 1e-3  # s: less than a pixel
-    assert beside.any()  # one lane for both would hide these
-    assert {stick for (stick, _), near in zip(found, beside, strict=True) if near} == {"46,158,68,255"}
+    assert len(slips) > 30 and beside.any()  # one lane for both would hide these
+    for found, colour in ((slips, (229, 165, 10)), (sticks[beside], (46, 158, 68))):
+        assert np.abs(found[:, :3] - colour).max() <= 5 and found[:, 3].min() > 90  # 2 of 255, 191: smooth edges
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -366,7 +366,8 @@ def test_ticks_are_round_whatever_the_duration(shown):
     ask = "async ([d, p]) => (await import('omnisim/timebar')).ticks(d, p)"
     for duration, pixels, expected in (
         (10.0, 1000, range(11)), (10.0, 200, (0, 5, 10)), (0.3, 500, (0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3)),
-        (0.0, 500, [0]), (1000.0, 900, range(0, 1001, 100)), (2.5e-3, 400, (0, 5e-4, 1e-3, 1.5e-3, 2e-3, 2.5e-3)), (10.0, 0, [0]),
+        (0.0, 500, [0]), (1000.0, 900, range(0, 1001, 100)), (2.5e-3, 400, (0, 5e-4, 1e-3, 1.5e-3, 2e-3, 2.5e-3)),
+        (10.0, 0, [0]),
     ):  # fmt: skip
         assert shown("kiwi").evaluate(ask, [duration, pixels]) == list(expected)
 
