@@ -131,8 +131,9 @@ def mat_file(trajectory: Trajectory) -> tuple[bytes]:
     contents: dict[str, Any] = {"attributes": {name: _cells(value) for name, value in trajectory.attributes.items()}}
     for quantity in trajectory.quantities:
         parts = quantity.path.split("/")
-        if parts[0] == "wheels":
-            parts[1] = rename[parts[1]]
+        if "wheels" in parts:
+            name = parts.index("wheels") + 1
+            parts[name] = rename[parts[name]]
         _put(contents, parts, _cells(trajectory[quantity.path]))
         _put(contents, ["units", *parts], quantity.units)
     image = BytesIO()
