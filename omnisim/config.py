@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+GRID_TOLERANCE = 1e-9  # relative, for ratios of times that must be integers
 MAX_ROLLERS = 10**6  # far beyond any wheel; keeps N_r an integer that floats and arrays can hold
 NAME = "[A-Za-z][A-Za-z0-9_-]*"
 INTERVALS = 100  # of output, about, where the scene gives no output_interval
@@ -37,28 +38,36 @@ FRICTION_KEYS = {
 FRICTION_DEFAULTS = {"saturated": {"slip_speed": 1e-6}}
 
 
-class DriveKeys(NamedTuple):
-    """What a drive reads: the key that is a number or a list over `times`, the keys it needs, those with defaults."""
+# Two ways to say what a motor is, and what only a controller of its rate reads.
+MOTOR_CONSTANTS = ("resistance", "torque_constant", "viscosity", "friction_torque")
+DATA_SHEET = ("stall_torque", "stall_current", "no_load_speed", "no_load_current", "nominal_voltage")
+CONTROLLER = ("proportional", "rate", "integral", "derivative", "sample_time")
 
-    given: str | None = None
+
+class DriveKeys(NamedTuple):
+    """What a drive reads: the keys that are a number or a list over `times`, the keys it needs, those with defaults."""
+
+    given: tuple[str, ...] = ()
     needed: tuple[str, ...] = ()
     optional: tuple[str, ...] = ()
 
     @property
     def all(self) -> set[str]:
-        return {"times", self.given, *self.needed, *self.optional} if self.given else set()
+        return {"times", *self.given, *self.needed, *self.optional} if self.given else set()
 
 
 DRIVE_KEYS = {
     "free": DriveKeys(),
-    "torque": DriveKeys("torque", needed=("torque",)),
-    "rate": DriveKeys("rate", needed=("proportional",), optional=("integral", "torque_limit")),
+    "torque": DriveKeys(("torque",), needed=("torque",)),
+    "rate": DriveKeys(("rate",), needed=("proportional",), optional=("integral", "torque_limit")),
     "dc_motor": DriveKeys(
-        "voltage",
-        needed=("voltage", "resistance", "torque_constant"),
-        optional=("gear_ratio", "rotor_inertia", "viscosity", "friction_torque", "friction_rate"),
+        ("voltage", "rate"),
+        optional=(
+            *CONTROLLER, "voltage_limit", "current_limit", *MOTOR_CONSTANTS, *DATA_SHEET, "gear_ratio", "inductance",
+            "rotor_inertia", "friction_rate",
+        ),
     ),
-}
+}  # fmt: skip
 
 Real = Annotated[float, Field(description="a finite number")]
 Positive = Annotated[float, Field(gt=0, description="a finite number > 0")]
@@ -261,11 +270,20 @@ class Drive(Table):
     torque    a torque (N m)
     rate      a controller of the spin rate: a target (rad/s; absent: that of [command]), proportional gain (N m s/rad),
               integral gain (N m/rad), and the largest torque (N m)
-    dc_motor  a voltage (V) on a resistance (ohm); torque constant (N m/A, which is V s/rad too), gear ratio, inertia
-              of the rotor itself (kg m^2); friction at the wheel: viscosity (N m s), and a Coulomb torque (N m)
+    dc_motor  a voltage (V), or a controller that gives it to follow a target rate as above: proportional gain
+              (V s/rad), integral gain (V/rad), derivative gain (V s^2/rad); the largest voltage (V) and current (A);
+              the motor: resistance (ohm), inductance (H), torque constant (N m/A, which is V s/rad too), gear ratio,
+              inertia of the rotor itself (kg m^2); friction at the wheel: viscosity (N m s), and a Coulomb torque (N m)
               that changes its sign over a rate (rad/s)
 
     Torque, target and voltage are constant, or linear between `times` (s).
+
+    With a sample time (s) the controller reads the spin rate at multiples of it, and holds its voltage between them;
+    only then has it a derivative gain, on the change of the measured rate.
+
+    Instead of resistance, torque constant and friction a motor may have the values of its data sheet, all before the
+    gear: torque (N m) and current (A) at standstill, speed (rad/s) and current (A) without load, each at the nominal
+    voltage (V), which is then the largest voltage of a controller that has no other.
     """
 
     kind: _choice(*DRIVE_KEYS)
@@ -274,19 +292,40 @@ class Drive(Table):
     rate: Tabulated = None
     proportional: Positive = 0.0
     integral: NonNegative = 0.0
+    derivative: NonNegative = 0.0
+    sample_time: PositiveOrNone = None
     torque_limit: Positive = math.inf
+    voltage_limit: Positive = math.inf
+    current_limit: Positive = math.inf
     voltage: Tabulated = 0.0
     resistance: Positive = 0.0
     torque_constant: Positive = 0.0
     gear_ratio: Positive = 1.0
+    inductance: NonNegative = 0.0
     rotor_inertia: NonNegative = 0.0
     viscosity: NonNegative = 0.0
     friction_torque: NonNegative = 0.0
     friction_rate: Positive = 0.1
 
+    stall_torque: PositiveOrNone = None
+    stall_current: PositiveOrNone = None
+    no_load_speed: PositiveOrNone = None
+    no_load_current: NonNegative = 0.0
+    nominal_voltage: PositiveOrNone = None
+
+    @property
+    def controlled(self) -> bool:
+        """Whether it follows a spin rate."""
+        return self.kind == "rate" or (self.kind == "dc_motor" and self.proportional > 0.0)
+
     @property
     def follows_command(self) -> bool:
-        return self.kind == "rate" and self.rate is None
+        return self.controlled and self.rate is None
+
+    @property
+    def given(self) -> str | None:
+        """The key that is a number or a list over `times`; None: it takes no input."""
+        return "rate" if self.controlled else next(iter(DRIVE_KEYS[self.kind].given), None)
 
     @property
     def table(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -294,10 +333,9 @@ class Drive(Table):
 
         A constant is a table of one point, since tables are held outside.
         """
-        given = DRIVE_KEYS[self.kind].given
-        if given is None or self.follows_command:
+        if self.given is None or self.follows_command:
             return (0.0,), (0.0,)
-        values = getattr(self, given)
+        values = getattr(self, self.given)
         return (self.times, values) if self.times else ((0.0,), (values,))
 
 
@@ -334,7 +372,8 @@ class Wrench(Table):
 class Command(Table):
     """[command]: twist [vx, vy, yaw_rate] (m/s, m/s, rad/s) of the chassis origin in its axes, linear between `times`.
 
-    It gives a target to every rate drive that has none of its own: the rate of an ideal wheel in this motion.
+    It gives a target to every rate drive and controlled motor that has none of its own: the rate of an ideal wheel in
+    this motion.
     """
 
     times: Reals
@@ -389,6 +428,15 @@ class Config(Table):
     def type_of(self, wheel: Wheel) -> WheelType:
         return self.wheel_types[wheel.type]
 
+    @property
+    def sample_times(self) -> tuple[float, ...]:
+        """Of the controllers that have one, s."""
+        return tuple(wheel.drive.sample_time for wheel in self.wheels if wheel.drive.sample_time is not None)
+
+    def suits(self, step: float) -> bool:
+        """Whether the output interval and all sample times are multiples of a step (s)."""
+        return all(is_whole(time / step) for time in (self.time.output_interval, *self.sample_times))
+
     def at_step(self, step: float) -> "Config":
         """The same scene and rows, marched with this step (s) instead of one picked for an error."""
         time = self.time.model_copy(update={"step": step, "interval": self.time.output_interval})
@@ -417,6 +465,11 @@ def _about(wanted: int, steps: int) -> int:
     """The divisor of `steps` nearest to `wanted`; a row too many is better than one too few, which counts double."""
     small = [d for d in range(1, math.isqrt(steps) + 1) if steps % d == 0]
     return min((*small, *(steps // d for d in small)), key=lambda d: max(d / wanted, (wanted / d) ** 2))
+
+
+def is_whole(ratio: float) -> bool:
+    """Whether a ratio of times is an integer > 0, as far as decimals can say it."""
+    return math.isfinite(ratio) and ratio > 0.5 and abs(ratio - round(ratio)) <= GRID_TOLERANCE * ratio
 
 
 def is_name(word: Any) -> bool:

@@ -12,6 +12,7 @@ takes its share (`press_wheel`, `move_wheel`).
 
 import math
 
+from omnisim.actuation import rest_motors
 from omnisim.angle import cos_sin
 from omnisim.body import Acceleration, free_plane, inclined_plane
 from omnisim.contact.coulomb import SLIP
@@ -59,6 +60,8 @@ def reduced_rhs(parameters, mode, piece, t, y, dy, watch, kept):
     heat, power = 0.0, 0.0  # of friction and of the drives, W
     if machine.bearings:
         dy[at.bearing_loss] = 0.0
+    if machine.motors:
+        rest_motors(parameters, dy)
     carried = machine.upright == CONTACTS
     share = 1.0 if carried else load / len(wheels)  # of a wheel, unless the contacts carry roll and pitch
     for w in range(len(wheels)):

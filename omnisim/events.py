@@ -9,8 +9,8 @@ tells what changes there.
     SHARE  each of two rollers alone would push back      one of them carries on alone
     LOAD   N >= 0, of a wheel in the air N <= 0           it leaves the floor or touches down
     JAM    friction leaves the loads determined           the march stops
-    DRIVE  the drive is asked for less than its limit, or  it gives its limit, or less again
-           for more while it gives its limit
+    DRIVE  the drive is asked for less than its limits, or it gives its limit, another, or less again
+           for more while it gives one of them
     KINK   |v| stays on its side of slip_speed            the other branch of the saturated law
     GRIP   a sticking force stays inside the cone         it creeps off
            a creeping slip keeps its sense                it comes to rest
@@ -24,6 +24,7 @@ import math
 
 import numpy as np
 
+from omnisim.actuation import limit_guard, next_limit
 from omnisim.contact.coulomb import CREEP, SLIP, STICK
 from omnisim.contact.reaction import COULOMB, SATURATED
 from omnisim.exchange import comes_to_rest_between, leave_edge, release_rollers, stand_on
@@ -39,7 +40,6 @@ from omnisim.wheel import roller_end
 TURN, EXIT, SHARE, LOAD, JAM, DRIVE, KINK, GRIP, YOUNG = range(9)
 OF_WHEEL, GUARDS = 6, 9  # the first are of the wheel, the others of each of its contacts
 ANGLE_ROUNDING = 16.0 * 2.0**-53
-DRIVE_PLAY = 1e-12  # of its limit
 LOAD_PLAY = 1e-12  # of the weight: in the rounding of its load a wheel that has left the floor does not land again
 MOST_CHANGES = 50  # of modes that follow one another at one instant
 MOST_TRIED = 10  # wheels of which all sets are tried
@@ -78,7 +78,7 @@ def guard(parameters, clock, mode, kind, w, side, y, watch):
     if kind == JAM:
         return watch[w].regular - LEAST_REGULAR
     if kind == DRIVE:
-        return drive_guard(wheel, mode[w], watch[w])
+        return limit_guard(wheel, mode[w].drive, watch[w].demand, y[at.spin_rate + w])
     if kind == KINK:
         if machine.law != SATURATED:
             return 0.0
@@ -93,14 +93,6 @@ def guard(parameters, clock, mode, kind, w, side, y, watch):
     if mode[w].shared:
         return CREEP_SPEED - math.sqrt(watch[w].slip_square[side])
     return youth(parameters, clock, mode[w], watch[w]) if mode[w].grip[side] == CREEP else 0.0
-
-
-@kernel
-def drive_guard(wheel, mode, watch):
-    """How far a drive is inside its limit, or beyond it while it gives its limit, N m; a little play between both."""
-    if mode.drive == 0:
-        return wheel.drive_limit - abs(watch.command)
-    return mode.drive * watch.command - wheel.drive_limit * (1.0 - DRIVE_PLAY)
 
 
 @kernel
@@ -155,7 +147,8 @@ def transition(parameters, run, log, kind, w, side, time):
     elif kind == JAM:
         clock.status, clock.wheel = JAMMED, heaviest(run)
     elif kind == DRIVE:
-        mode.drive = 0 if mode.drive != 0 else (1 if run.watch[w].command > 0.0 else -1)
+        spin_rate = run.y[places(parameters).spin_rate + w]
+        mode.drive = next_limit(parameters.wheels[w], mode.drive, run.watch[w].demand, spin_rate)
         refresh(parameters, run, time)
     elif kind == KINK:
         mode.saturated[side] = 1 - mode.saturated[side]

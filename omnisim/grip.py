@@ -68,9 +68,9 @@ def step_length(parameters, run, t, h):
     An explicit step of coulomb friction also follows the turning of the slip's direction; method "auto" leaves that to
     an implicit step.
     """
-    clock, floor = run.clock, parameters.machine.slip_floor
-    # rates at which friction relaxes slip or a roller's rate, turns slip, and at which slip changes, 1/s
-    relaxation, turning, pace = max(parameters.machine.bearing_relaxation, TINY), TINY, TINY
+    machine, clock, floor = parameters.machine, run.clock, parameters.machine.slip_floor
+    # rates at which friction relaxes slip or a roller's rate, or a current settles; at which slip turns; changes, 1/s
+    relaxation, turning, pace = max(machine.bearing_relaxation, machine.current_relaxation, TINY), TINY, TINY
     for w in range(len(run.mode)):
         for side in range(1 + run.mode[w].shared):
             factor, grip = run.watch[w].factor[side], run.mode[w].grip[side]

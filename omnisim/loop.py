@@ -21,7 +21,6 @@ import numpy as np
 
 from omnisim import status
 from omnisim.collect import collect
-from omnisim.config import DRIVE_KEYS
 from omnisim.direct import direct
 from omnisim.events import EVENT
 from omnisim.ideal import wheel_rows
@@ -63,7 +62,7 @@ class Loop:
         self._dt = float(self.run.clock.dt)
         self._driven: set[int] = set()
         self._pieces = len(self.parameters.starts)  # of the tables; there may be room for more
-        self._followers = [w for w, wheel in enumerate(scene.config.wheels) if wheel.drive.kind == "rate"]
+        self._followers = [w for w, wheel in enumerate(scene.config.wheels) if wheel.drive.controlled]
         self.names = MappingProxyType({wheel.name: w for w, wheel in enumerate(scene.config.wheels)})
         self.march(0)  # finds the rollers in contact; the first call loads or compiles the kernels
         self.wall_time = 0.0
@@ -99,18 +98,18 @@ class Loop:
         Raises KeyError for an unknown wheel, ValueError for a drive without input or a number that is not finite.
         """
         w = self.names[wheel]
-        kind = self.scene.config.wheels[w].drive.kind
-        if DRIVE_KEYS[kind].given is None:
-            raise ValueError(f"wheel '{wheel}' has a drive of kind '{kind}', which takes no input")
+        drive = self.scene.config.wheels[w].drive
+        if drive.given is None:
+            raise ValueError(f"wheel '{wheel}' has a drive of kind '{drive.kind}', which takes no input")
         self._set({w: value})
 
     def command(self, vx: float, vy: float, yaw_rate: float) -> None:
-        """Give all rate drives the rates of this twist of the chassis from now on, m/s and rad/s, in chassis axes.
+        """Give all drives that follow a rate those of this twist of the chassis from now on (m/s, rad/s, its axes).
 
-        Raises ValueError if the machine has no rate drive, or for a number that is not finite.
+        Raises ValueError if the machine has no such drive, or for a number that is not finite.
         """
         if not self._followers:
-            raise ValueError("no wheel has a drive of kind 'rate', which could follow a command")
+            raise ValueError("no wheel has a drive of kind 'rate' or a controlled motor, which could follow a command")
         rates = (self._rows @ (vx, vy, yaw_rate)).tolist()
         self._set({w: rates[w] for w in self._followers})
 
@@ -217,11 +216,11 @@ class Loop:
         data, edits = tomllib.loads(self.scene.text), []
         for w in sorted(self._driven):
             times, values = self._table(DRIVE + w)
-            given = DRIVE_KEYS[self.scene.config.wheels[w].drive.kind].given
+            given = self.scene.config.wheels[w].drive.given
             edits += [(("wheels", w, "drive", "times"), times), (("wheels", w, "drive", given), values)]
         for path, value in edits:
             assign(data, path, value)
-        if all(wheel["drive"].get("rate") is not None for wheel in data["wheels"] if "drive" in wheel):
+        if all(w in self._driven for w, wheel in enumerate(self.scene.config.wheels) if wheel.drive.follows_command):
             data.pop("command", None)  # nobody follows it any more
         return replace(self.scene, text=rewrite(self.scene.text, edits, data))
 

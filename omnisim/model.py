@@ -6,6 +6,7 @@ from math import isfinite, radians, sin
 from typing import NamedTuple
 
 from omnisim.config import Config, Drive, Friction, Roller, Wheel, unused_keys
+from omnisim.drives import drive_law
 from omnisim.ideal import rms_distance, undetermined, wheel_rows
 from omnisim.parameters import CONTACTS, MULTIBODY, Parameters
 from omnisim.records import plain
@@ -72,9 +73,13 @@ def integrated(config: Config, parameters: Parameters) -> Iterator[Part]:
         yield Part("roller rates", True, count, f"all, since {why}; {most} states a wheel")
     else:
         yield Part("rollers in the air", False, 0, air_reason(config))
-    if any(wheel.drive.kind == "rate" for wheel in config.wheels):
-        why = "integrated errors of the spin rates" if machine.integrals else "no drive has an integral gain"
-        yield Part("drive integrals", bool(machine.integrals), at.friction_loss - at.integral, why)
+    if any(wheel.drive.controlled for wheel in config.wheels):
+        why = "integrated errors of the spin rates" if machine.integrals else integral_reason(config.wheels)
+        yield Part("drive integrals", bool(machine.integrals), at.current - at.integral, why)
+    if machine.motors:
+        currents, settled = at.friction_loss - at.current, "currents follow their voltages at once"
+        why = inductance_reason(config.wheels) if machine.currents else settled
+        yield Part("motor inductance", bool(machine.currents), currents, why)
     why = "losses, drive and wrench work, integrated for the energy balance"
     yield Part("works", True, at.odometry - at.friction_loss, why)
     if config.chassis:
@@ -125,8 +130,6 @@ def drives(wheels: Sequence[Wheel]) -> Iterator[Part]:
                 having.setdefault(drive_reason(wheel.drive), []).append(wheel)
         why = "; ".join(f"{names(some, wheels)}{text}" for text, some in having.items())
         yield Part("drive" if kind == "free" else f"{kind} drive", kind != "free", 0, why)
-    if "dc_motor" in kinds:
-        yield Part("motor inductance", False, 0, "currents follow their voltages at once")
     if any(wheel.drive.rotor_inertia > 0.0 for wheel in wheels):
         yield Part("rotor gyroscopy", False, 0, "a yawing machine does not feel its spinning rotors")
 
@@ -237,11 +240,38 @@ def rate_reason(drive: Drive) -> str:
 
 
 def motor_reason(drive: Drive) -> str:
-    windings = f"{drive.resistance:g} ohm, {drive.torque_constant:g} N m/A, gear {drive.gear_ratio:g}"
+    law = drive_law(drive)
+    windings = f"{law.motor.resistance:.4g} ohm, {law.motor.constant / drive.gear_ratio:.4g} N m/A"
+    sheet = " (from its data sheet)" if drive.nominal_voltage else ""
     rotor = f", rotor {drive.rotor_inertia:g} kg m^2" if drive.rotor_inertia else ""
-    viscous = f", viscous friction {drive.viscosity:g} N m s" if drive.viscosity else ""
-    coulomb = f", Coulomb friction {drive.friction_torque:g} N m" if drive.friction_torque else ""
-    return f"voltage {given(drive, 'V')}; {windings}{rotor}{viscous}{coulomb}"
+    viscous = f", viscous friction {law.motor.viscosity:.4g} N m s" if law.motor.viscosity else ""
+    coulomb = f", Coulomb friction {law.motor.friction_torque:.4g} N m" if law.motor.friction_torque else ""
+    limits = ((law.limit, "V"), (drive.current_limit, "A"))
+    within = " and ".join(f"{limit:g} {unit}" for limit, unit in limits if isfinite(limit))
+    limit = f", within {within} (reaching a limit is an event)" if within else ""
+    asked = controller_reason(drive) if drive.controlled else f"voltage {given(drive, 'V')}"
+    return f"{asked}{limit}; {windings}{sheet}, gear {drive.gear_ratio:g}{rotor}{viscous}{coulomb}"
+
+
+def controller_reason(drive: Drive) -> str:
+    target = "of the command" if drive.follows_command else given(drive, "rad/s")
+    gains = ((drive.proportional, "V s/rad"), (drive.integral, "V/rad"), (drive.derivative, "V s^2/rad"))
+    told = ", ".join(f"{gain:g} {unit}" for gain, unit in gains if gain)
+    sampled = f", sampled every {drive.sample_time:g} s" if drive.sample_time else ""
+    return f"rate {target}, gains {told}{sampled}"
+
+
+def integral_reason(wheels: Sequence[Wheel]) -> str:
+    if any(wheel.drive.controlled and wheel.drive.integral for wheel in wheels):
+        return "sampled controllers add up their errors"
+    return "no drive has an integral gain"
+
+
+def inductance_reason(wheels: Sequence[Wheel]) -> str:
+    """Time constants L / R_a of the currents."""
+    motors = [drive_law(wheel.drive).motor for wheel in wheels]
+    settle = dict.fromkeys(motor.inductance / motor.resistance for motor in motors if motor and motor.inductance)
+    return f"currents settle in {', '.join(f'{time:.3g} s' for time in settle)} (L / R_a)"
 
 
 def given(drive: Drive, unit: str) -> str:
@@ -255,7 +285,7 @@ def command_reason(config: Config) -> str:
         return "the scene has none"
     points = len(config.command.times)
     twist = f"twist table of {points} points" if points > 1 else "constant twist"
-    return f"{twist}; ideal wheels give rate drives their targets"
+    return f"{twist}; ideal wheels give drives their target rates"
 
 
 def slope_reason(config: Config) -> str:

@@ -8,6 +8,7 @@ and with them the force and the moment of every joint.
 
 from typing import NamedTuple
 
+from omnisim.actuation import actuate, rest_motors
 from omnisim.articulated import (
     UP,
     Articulated,
@@ -52,8 +53,8 @@ from omnisim.rigid import (
 )
 from omnisim.state import YAW, X, Y, places
 from omnisim.vector import Vec3, cross, dot, minus, plus, times
-from omnisim.wheel import Body, ContactState, bearing_torque, drive_command, drive_torque, external_wrench, rho_of
-from omnisim.wheel_dynamics import find_friction, integral_rate, react, tell_loads
+from omnisim.wheel import Body, ContactState, bearing_torque, external_wrench, rho_of
+from omnisim.wheel_dynamics import find_friction, react, tell_loads
 
 
 class Place(NamedTuple):
@@ -75,6 +76,8 @@ def multibody_rhs(parameters, mode, piece, t, y, dy, watch, kept):
     body = Body(carrier.x.x, carrier.x.y, dot(carrier.velocity, carrier.x), dot(carrier.velocity, carrier.y), rate.z)
     wrench = external_wrench(parameters, piece, t, body)
     dy[X], dy[Y], dy[YAW] = carrier.velocity.x, carrier.velocity.y, rate.z
+    if machine.motors:
+        rest_motors(parameters, dy)
     balance = chassis_balance(machine, carrier, wrench)
     heat, power, sought, bearing_loss = 0.0, 0.0, 0, 0.0
     for w in range(len(wheels)):
@@ -109,7 +112,7 @@ def multibody_rhs(parameters, mode, piece, t, y, dy, watch, kept):
         if kept:
             watch[w].regular = regular
             watch[w].share, watch[w].share_margin = 1.0, 0.0
-            watch[w].command = drive_command(parameters, piece, t, w, y)
+            watch[w].demand = part.demand
             tell_loads(mode[w], part, room.contacts[2 * w], watch[w])
         move_bodies(parameters, mode[w], w, carrier, linear, angular, y, dy)
     reference = plus(linear, plus(cross(angular, carrier.arm), cross(rate, cross(rate, carrier.arm))))
@@ -128,16 +131,13 @@ def multibody_rhs(parameters, mode, piece, t, y, dy, watch, kept):
 def join_wheel(parameters, mode, piece, t, w, carrier, y, dy):
     """A wheel eliminated onto the chassis, without its contacts: the Balance that the chassis feels of it, power of its
     drive and loss of its bearings (W)."""
-    machine, wheel, room, at = parameters.machine, parameters.wheels[w], parameters.room, places(parameters)
+    room, at = parameters.room, places(parameters)
     art, loss = articulate(parameters, w, y)
     disk = rigid_body(y, body_place(parameters, w, 0))
     arm, held = minus(disk.position, carrier.centre), mode.shared == 1
     spin_rate = dot(minus(disk.rate, carrier.body.rate), art.axle)
-    command = drive_command(parameters, piece, t, w, y)
-    drive = drive_torque(wheel, mode.drive, command, spin_rate)
+    demand, drive = actuate(parameters, mode, piece, t, w, spin_rate, y, dy)
     dy[at.spin_angle + w] = spin_rate
-    if machine.integrals:
-        dy[at.integral + w] = integral_rate(parameters, piece, t, w, mode, command, spin_rate)
     nothing = Vec3(0.0, 0.0, 0.0)
     _, along_x = transmitted(art, resistance(art, nothing, carrier.x), 0.0, held)
     _, along_y = transmitted(art, resistance(art, nothing, carrier.y), 0.0, held)
@@ -147,7 +147,7 @@ def join_wheel(parameters, mode, piece, t, w, carrier, y, dy):
     part = room.parts[w]
     part.slides, part.contacts, part.loaded = 0, 1 + mode.shared, mode.loaded
     part.sought = mode.loaded and (mode.shared or mode.grip[0] == CREEP)
-    part.drive_torque, part.free_spin = drive, drive - dot(art.axle, needed.moment)
+    part.demand, part.drive_torque, part.free_spin = demand, drive, drive - dot(art.axle, needed.moment)
     part.tilt[0], part.tilt[1] = 0.0, 0.0  # it is in the rows of all
     keep_articulated(room.articulated[w], art, drive)
     balance = Balance(

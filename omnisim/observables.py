@@ -14,7 +14,7 @@ from omnisim.direct import direct
 from omnisim.extremes import odometry_extremes, wheel_extremes
 from omnisim.kernel import kernel
 from omnisim.loads import servo
-from omnisim.parameters import MULTIBODY, SERVO, Parameters
+from omnisim.parameters import DRIVE, MULTIBODY, SERVO, Parameters
 from omnisim.records import blank, plain
 from omnisim.runge_kutta import evaluate
 from omnisim.state import WATCH, YAW, Places, Rows, X, Y, places, places_in
@@ -33,6 +33,8 @@ CONTACT = np.dtype(
     [
         ("normal_force", np.float64),  # N
         ("drive_torque", np.float64),  # N m
+        ("voltage", np.float64),  # of the motor, V
+        ("current", np.float64),  # A
         ("share", np.float64),  # of the roller ahead while two carry the load, 1
         ("contact_torque", np.float64),  # on the roller about the normal, N m
         ("angle", np.float64),  # q of the roller in contact, rad
@@ -80,6 +82,7 @@ def observe(parameters, rows, times, watch, observed):
             contact, heading = room.contacts[2 * w], world_heading(wheel, body)
             seen.normal_force = max(part.normal_force, 0.0) if part.loaded else 0.0
             seen.drive_torque, seen.share, seen.contact_torque = part.drive_torque, contact.share, contact.torque
+            seen.voltage, seen.current = part.voltage, part.current
             seen.angle = contact_angle(parameters, mode[w], w, heading, y)
             along, across = wheel.offset[0], wheel.offset[1] + contact.l
             seen.point[0] = y[X] + along * heading.cos - across * heading.sin
@@ -158,6 +161,8 @@ def datasets(parameters: Parameters, rows: Rows, interval: float, config: Config
     parameters = parameters._replace(machine=plain(parameters.machine))
     data = {"time": times} | body(parameters, rows.y, observed.slopes, config.chassis is None)
     data |= energy(parameters, rows)
+    if parameters.machine.motors:
+        data |= motor_energies(parameters, rows.y, data["energy/balance"])
     if parameters.machine.odometry:
         data |= odometry(parameters, rows.y, data["body/position"])
         data |= odometry_extremes(rows.odometry_extremes)
@@ -167,6 +172,10 @@ def datasets(parameters: Parameters, rows: Rows, interval: float, config: Config
         data |= residuals(parameters, rows.y)
     for w, (wheel, number) in enumerate(zip(config.wheels, parameters.wheels.rollers.tolist(), strict=True)):
         group = wheel_datasets(places_in(parameters), w, number, rows, observed)
+        if wheel.drive.controlled:
+            group["target_rate"] = targets(parameters, w, rows.piece, times)
+        if parameters.wheels[w].motor:
+            group |= motor_datasets(observed.contacts[:, w], parameters.wheels[w].resistance)
         if config.chassis is None:
             group["servo_torque"] = observed.servo[:, 0]
         if bearings:
@@ -237,6 +246,39 @@ def energy(parameters: Parameters, rows: Rows) -> dict[str, np.ndarray]:
 def potential(machine: np.record, y: np.ndarray) -> np.ndarray:
     """Energy of all bodies in gravity (T), J: -M g . r_C from the world's origin, the constant part included."""
     return machine.mass * (machine.gravity * machine.height - y[:, [X, Y]] @ machine.downhill)
+
+
+def motor_energies(parameters: Parameters, y: np.ndarray, mechanical: np.ndarray) -> dict[str, np.ndarray]:
+    """What motors take from their supply and where it goes; the balance with it, `mechanical` without."""
+    at, count = places_in(parameters), len(parameters.wheels)
+    currents = y[:, at.current : at.current + count] if parameters.machine.currents else np.zeros((len(y), count))
+    magnetic = 0.5 * currents**2 @ parameters.wheels.inductance
+    electrical, heat, loss, work = y[:, at.electrical : at.electrical + 4].T
+    return {
+        "energy/electrical": electrical,
+        "energy/heat": heat,
+        "energy/motor_loss": loss,
+        "energy/motor_work": work,
+        "energy/magnetic": magnetic,
+        "energy/balance": mechanical + magnetic + heat + loss + work - electrical,
+    }
+
+
+def targets(parameters: Parameters, w: int, pieces: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """Target rate of the drive of wheel w at so many times, on these pieces of the tables, rad/s."""
+    value, slope = parameters.inputs[pieces, DRIVE + w].T
+    return value + slope * (times - parameters.starts[pieces])
+
+
+def motor_datasets(seen: np.recarray, resistance: float) -> dict[str, np.ndarray]:
+    """Datasets of a motor, by path below the group of its wheel."""
+    voltage, current = seen["voltage"], seen["current"]
+    return {
+        "voltage": voltage,
+        "current": current,
+        "electrical_power": voltage * current,
+        "heat": resistance * current**2,
+    }
 
 
 def bearing_loads(found: np.ndarray, rollers: int, chassis: bool) -> dict[str, np.ndarray]:

@@ -10,7 +10,7 @@ import numpy as np
 from omnisim.config import Config, Friction, Roller, Wheel, WheelType
 from omnisim.contact.reaction import LAWS
 from omnisim.contact.tracking import TRACKINGS
-from omnisim.drives import drive_law
+from omnisim.drives import DriveLaw, Motor, drive_law
 from omnisim.ideal import inverse, rms_distance, wheel_rows
 from omnisim.parameters import (
     ARTICULATED,
@@ -46,6 +46,8 @@ def pack(config: Config) -> Parameters:
     types, rows = [config.type_of(wheel) for wheel in config.wheels], wheel_rows(config)
     machine, twists = machine_values(config, types), None
     wheels = [wheel_values(*pair, machine["centre"]) for pair in zip(types, config.wheels, strict=True)]
+    for values, wheel in zip(wheels, config.wheels, strict=True):
+        values |= drive_values(drive_law(wheel.drive), config.time.step)
     if config.chassis is not None:
         twists = inverse(rows, rms_distance(config))
     machine["odometry"] = twists is not None
@@ -57,7 +59,7 @@ def pack(config: Config) -> Parameters:
     machine["places"] = places_of(
         len(wheels),
         machine["slots"],
-        *(int(machine[flag]) for flag in ("integrals", "bearings", "odometry")),
+        *(int(machine[flag]) for flag in ("integrals", "currents", "bearings", "motors", "odometry")),
         rhos=len(wheels) * most if config.solver.tracking == "implicit" else 0,
         bodies=1 + len(wheels) * (1 + most) if machine["formulation"] == MULTIBODY else 0,
     )
@@ -115,6 +117,8 @@ def machine_values(config: Config, types: list[WheelType]) -> dict:
     formulation = FORMULATIONS[config.solver.formulation]
     every_rate = bearings or formulation == MULTIBODY
     along, normal = gravity(config)
+    laws = [drive_law(wheel.drive) for wheel in config.wheels]
+    motors = [law.motor for law in laws if law.motor]
     pushed = whole.centre if config.chassis is None else np.array(config.chassis.center_of_mass)
     return {
         "gravity": normal,
@@ -143,7 +147,11 @@ def machine_values(config: Config, types: list[WheelType]) -> dict:
         "every_rate": every_rate,
         "bearing_relaxation": max(bearing_relaxation(kind.roller) for kind in types),
         "slots": max(kind.roller_count for kind in types) if every_rate else 2,
-        "integrals": any(drive_law(wheel.drive).integral > 0.0 for wheel in config.wheels),
+        "integrals": any(law.integrates for law in laws),
+        "motors": bool(motors),
+        "currents": any(motor.inductance > 0.0 for motor in motors),
+        "current_relaxation": max((m.resistance / m.inductance for m in motors if m.inductance > 0.0), default=0.0),
+        "sampled": any(law.sample_time > 0.0 for law in laws),
         "odometry_yaw": 0.0,
         "pushed": any(any(force) or torque for force, torque in zip(*config.wrench.table[1:], strict=True)),
         "body_frame": config.wrench.frame == "body",
@@ -202,13 +210,29 @@ def wheel_values(kind: WheelType, wheel: Wheel, centre: np.ndarray) -> dict:
         "bearing_viscosity": kind.roller.bearing_viscosity,
         "bearing_torque": kind.roller.bearing_torque,
         "bearing_rate": kind.roller.bearing_rate,
+        "odometry": (0.0, 0.0, 0.0),
+    }
+
+
+def drive_values(law: DriveLaw, step: float | None) -> dict:
+    """Values of a WHEEL record that tell its drive; step: None if it is not known yet."""
+    motor = law.motor or Motor(0.0, 1.0, 0.0, math.inf, 0.0, 0.0, 1.0)
+    return {
         "drive_gain": law.gain,
         "drive_damping": law.damping,
         "drive_integral": law.integral,
+        "drive_derivative": law.derivative,
         "drive_limit": law.limit,
-        "drive_friction": law.friction_torque,
-        "drive_friction_rate": law.friction_rate,
-        "odometry": (0.0, 0.0, 0.0),
+        "sample_time": law.sample_time,
+        "sample_steps": round(law.sample_time / step) if step else 0,
+        "motor": law.motor is not None,
+        "motor_constant": motor.constant,
+        "resistance": motor.resistance,
+        "inductance": motor.inductance,
+        "current_limit": motor.current_limit,
+        "drive_viscosity": motor.viscosity,
+        "drive_friction": motor.friction_torque,
+        "drive_friction_rate": motor.friction_rate,
     }
 
 

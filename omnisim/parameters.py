@@ -33,6 +33,10 @@ MACHINE = np.dtype(
         ("bearing_relaxation", np.float64),  # fastest rate at which bearing friction stops a roller, 1/s
         ("slots", np.int64),  # of roller rates in the state, for each wheel
         ("integrals", np.int64),  # 1: drives integrate the error of their rate, a state for each wheel
+        ("motors", np.int64),  # 1: there are motors, whose energies are states
+        ("currents", np.int64),  # 1: some have an inductance: a current for each wheel
+        ("current_relaxation", np.float64),  # fastest rate at which a current settles, R_a / L, 1/s
+        ("sampled", np.int64),  # 1: some controllers read their rates at samples
         ("odometry", np.int64),  # 1: the ideal kinematics of the wheels tell a pose
         ("odometry_yaw", np.float64),  # of that pose at spin angles 0, rad
         ("pushed", np.int64),  # 1: there is an external wrench
@@ -71,10 +75,19 @@ WHEEL = np.dtype(
         ("bearing_viscosity", np.float64),  # N m s
         ("bearing_torque", np.float64),  # N m
         ("bearing_rate", np.float64),  # over which the torque changes its sign, rad/s
-        ("drive_gain", np.float64),  # torque by the input of the drive
-        ("drive_damping", np.float64),  # by the spin rate, N m s
-        ("drive_integral", np.float64),  # by the integrated error of the spin rate, N m
-        ("drive_limit", np.float64),  # of what these three command, N m
+        ("drive_gain", np.float64),  # demand, N m or V, by the input of the drive
+        ("drive_damping", np.float64),  # by the spin rate, s/rad
+        ("drive_integral", np.float64),  # by the integrated error of the spin rate, 1/rad
+        ("drive_derivative", np.float64),  # by the rate of change of the spin rate, s^2/rad
+        ("drive_limit", np.float64),  # of the demand, N m or V
+        ("sample_time", np.float64),  # of its controller, s
+        ("sample_steps", np.int64),  # the same in steps; 0: it is not sampled
+        ("motor", np.int64),  # 1: the demand is a voltage
+        ("motor_constant", np.float64),  # K, N m/A
+        ("resistance", np.float64),  # R_a, ohm
+        ("inductance", np.float64),  # L, H
+        ("current_limit", np.float64),  # A
+        ("drive_viscosity", np.float64),  # friction of the motor, N m s
         ("drive_friction", np.float64),  # N m
         ("drive_friction_rate", np.float64),  # over which that changes its sign, rad/s
         ("odometry", np.float64, (3,)),  # chassis twist by the spin rate: m, m, 1
@@ -122,6 +135,9 @@ PART = np.dtype(
         ("rolling", np.float64),  # torque on its roller about its axis by its load, m
         ("turning", np.float64),  # the same on its spin, m
         ("heat", np.float64),  # by its load, m/s
+        ("demand", np.float64),  # of the drive, N m or V
+        ("voltage", np.float64),  # of the motor, V
+        ("current", np.float64),  # A
         ("drive_torque", np.float64),  # tau on the disk about k, N m
         ("free_spin", np.float64),  # J phi'' without the contacts, N m
         ("tilt", np.float64, (2,)),  # the wheel without its contacts in the rows of tilt, N m

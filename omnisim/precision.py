@@ -7,7 +7,6 @@ from statistics import median
 from typing import NamedTuple
 
 from omnisim.analysis import distance
-from omnisim.rules import is_whole
 from omnisim.scene import Scene, SceneError, parse
 from omnisim.simulation import simulate
 from omnisim.timing import interleaved
@@ -83,9 +82,12 @@ def ladder(scene: Scene, steps: Sequence[float] = ()) -> list[float]:
     if own is None and not steps:
         raise SceneError(f"{scene.source}: time.step: missing; the steps to run are multiples of it, or must be given")
     for step in steps:
-        if not is_whole(interval / step):
-            raise SceneError(f"{scene.source}: a step of {step!r} s must divide the output interval, {interval!r} s")
-    chosen = set(steps) or {step for factor in FACTORS if is_whole(interval / (step := factor * own))}
+        if not scene.config.suits(step):
+            samples = "".join(f", and the sample time {time!r} s" for time in sorted(set(scene.config.sample_times)))
+            raise SceneError(
+                f"{scene.source}: a step of {step!r} s must divide the output interval, {interval!r} s{samples}"
+            )
+    chosen = set(steps) or {step for factor in FACTORS if scene.config.suits(step := factor * own)}
     return sorted(chosen, reverse=True)
 
 

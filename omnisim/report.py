@@ -185,9 +185,10 @@ def _datasets(trajectory: Trajectory) -> str:
     name = wheels[0] if len(wheels) == 1 else "NAME"
     lines = []
     for row in TABLE:
-        if row.path.format(wheel=wheels[0]) not in trajectory:
+        paths = (row.path.format(wheel=wheel) for wheel in wheels)
+        shapes = [trajectory[path].shape for path in paths if path in trajectory]
+        if not shapes:
             continue
-        shapes = [trajectory[row.path.format(wheel=wheel)].shape for wheel in wheels]
         sizes = ["|".join(str(n) for n in dict.fromkeys(axis)) for axis in zip(*shapes, strict=True)]
         lines.append(("/" + row.path.format(wheel=name), " x ".join(sizes), row.units, row.description))
     return columns(lines)

@@ -4,13 +4,24 @@ import math
 from collections.abc import Iterator
 from itertools import pairwise
 
-from omnisim.config import DRIVE_KEYS, FRICTION_KEYS, Config, Drive, Wheel
+from omnisim.config import (
+    CONTROLLER,
+    DATA_SHEET,
+    DRIVE_KEYS,
+    FRICTION_KEYS,
+    GRID_TOLERANCE,
+    MOTOR_CONSTANTS,
+    Config,
+    Drive,
+    Wheel,
+    is_whole,
+)
+from omnisim.drives import SHEET_TOLERANCE, sheet_constants
 from omnisim.problems import Problem, allowed_at, did_you_mean
 from omnisim.tableau import EXPLICIT, METHODS
 from omnisim.toml_text import KeyPath
 
 MAX_STEPS = 10**10
-GRID_TOLERANCE = 1e-9  # relative, for ratios of times that must be integers
 DECIMAL_TOLERANCE = 1e-12  # relative, for limits that a scene reaches exactly but types in decimals
 
 
@@ -32,11 +43,6 @@ def _time_rules(config: Config) -> Iterator[Problem]:
             ratio = f"{long} / {short} = {b!r} / {a!r} = {b / a:.12g}"
             yield Problem(("time", given[-2][0]), f"{ratio}; must be an integer (to 1e-9)")
             return  # one of the three times is wrong: one problem
-
-
-def is_whole(ratio: float) -> bool:
-    """Whether a ratio of times is an integer > 0, as far as decimals can say it."""
-    return math.isfinite(ratio) and ratio > 0.5 and abs(ratio - round(ratio)) <= GRID_TOLERANCE * ratio
 
 
 def _formulation_rules(config: Config) -> Iterator[Problem]:
@@ -124,13 +130,66 @@ def _drive_rules(path: KeyPath, drive: Drive) -> Iterator[Problem]:
     keys, present = DRIVE_KEYS[drive.kind], drive.model_fields_set - {"kind"}
     for key in sorted(present - keys.all):
         yield Problem((*path, key), f"not a key of a drive with kind = '{drive.kind}'")
+    if drive.kind == "dc_motor":
+        yield from _motor_rules(path, drive, present)
     for key in keys.needed:
         if key not in present:
             yield Problem((*path, key), f"missing; must be {allowed_at((*path, key))}")
-    if keys.given in present:
-        yield from _given_rules(path, keys.given, getattr(drive, keys.given), drive.times)
+    if drive.given in present:
+        yield from _given_rules(path, drive.given, getattr(drive, drive.given), drive.times)
     elif drive.follows_command and drive.times:
         yield Problem((*path, "rate"), "missing; times need a list of as many rates")
+
+
+def _motor_rules(path: KeyPath, drive: Drive, present: set[str]) -> Iterator[Problem]:
+    """A voltage or a controller that gives it; constants or the data sheet that they follow from."""
+    if not drive.controlled:
+        for key in (key for key in CONTROLLER if key in present):
+            yield Problem((*path, key), "is of a controller, which gives the voltage itself: not beside a voltage")
+    elif "proportional" not in present:
+        key = "proportional" if present.intersection(CONTROLLER) else "voltage"
+        instead = f", or a controller gives it: {', '.join(CONTROLLER)}" if key == "voltage" else ""
+        yield Problem((*path, key), f"missing; must be {allowed_at((*path, key))}{instead}")
+    if drive.derivative > 0.0 and drive.sample_time is None:
+        yield Problem((*path, "derivative"), "needs a sample_time: it acts on the change of rate between two samples")
+    sheet = [key for key in DATA_SHEET if key in present]
+    if not sheet:
+        for key in ("resistance", "torque_constant"):
+            if key not in present:
+                instead = f", or the motor has a data sheet: {', '.join(DATA_SHEET)}"
+                yield Problem((*path, key), f"missing; must be {allowed_at((*path, key))}{instead}")
+        return
+    for key in (key for key in MOTOR_CONSTANTS if key in present):
+        yield Problem((*path, key), f"follows from the data sheet: not beside {sheet[0]}")
+    if missing := [key for key in DATA_SHEET if key not in present]:
+        yield Problem((*path, missing[0]), f"missing; a data sheet is all of {', '.join(DATA_SHEET)}")
+    else:
+        yield from _sheet_rules(path, drive)
+
+
+def _sheet_rules(path: KeyPath, drive: Drive) -> Iterator[Problem]:
+    """The values of a data sheet are one motor."""
+    if drive.no_load_current >= drive.stall_current:
+        yield Problem((*path, "no_load_current"), f"must be below stall_current = {drive.stall_current:g}")
+        return
+    motor, torque = sheet_constants(drive), drive.stall_torque
+    low, high = motor.least_stall, motor.most_stall
+    if not low * (1.0 - SHEET_TOLERANCE) <= torque <= high * (1.0 + SHEET_TOLERANCE):
+        rest = f"nominal_voltage, no_load_speed and the currents (torque constant {motor.torque_constant:.4g} N m/A)"
+        allowed = f"{low:.4g} to {high:.4g} N m, to {SHEET_TOLERANCE:.0%}, by {rest}"
+        gear = "; of a motor with its gear, whose losses take more of it, give that" if torque < low else ""
+        yield Problem((*path, "stall_torque"), f"contradicts the rest of the data sheet: must be {allowed}{gear}")
+
+
+def _sample_rules(config: Config) -> Iterator[Problem]:
+    """Controllers read their rates at the ends of steps."""
+    time, error = config.time, config.solver.error
+    unit = time.output_interval / 1000 if error is not None else time.step
+    for index, wheel in enumerate(config.wheels):
+        sample_time = wheel.drive.sample_time
+        if sample_time is not None and unit is not None and not is_whole(sample_time / unit):
+            what = "time.step" if error is None else "output_interval / 1000, since solver.error picks the step"
+            yield Problem(("wheels", index, "drive", "sample_time"), f"must be a multiple of {unit:g} s, {what}")
 
 
 def _given_rules(
@@ -168,7 +227,8 @@ def _command_rules(config: Config) -> Iterator[Problem]:
         yield Problem(("command",), "needs a [chassis] to move")
     elif not followers:
         yield Problem(
-            ("command",), "no wheel follows it; needs a drive with kind = 'rate' and without a rate of its own"
+            ("command",),
+            "no wheel follows it; needs a drive with kind = 'rate' or a controlled dc_motor, without a rate of its own",
         )
     else:
         yield from _table_rules(("command",), config.command.times, twist=config.command.twist)
@@ -193,6 +253,7 @@ RULES = (
     _contact_torque_rules,
     _wheel_type_rules,
     _wheel_rules,
+    _sample_rules,
     _place_rules,
     _wrench_rules,
     _command_rules,

@@ -1,11 +1,13 @@
 """The records of a march by lifetime: the state vector, the mode that is frozen within a step, the clock, the rows.
 
     y = [ positions: x y yaw, spin_angle of each wheel | their rates, in the same order |
-          roller rates of each wheel | integrated rate error of each wheel's drive |
-          friction_loss drive_work wrench_work, with bearing friction bearing_loss | x y of the wheels' odometry |
+          roller rates of each wheel | integrated rate error of each wheel's drive | current of each motor |
+          friction_loss drive_work wrench_work, with bearing friction bearing_loss,
+          with motors electrical heat motor_loss motor_work | x y of the wheels' odometry |
           rho of every roller (implicit tracking) | r Q v w of every body, drift (formulation "multibody") ]
 
-x, y: of the common centre of mass C. Drive integrals, bearing loss and odometry are there only if the scene has them.
+x, y: of the common centre of mass C. Drive integrals, currents, energies of motors, bearing loss and odometry are there
+only if the scene has them.
 
 Roller rates are absolute axial rates p. A roller in the air keeps its own exactly, so only those of the rollers in
 contact are states: two slots for each wheel, the second in use while two rollers carry it; the others stand in
@@ -33,10 +35,15 @@ class Places(NamedTuple):
     spin_rate: int
     roller_rate: int  # wheel w's slots begin w * slots further
     integral: int
+    current: int
     friction_loss: int
     drive_work: int
     wrench_work: int
     bearing_loss: int
+    electrical: int  # energy from the supply of all motors; then their heat, friction, and work at the wheels
+    heat: int
+    motor_loss: int
+    motor_work: int
     odometry: int
     rho: int
     bodies: int
@@ -58,17 +65,20 @@ def places_in(parameters):
     return Places(*map(int, parameters.machine.places))
 
 
-def places_of(wheels, slots, integrals, bearings, odometry, rhos=0, bodies=0):
+def places_of(wheels, slots, integrals, currents, bearings, motors, odometry, rhos=0, bodies=0):
     """Places for so many wheels with so many slots of roller rates each, rollers with a rho, and bodies; the others: 1
     if the scene has them."""
     rates, rollers, integral = 3 + wheels, 6 + 2 * wheels, 6 + 2 * wheels + slots * wheels
-    works = integral + integrals * wheels
-    pose = works + 3 + bearings
+    current = integral + integrals * wheels
+    works = current + currents * wheels
+    energies = works + 3 + bearings
+    pose = energies + 4 * motors
     rho = pose + 2 * odometry
     first = rho + 3 * rhos
     drift = first + BODY_STATES * bodies
-    works = works, works + 1, works + 2, works + 3
-    return Places(3, rates, rates + 2, rates + 3, rollers, integral, *works, pose, rho, first, drift)
+    works, energies = range(works, works + 4), range(energies, energies + 4)
+    drives = integral, current, *works, *energies
+    return Places(3, rates, rates + 2, rates + 3, rollers, *drives, pose, rho, first, drift)
 
 
 @kernel
@@ -86,7 +96,12 @@ MODE = np.dtype(
         ("direction", np.int64),  # +1 or -1: sense in which the spin angle runs throughout a step
         ("shared", np.int64),  # 1: the wheel rests on `roller` at q = +alpha and on the one behind it, contact 1
         ("loaded", np.int64),  # 1: the floor carries the wheel
-        ("drive", np.int64),  # +1 or -1: the drive gives its largest torque in this sense; 0: what it is asked for
+        ("drive", np.int64),  # actuation.BY_LIMIT or BY_CURRENT by its sense: the limit it is at; FREE: at none
+        ("held", np.float64),  # demand of a sampled controller since its last sample, V
+        ("integral", np.float64),  # of its error until then, rad
+        ("winding", np.float64),  # what one sample adds to that by its time, rad/s
+        ("read_rate", np.float64),  # spin rate that it read then, rad/s
+        ("past_rate", np.float64),  # and one sample before
         ("saturated", np.int64, (2,)),  # branch of the saturated friction law at each contact
         ("grip", np.int64, (2,)),  # coulomb.SLIP, STICK or CREEP
         ("creep", np.float64, (2,)),  # direction of creeping slip when it began; 0: not known yet
@@ -102,7 +117,7 @@ MODE = np.dtype(
 WATCH = np.dtype(
     [
         ("normal_force", np.float64),  # of the whole wheel, N; below 0 of one that the floor does not carry
-        ("command", np.float64),  # torque that the drive would give without its limit, N m
+        ("demand", np.float64),  # of the drive: torque (N m) or voltage (V) without its limits
         ("regular", np.float64),  # determinant of the loads over that without friction, 1
         ("share", np.float64),  # of contact 0 in it, 1
         ("share_margin", np.float64),  # torque with which both contacts alone would push back to the edge, N m

@@ -24,11 +24,13 @@ EVENT_KINDS = ("exchange", "stick", "slip", "lift_off", "touch_down", "share_beg
     TIPPING,
     JAMMED,
     ENDED,
-) = range(19)
+    STIFF_CURRENT,
+) = range(20)
 
 # What a shorter step may cure; the rest is the motion's own end, or the user's.
 CURABLE = frozenset((
-    NOT_FINITE, TOO_STIFF, ROCKING, CROWDED, SLOW_SLIP, LOST_TRACK, NO_CONVERGENCE, STIFF_BEARING, UNBALANCED, RESTLESS,
+    NOT_FINITE, TOO_STIFF, ROCKING, CROWDED, SLOW_SLIP, LOST_TRACK, NO_CONVERGENCE, STIFF_BEARING, STIFF_CURRENT,
+    UNBALANCED, RESTLESS,
 ))  # fmt: skip
 
 SENTENCES = {
@@ -48,6 +50,10 @@ SENTENCES = {
         "bearing friction stops a roller at {rate:.3g} 1/s, too fast for {method} with time.step = {step:.3g} s; use "
         "time.step < {limit:.2g} s, method = 'auto', or softer bearings (a larger bearing_rate, a smaller "
         "bearing_viscosity)"
+    ),
+    STIFF_CURRENT: (
+        "the current of a motor settles at {rate:.3g} 1/s (resistance over inductance), too fast for {method} with "
+        "time.step = {step:.3g} s; use time.step < {limit:.2g} s, method = 'auto', or a motor without inductance"
     ),
     UNBALANCED: (
         "inaccurate: at t = {time:.9g} s more than 5 % of the energy of the scene came from nowhere; time.step = "

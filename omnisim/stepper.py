@@ -6,6 +6,7 @@ is taken from there, each piece with the mode frozen, so the order of the method
 
 import math
 
+from omnisim.actuation import sample
 from omnisim.checks import check, check_energy, too_fast, too_stiff
 from omnisim.contact.coulomb import CREEP
 from omnisim.contact.reaction import COULOMB
@@ -45,6 +46,7 @@ from omnisim.status import (
     RUNNING,
     SLOW_SLIP,
     STIFF_BEARING,
+    STIFF_CURRENT,
     TOO_STIFF,
 )
 from omnisim.tableau import EXPLICIT
@@ -68,6 +70,7 @@ def march(parameters, method, run, rows, log):
     """
     clock = run.clock
     if clock.row == 0 and clock.status == RUNNING:
+        sampled(parameters, run, False)
         stand_up(parameters, run)
         for w in range(len(run.mode)):
             if settle(parameters, run, w):
@@ -75,12 +78,12 @@ def march(parameters, method, run, rows, log):
                 record(clock, log, 0.0, SHARED, w, ahead % rollers, (ahead - 1) % rollers)
         settle_others(parameters, run, log, 0.0)
         check(parameters, run)
-        stiffest = parameters.machine.bearing_relaxation
+        bearings, currents = parameters.machine.bearing_relaxation, parameters.machine.current_relaxation
         if clock.status == RUNNING:
             begin_interval(parameters, run, rows, 0)
             write_row(parameters, run, rows)
-        if clock.choice == EXPLICIT and stiffest * clock.dt > clock.stability_limit:
-            clock.status, clock.rate = STIFF_BEARING, stiffest
+        if clock.choice == EXPLICIT and max(bearings, currents) * clock.dt > clock.stability_limit:
+            clock.status, clock.rate = STIFF_BEARING if bearings > currents else STIFF_CURRENT, max(bearings, currents)
     elif clock.status == RUNNING and clock.piece + 1 < len(parameters.starts):
         enter_piece(parameters, run, rows, log)
     while clock.status == RUNNING and clock.step < clock.goal and clock.rhs < clock.pause:
@@ -92,6 +95,9 @@ def march(parameters, method, run, rows, log):
         ):  # it may have stopped at its very end
             clock.step += 1
             clock.elapsed = 0.0
+            if parameters.machine.sampled and clock.status == RUNNING and sampled(parameters, run, False):
+                refresh(parameters, run, clock.step * clock.dt)
+                settle_others(parameters, run, log, clock.step * clock.dt)
             check(parameters, run)
             if (
                 clock.status not in (NOT_FINITE, TOO_STIFF, LOST_TRACK)
@@ -103,6 +109,18 @@ def march(parameters, method, run, rows, log):
     return clock.status
 
 
+@outlined
+def sampled(parameters, run, again):
+    """Whether it is time for some controller to read its rate; all that it is time for have done so."""
+    clock, due = run.clock, False
+    for w in range(len(run.mode)):
+        steps = parameters.wheels[w].sample_steps
+        if steps > 0 and clock.step % steps == 0:
+            sample(parameters, run.mode[w], clock.piece, clock.step * clock.dt, w, run.y, again)
+            due = True
+    return due
+
+
 @merged
 def enter_piece(parameters, run, rows, log):
     """Enter a piece of the tables set while the march stood still; a row of this instant is renewed."""
@@ -110,6 +128,7 @@ def enter_piece(parameters, run, rows, log):
     here = clock.step * clock.dt
     if parameters.starts[clock.piece + 1] <= here:
         clock.piece += 1
+        sampled(parameters, run, True)
         refresh(parameters, run, here)
         settle_others(parameters, run, log, here)
         on_row = clock.step % clock.steps_per_row == 0

@@ -35,7 +35,8 @@ def resolve(config: Config, parameters: Parameters) -> int:
     method = METHODS[config.solver.method]
     if method.choice == AUTO:
         limit = SAFE * method.tableau.stability_limit
-        fastest = max(relaxation_rate(config, parameters), parameters.machine.bearing_relaxation)
+        machine = parameters.machine
+        fastest = max(relaxation_rate(config, parameters), machine.bearing_relaxation, machine.current_relaxation)
         if fastest * config.time.step <= limit:
             return EXPLICIT
     return method.choice
@@ -54,11 +55,13 @@ def explanation(config: Config, parameters: Parameters) -> str:
     method, step, rate = METHODS[config.solver.method], config.time.step, relaxation_rate(config, parameters)
     choice, limit = resolve(config, parameters), method.tableau.stability_limit / step
     used = method_used(method.name, choice)
-    bearings = parameters.machine.bearing_relaxation
-    if max(rate, bearings) == 0.0:
+    bearings, currents = parameters.machine.bearing_relaxation, parameters.machine.current_relaxation
+    if max(rate, bearings, currents) == 0.0:
         return used
     slip = f"friction relaxes slip at up to {rate:.2g} 1/s"
-    if bearings > rate:
+    if currents > max(bearings, rate):
+        slip, rate = f"currents of motors settle at up to {currents:.2g} 1/s", currents
+    elif bearings > rate:
         slip, rate = f"bearings stop rollers at up to {bearings:.2g} 1/s", bearings
     elif config.friction.law == "coulomb":
         slip = "coulomb friction turns slow slip at mu N A / |v|"

@@ -67,7 +67,7 @@ def candidates(scene: Scene) -> Iterator[Scene]:
         steps = time.outputs * parts
         if steps > max(MOST_STEPS, time.outputs):
             return
-        if steps >= FEWEST_STEPS:
+        if steps >= FEWEST_STEPS and scene.config.suits(time.output_interval / parts):
             yield replace(scene, config=scene.config.at_step(time.output_interval / parts))
 
 

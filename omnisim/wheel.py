@@ -22,7 +22,7 @@ from omnisim.contact.tracking import (
     roller_axis,
 )
 from omnisim.kernel import kernel, outlined
-from omnisim.parameters import DRIVE, FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE
+from omnisim.parameters import FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE
 from omnisim.state import YAW, places, rate_place
 from omnisim.vector import Vec3
 
@@ -78,7 +78,7 @@ class FreeWheel(NamedTuple):
 
     state: ContactState  # of contact 0
     rollers: Rollers
-    command: float  # torque that its drive would give without limit and friction
+    demand: float  # of its drive, torque (N m) or voltage (V)
     drive: float  # tau on the disk about k
     spin: float  # J phi''
     yaw_moment: float  # on the body about the vertical
@@ -134,33 +134,6 @@ def external_wrench(parameters, piece, t, body):
     if not parameters.machine.body_frame:
         x, y = x * body.cos + y * body.sin, y * body.cos - x * body.sin
     return Wrench(x, y, z, yaw + lever[0] * y - lever[1] * x)
-
-
-@kernel
-def drive_input(parameters, piece, t, w):
-    """What the drive of wheel w is given: torque (N m), target rate (rad/s) or voltage (V)."""
-    value, slope = parameters.inputs[piece, DRIVE + w, 0], parameters.inputs[piece, DRIVE + w, 1]
-    return value + slope * (t - parameters.starts[piece])
-
-
-@kernel
-def drive_command(parameters, piece, t, w, y):
-    """Torque that the drive of wheel w would give on the disk about k without its limit and friction, N m."""
-    wheel, at = parameters.wheels[w], places(parameters)
-    command = wheel.drive_gain * drive_input(parameters, piece, t, w) - wheel.drive_damping * y[at.spin_rate + w]
-    if parameters.machine.integrals:
-        command += wheel.drive_integral * y[at.integral + w]
-    return command
-
-
-@kernel
-def drive_torque(wheel, saturated, command, spin_rate):
-    """tau on the disk about k, N m; saturated: the sense in which the drive gives its largest torque, or 0."""
-    torque = command if saturated == 0 else saturated * wheel.drive_limit
-    if wheel.drive_friction > 0.0:
-        rate = wheel.drive_friction_rate
-        torque -= wheel.drive_friction * spin_rate / math.sqrt(spin_rate * spin_rate + rate * rate)
-    return torque
 
 
 @kernel

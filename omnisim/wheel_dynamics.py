@@ -2,6 +2,7 @@
 
 import math
 
+from omnisim.actuation import actuate
 from omnisim.body import holding_force, holds, pushed_plane, set_contact, set_hold, set_lever
 from omnisim.contact.coulomb import CREEP, SLIP, STICK
 from omnisim.contact.kinematics import Jacobian, Motion, Slip, joint_rate, slip_acceleration, slip_jacobian
@@ -17,9 +18,6 @@ from omnisim.wheel import (
     bearing_torque,
     centre_acceleration,
     contact_state,
-    drive_command,
-    drive_input,
-    drive_torque,
 )
 
 NEARLY = 0.99  # cosine between two directions of creeping
@@ -28,15 +26,12 @@ NEARLY = 0.99  # cosine between two directions of creeping
 @kernel
 def free_wheel(parameters, mode, piece, t, w, body, y, dy):
     """Wheel w without the forces at its contacts: a FreeWheel, and the rates that follow from it alone."""
-    machine, wheel, at = parameters.machine, parameters.wheels[w], places(parameters)
+    machine, at = parameters.machine, places(parameters)
     spin_rate = y[at.spin_rate + w]
     dy[at.spin_angle + w] = spin_rate  # first: the sine and cosine of the next stage wait for it
     state = contact_state(parameters, mode, w, 0, body, y)
     rollers = all_rollers(parameters, mode, w, state.cos_q, state.sin_q, y)
-    command = drive_command(parameters, piece, t, w, y)
-    drive = drive_torque(wheel, mode.drive, command, spin_rate)
-    if machine.integrals:
-        dy[at.integral + w] = integral_rate(parameters, piece, t, w, mode, command, spin_rate)
+    demand, drive = actuate(parameters, mode, piece, t, w, spin_rate, y, dy)
     if machine.bearings:
         dy[at.bearing_loss] += rollers.bearing_loss
         air_rates(parameters, mode, w, state, y, dy)
@@ -44,7 +39,7 @@ def free_wheel(parameters, mode, piece, t, w, body, y, dy):
         for side in range(2):
             dy[rate_place(parameters, mode.roller, w, side)] = 0.0
     spin = drive - rollers.bearing_k - body.yaw_rate * rollers.g_h
-    return FreeWheel(state, rollers, command, drive, spin, spin_rate * rollers.g_h - rollers.bearing_n)
+    return FreeWheel(state, rollers, demand, drive, spin, spin_rate * rollers.g_h - rollers.bearing_n)
 
 
 @kernel
@@ -62,7 +57,7 @@ def set_part(parameters, mode, w, free, body, load):
 @kernel
 def tell(free, load, watch):
     """What events want to know of a wheel, unless its contacts tell more."""
-    watch.command, watch.normal_force, watch.regular = free.command, load, 1.0
+    watch.demand, watch.normal_force, watch.regular = free.demand, load, 1.0
     watch.share, watch.share_margin = 1.0, 0.0
 
 
@@ -274,13 +269,3 @@ def air_rates(parameters, mode, w, state, y, dy):
         sin_i = state.sin_q * sector[0] + state.cos_q * sector[1]
         joint = joint_rate(roller_axis(wheel, cos_i, sin_i), y[first + i], state.spin_rate, state.yaw_rate)
         dy[first + i] = bearing_torque(wheel, joint) * wheel.axial_mobility
-
-
-@kernel
-def integral_rate(parameters, piece, t, w, mode, command, spin_rate):
-    """Rate of the integrated error of a drive, rad/s: its error, and back from what the limit cuts off its torque."""
-    wheel = parameters.wheels[w]
-    if wheel.drive_integral == 0.0:
-        return 0.0
-    error = drive_input(parameters, piece, t, w) - spin_rate
-    return error if mode.drive == 0 else error + (mode.drive * wheel.drive_limit - command) / wheel.drive_gain

@@ -28,7 +28,7 @@ LAYERS = (
     ("wheel_drawing", "robot_description"),
     ("mjcf", "urdf"),
     ("robot_files",),
-    ("wheel",),
+    ("wheel", "actuation"),
     ("rigid", "body"),
     ("articulated", "joints", "bearings"),
     ("loads", "impulse"),
