@@ -13,7 +13,7 @@ from omnisim_cli.screen import BAD_INPUT, Failure, compilation_noted, warn
 if TYPE_CHECKING:
     import numpy as np
 
-    from omnisim.config import Config
+    from omnisim.config import Config, Drive
     from omnisim.parameters import Parameters
     from omnisim.scene import Scene
 
@@ -77,6 +77,8 @@ def about_scene(scene: Scene) -> str:
                 f"steepest slopes at rest, deg: static friction along the rollers' axes, estimated\n"
                 f"{slope_table(config, parameters)}",
             ]
+        for drive, names in motors(config).items():
+            sections.append(section(f"motor of {', '.join(names)}, at the wheel", motor_facts(drive)))
         for wheel, record in first_of_each_type(config, parameters):
             name = "wheel type" if config.chassis else f"wheel '{wheel.name}' of type"
             mirrored = ", mirrored" if wheel.mirrored else ""
@@ -167,6 +169,40 @@ def slope_table(config: Config, parameters: Parameters) -> str:
 def shown_slope(slope: float) -> str:
     degrees = math.degrees(slope)
     return "never" if degrees > 89.99 else f"{round(degrees, 6) + 0.0:.3g}"
+
+
+def motors(config: Config) -> dict[Drive, list[str]]:
+    """The wheels of each motor, whatever it follows; a drive that stands for it, with a voltage of its own or none."""
+    found: dict[Drive, list[str]] = {}
+    for wheel in config.wheels:
+        if wheel.drive.kind == "dc_motor":
+            alike = wheel.drive.model_copy(update={"times": (), "voltage": 0.0, "rate": None})
+            found.setdefault(alike, []).append(wheel.name)
+    return found
+
+
+def motor_facts(drive: Drive) -> dict[str, str]:
+    """What follows from the constants of a motor or from its data sheet: at the wheel, behind the gear."""
+    from omnisim.drives import drive_law, sheet_constants
+
+    law, gear = drive_law(drive), drive.gear_ratio
+    motor = law.motor
+    facts = {
+        "resistance": f"{motor.resistance:.6g} ohm",
+        "torque constant": f"{motor.constant:.6g} N m/A or V s/rad; {motor.constant / gear:.6g} before its gear",
+        "friction": f"{motor.friction_torque:.4g} N m, and {motor.viscosity:.4g} N m s by the spin rate",
+    }
+    if drive.nominal_voltage:
+        sheet, voltage = sheet_constants(drive), drive.nominal_voltage
+        speed, stall = drive.no_load_speed / gear, gear * sheet.stall_torque
+        facts |= {"without load": f"{speed:.4g} rad/s at {voltage:g} V", "stalled": f"{stall:.4g} N m at {voltage:g} V"}
+    if drive.inductance:
+        facts["current"] = f"settles in {motor.inductance / motor.resistance:.3g} s (L / R)"
+    if math.isfinite(drive.current_limit):
+        facts["current limit"] = f"{drive.current_limit:g} A: at most {motor.constant * drive.current_limit:.4g} N m"
+    if law.rotor_inertia:
+        facts["rotor"] = f"{law.rotor_inertia:.4g} kg m^2 about the axle"
+    return facts
 
 
 def first_of_each_type(config: Config, parameters: Parameters) -> list[tuple]:

@@ -7,7 +7,7 @@ from typing import Any, get_args
 
 from pydantic.fields import FieldInfo
 
-from omnisim.config import DRIVE_KEYS, FRICTION_DEFAULTS, FRICTION_KEYS, Config, DriveKeys, Table
+from omnisim.config import DATA_SHEET, DRIVE_KEYS, FRICTION_DEFAULTS, FRICTION_KEYS, Config, DriveKeys, Table
 
 PAGE = Path(__file__).parent / "pages/scene.md"
 INTRODUCTION = """# Scene file
@@ -35,7 +35,10 @@ RULES = """## Rules across keys
 - A scene without `[chassis]` has one wheel, and `[initial]` places it. With one, every wheel has a position; names are
   unique.
 - `upright = "contacts"` needs three wheels or more, not on one line, with the common centre of mass between them.
-- `[command]` needs a chassis, and wheels with rate drives of no `rate` that together determine the motion.
+- `[command]` needs a chassis, and wheels with drives that follow a rate and have no `rate`, which together determine the motion.
+- A `dc_motor` has a `voltage`, or `proportional` and what else belongs to a controller; and either `resistance`,
+  `torque_constant` and friction, or all five values of a data sheet, which must be those of one motor: `stall_torque` to
+  5 %. `sample_time` is a multiple of `time.step`; with `solver.error`, of a thousandth of `output_interval`.
 - A list over `times` is as long as `times`; in `[wrench]` and `[command]` too.
 """
 # Defaults that depend on other keys, or that are no value.
@@ -60,6 +63,13 @@ DERIVED = {
     "[[wheels]] position": "required in a machine, absent on a bare wheel",
     "[[wheels]] drive rate": "that of `[command]`",
     "[[wheels]] drive times": "absent: constant",
+    "[[wheels]] drive voltage": "that of a controller",
+    "[[wheels]] drive proportional": "required by `rate` and by a controlled `dc_motor`",
+    "[[wheels]] drive sample_time": "absent: it acts at every instant",
+    "[[wheels]] drive voltage_limit": "`nominal_voltage` of a controlled `dc_motor`, or none",
+    "[[wheels]] drive resistance": "required by `dc_motor`, or a data sheet",
+    "[[wheels]] drive torque_constant": "required by `dc_motor`, or a data sheet",
+    **{f"[[wheels]] drive {key}": "absent; required of a data sheet" for key in DATA_SHEET},
     "[wrench] times": "required in the table",
     "[wrench] force": "absent: zero",
     "[wrench] yaw_torque": "absent: zero",
@@ -168,8 +178,7 @@ def choices(heading: str) -> list[str]:
 
 
 def drive_line(kind: str, keys: DriveKeys) -> str:
-    given = f"`{keys.given}`" if keys.given else "-"
-    return f"| `{kind}` | {listed(keys.needed)} | {listed(keys.optional)} | {given} |"
+    return f"| `{kind}` | {listed(keys.needed)} | {listed(keys.optional)} | {listed(keys.given)} |"
 
 
 def listed(keys: Any) -> str:

@@ -99,6 +99,11 @@ class SheetConstants(NamedTuple):
     least_stall: float
     most_stall: float
 
+    @property
+    def stall_torque(self) -> float:
+        """N m: the data sheet's own, up to its rounding."""
+        return self.most_stall - self.friction_torque
+
 
 def sheet_constants(drive: Drive) -> SheetConstants:
     """The constants that a data sheet stands for, by voltage U, stall torque and current T_s, I_s, and no-load speed

@@ -143,9 +143,11 @@ def _drive_rules(path: KeyPath, drive: Drive) -> Iterator[Problem]:
 
 def _motor_rules(path: KeyPath, drive: Drive, present: set[str]) -> Iterator[Problem]:
     """A voltage or a controller that gives it; constants or the data sheet that they follow from."""
-    if not drive.controlled:
+    if drive.controlled and "voltage" in present:
+        yield Problem((*path, "voltage"), "not beside a controller (proportional), which gives the voltage itself")
+    elif "voltage" in present:
         for key in (key for key in CONTROLLER if key in present):
-            yield Problem((*path, key), "is of a controller, which gives the voltage itself: not beside a voltage")
+            yield Problem((*path, key), "is of a controller, which needs proportional and gives the voltage itself")
     elif "proportional" not in present:
         key = "proportional" if present.intersection(CONTROLLER) else "voltage"
         instead = f", or a controller gives it: {', '.join(CONTROLLER)}" if key == "voltage" else ""

@@ -9,6 +9,7 @@ import pytest
 from scene_text import assert_one_line, message, replaced
 
 from omnisim.config import Config, unused_keys
+from omnisim.drives import voltage_limit
 from omnisim.problems import ConfigError
 from omnisim.scene import parse
 from omnisim.validation import validate
@@ -82,6 +83,8 @@ STEP, RADIUS, SPIN = "step = 0.001", "radius = 0.05", "spin_rate = 12.0"
 DRIVE = 'drive = { kind = "torque", times = [0, 1], torque = [0, 0.1] }'
 TABLE = "times = [0, 1]\nforce"
 RATE = "drive = {kind = 'rate', proportional = 1"
+SHEET = "drive = {kind = 'dc_motor', stall_torque = 0.49, stall_current = 20, no_load_speed = 950, no_load_current = 0.4, nominal_voltage = 24"
+PI = "drive = {kind = 'dc_motor', proportional = 2, resistance = 2, torque_constant = 0.02"
 MOTOR = "drive = {kind = 'dc_motor', voltage = 12, resistance = 2, torque_constant = 0.02"
 DEFECTS = {
     "misspelt key": (SPIN, "spin_rat = 1", 27, "wheels.wheel.spin_rat = 1", "unknown key; did you mean 'spin_rate'?"),
@@ -188,6 +191,17 @@ DEFECTS = {
     "motor without a resistance": (DRIVE, "drive = {kind = 'dc_motor', voltage = 12, torque_constant = 0.02}", 28, "wheels.wheel.drive.resistance", "missing; must be a finite number > 0"),
     "motor without a voltage": (DRIVE, "drive = {kind = 'dc_motor', resistance = 2, torque_constant = 0.02}", 28, "wheels.wheel.drive.voltage", "missing; must be a finite number or, with"),
     "motor with a torque": (DRIVE, f"{MOTOR}, torque = 1}}", 28, "wheels.wheel.drive.torque = 1", "not a key of a drive with kind = 'dc_motor'"),
+    "voltage beside a controller": (DRIVE, f"{PI}, voltage = 12, rate = 1}}", 28, "wheels.wheel.drive.voltage = 12", "not beside a controller"),
+    "controller without a gain": (DRIVE, "drive = {kind = 'dc_motor', rate = 1, resistance = 2, torque_constant = 0.02}", 28, "wheels.wheel.drive.proportional", "missing; must be a finite number > 0"),
+    "voltage with a derivative": (DRIVE, f"{MOTOR}, sample_time = 0.01}}", 28, "wheels.wheel.drive.sample_time = 0.01", "is of a controller"),
+    "controlled motor without a rate": (DRIVE, f"{PI}}}", 28, "wheels.wheel.drive.rate", "or the scene has a [command]"),
+    "derivative at every instant": (DRIVE, f"{PI}, rate = 1, derivative = 1}}", 28, "wheels.wheel.drive.derivative = 1", "needs a sample_time"),
+    "samples between steps": (DRIVE, f"{PI}, rate = 1, sample_time = 0.00015}}", 28, "wheels.wheel.drive.sample_time = 0.00015", "must be a multiple of"),
+    "data sheet and constants": (DRIVE, f"{SHEET}, voltage = 24, resistance = 1.2}}", 28, "wheels.wheel.drive.resistance = 1.2", "follows from the data sheet"),
+    "half a data sheet": (DRIVE, "drive = {kind = 'dc_motor', voltage = 24, stall_torque = 0.49, nominal_voltage = 24}", 28, "wheels.wheel.drive.stall_current", "missing; a data sheet is all of stall_torque, stall_current,"),
+    "data sheet of a geared motor": (DRIVE, f"{SHEET.replace('0.49', '0.3')}, voltage = 24}}", 28, "wheels.wheel.drive.stall_torque = 0.3", "must be 0.4853 to 0.4952 N m"),
+    "data sheet in turns a minute": (DRIVE, f"{SHEET.replace('950', '9072')}, voltage = 24}}", 28, "wheels.wheel.drive.stall_torque = 0.49", "contradicts the rest of the data sheet"),
+    "no load beyond stall": (DRIVE, f"{SHEET.replace('0.4,', '40,')}, voltage = 24}}", 28, "wheels.wheel.drive.no_load_current = 40", "must be below stall_current = 20"),
     "motor without a gear": (DRIVE, f"{MOTOR}, gear_ratio = 0}}", 28, "wheels.wheel.drive.gear_ratio = 0", "must be a finite number > 0"),
     "command without a chassis": ("[initial]", "[command]\ntimes=[0]\ntwist=[[0, 0, 0]]\n[initial]", 33, "command = {", "needs a [chassis]"),
 }  # fmt: skip
@@ -333,6 +347,12 @@ def test_drives_have_the_defaults_of_the_contract():
     motor = config_of(DRIVE, f"{MOTOR}}}").wheels[0].drive
     assert (motor.gear_ratio, motor.rotor_inertia, motor.viscosity) == (1.0, 0.0, 0.0)
     assert (motor.friction_torque, motor.friction_rate) == (0.0, 0.1)
+
+
+def test_a_controlled_motor_has_the_nominal_voltage_of_its_data_sheet_unless_it_says_more():
+    limits = [voltage_limit(config_of(DRIVE, f"{SHEET}, {text}}}").wheels[0].drive) for text in
+              ("proportional = 1, rate = 1", "proportional = 1, rate = 1, voltage_limit = 30", "voltage = 48")]  # fmt: skip
+    assert limits == [24.0, 30.0, math.inf]
 
 
 def test_the_table_of_a_drive_holds_torques_rates_or_voltages():

@@ -22,6 +22,7 @@ WHEELS = {
     "fm202": 1,
     "kiwi": 3,
     "mixed": 4,
+    "platform24v": 4,
     "six_rollers": 1,
     "soccer_kit": 3,
     "soccer_robot": 4,
