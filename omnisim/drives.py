@@ -33,6 +33,11 @@ class Motor(NamedTuple):
     friction_torque: float
     friction_rate: float
 
+    def stall_torque(self, voltage: float) -> float:
+        """What it gives at standstill, N m: that of the current less friction."""
+        current = min(voltage / self.resistance, self.current_limit)
+        return max(self.constant * current - self.friction_torque, 0.0)
+
 
 class DriveLaw(NamedTuple):
     """The numbers of a drive: gain (of its demand, N m or V, by unit of u), damping and integral (by rad/s and rad),

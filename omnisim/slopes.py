@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from omnisim.config import Config, Drive
-from omnisim.drives import drive_law
+from omnisim.drives import friction_torque
 from omnisim.parameters import CONTACTS, Parameters
 from omnisim.plausibility import most_torque
 from omnisim.statics import centres, loads_under
@@ -122,4 +122,4 @@ def edges(parameters: Parameters, downhill: np.ndarray) -> Iterator[tuple[float,
 
 def driving_torque(drive: Drive) -> float:
     """What is left of a drive's largest torque after its own friction, N m; infinite where nothing limits it."""
-    return max(most_torque(drive) - drive_law(drive).friction_torque, 0.0)
+    return max(most_torque(drive) - friction_torque(drive), 0.0)
