@@ -98,6 +98,7 @@ def march(parameters, method, run, rows, log):
             if parameters.machine.sampled and clock.status == RUNNING and sampled(parameters, run, False):
                 refresh(parameters, run, clock.step * clock.dt)
                 settle_others(parameters, run, log, clock.step * clock.dt)
+                follow_again(parameters, run, rows, clock.row)
             check(parameters, run)
             if (
                 clock.status not in (NOT_FINITE, TOO_STIFF, LOST_TRACK)
