@@ -33,11 +33,6 @@ class Motor(NamedTuple):
     friction_torque: float
     friction_rate: float
 
-    def stall_torque(self, voltage: float) -> float:
-        """What it gives at standstill, N m: that of the current less friction."""
-        current = min(voltage / self.resistance, self.current_limit)
-        return max(self.constant * current - self.friction_torque, 0.0)
-
 
 class DriveLaw(NamedTuple):
     """The numbers of a drive: gain (of its demand, N m or V, by unit of u), damping and integral (by rad/s and rad),
@@ -91,6 +86,22 @@ def motor(drive: Drive) -> Motor:
         friction_torque=gear * sheet.friction_torque if sheet else drive.friction_torque,
         friction_rate=drive.friction_rate,
     )
+
+
+def standstill_torque(drive: Drive) -> float:
+    """Largest torque of a drive whose wheel stands, N m, its friction not taken off: 0 of a free one, infinite without
+    a limit."""
+    if drive.kind == "free":
+        return 0.0
+    law = drive_law(drive)
+    most = law.limit if drive.controlled else min(max(map(abs, drive.table[1])), law.limit)
+    return law.motor.constant * min(most / law.motor.resistance, law.motor.current_limit) if law.motor else most
+
+
+def friction_torque(drive: Drive) -> float:
+    """Coulomb friction of a drive at its wheel, N m."""
+    own = drive_law(drive).motor
+    return own.friction_torque if own else 0.0
 
 
 class SheetConstants(NamedTuple):

@@ -12,7 +12,7 @@ import numpy as np
 
 from omnisim import machine_rules
 from omnisim.config import Config, Drive, Wheel, WheelType
-from omnisim.drives import drive_law
+from omnisim.drives import friction_torque, standstill_torque
 from omnisim.ideal import MOTIONS, handedness, rms_distance, undetermined, wheel_rows
 from omnisim.problems import Problem
 from omnisim.solids import gap, half_width, hub_radius, outline, profile, solid
@@ -239,7 +239,7 @@ def weak_motors(config: Config) -> Iterator[Problem]:
     """A motor that its own friction holds."""
     for index, wheel in enumerate(config.wheels):
         drive, most = wheel.drive, most_torque(wheel.drive)
-        friction = drive_law(drive).friction_torque
+        friction = friction_torque(drive)
         if 0.0 < most <= friction:
             message = f"at most {most:.3g} N m at the wheel, where friction of {friction:.3g} N m holds it"
             yield Problem(("wheels", index, "drive", _strength(drive)), f"{message}; expected more than that")
@@ -259,7 +259,7 @@ def weak_drives(config: Config) -> Iterator[Problem]:
     spins, first = np.abs(wheel_rows(config)), int(np.argmax(torques > 0.0))
     spins[spins < ROUNDING * spins.max()] = 0.0
     pushes = torques @ spins
-    drags = np.array([drive_law(wheel.drive).friction_torque for wheel in wheels]) @ spins
+    drags = np.array([friction_torque(wheel.drive) for wheel in wheels]) @ spins
     drags += sum(_bearing_drag(wheel, kind) for wheel, kind in zip(wheels, kinds, strict=True))
     for name, unit, push, drag in zip(MOTIONS, ("N", "N", "N m"), pushes, drags, strict=True):
         what = f"in {name} all drives at their limits give {push:.3g} {unit}, of which friction takes {drag:.3g} {unit}"
@@ -287,14 +287,14 @@ def most_torque(drive: Drive) -> float:
     0 where nothing drives, inf where nothing limits it or a scene gives the torque itself; a motor at 0 V waits for
     a controller from outside.
     """
-    if drive.kind == "dc_motor":
-        volts = max(map(abs, drive.table[1]))
-        return drive_law(drive).gain * volts if volts > 0.0 else math.inf
-    return {"free": 0.0, "rate": drive.torque_limit}.get(drive.kind, math.inf)
+    waits = drive.kind == "dc_motor" and not drive.controlled and not any(drive.table[1])
+    return math.inf if waits or drive.kind == "torque" else standstill_torque(drive)
 
 
 def _strength(drive: Drive) -> str:
-    return "torque_limit" if drive.kind == "rate" else "voltage"
+    if drive.controlled:
+        return "torque_limit" if drive.kind == "rate" else "kind"
+    return "voltage"
 
 
 Check = Callable[[Config], Iterator[Problem]]
