@@ -176,7 +176,15 @@ def _energy(trajectory: Trajectory) -> str:
     if "energy/gravity" in trajectory:
         gravity = trajectory["energy/gravity"]
         change += f", of gravity {gravity[0]:.6g} -> {gravity[-1]:.6g} J"
-    return f"{change}, {', '.join(works)}; balanced to {error:.2g} J"
+    return f"{change}, {', '.join(works)}{_supply(trajectory)}; balanced to {error:.2g} J"
+
+
+def _supply(trajectory: Trajectory) -> str:
+    """What motors have taken, and what of it has not become work; empty without motors."""
+    if "energy/electrical" not in trajectory:
+        return ""
+    taken, heat, loss = (trajectory[f"energy/{name}"][-1] for name in ("electrical", "heat", "motor_loss"))
+    return f", from the supply {taken:.6g} J (heat in windings {heat:.6g} J, friction of motors {loss:.6g} J)"
 
 
 def _datasets(trajectory: Trajectory) -> str:

@@ -133,3 +133,15 @@ def test_info_and_the_summary_name_the_largest_of_the_march(folder):
             assert float(value.split()[-1]) == pytest.approx(most, rel=1e-3)
     load = max(run[f"interval_max/wheels/{wheel}/normal_force"].max() for wheel in run.wheels)
     assert re.search(rf"^peaks +load {load:.4g} N, friction ", result.stdout, re.MULTILINE)
+
+
+def test_info_of_a_machine_on_motors_prints_what_their_data_sheet_makes_of_them():
+    """R = 24 / 39.3, k = 24 (1 - 0.164 / 39.3) / 922.6; the sheet's own speed and stall torque behind the gear of 51."""
+    result = command("info", "platform24v")
+    assert result.exit_code == 0, result.stderr
+    text = result.stdout.partition("motor of front_left, front_right, rear_left, rear_right, at the wheel\n")[2]
+    for fact in ("resistance       0.610687 ohm", "0.0259049 before its gear", "18.09 rad/s at 24 V", "51.82 N m at 24 V",
+                 "6 A: at most 7.927 N m"):  # fmt: skip
+        assert fact in text
+    assert 24 / 39.3 == pytest.approx(0.610687, rel=1e-6) and 51 * 1.016 == pytest.approx(51.82, rel=1e-4)
+    assert 24 * (1 - 0.164 / 39.3) / 922.6 == pytest.approx(0.0259049, rel=1e-6)
