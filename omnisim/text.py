@@ -15,7 +15,7 @@ def aligned(facts: Mapping[str, str], indent: str = "") -> str:
 
 def hanging(head: str, text: str) -> str:
     """`head`, and `text` beside it in lines of at most WIDTH columns; words that are longer stay whole."""
-    lines = textwrap.wrap(text, max(WIDTH - len(head), 40), break_long_words=False, break_on_hyphens=False)
+    lines = textwrap.wrap(text, max(WIDTH - len(head), 24), break_long_words=False, break_on_hyphens=False)
     return head + f"\n{'':<{len(head)}}".join(lines)
 
 

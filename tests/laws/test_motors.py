@@ -241,7 +241,7 @@ def test_the_platform_of_24_volts_drives_round_its_square():
     run = omnisim.simulate(omnisim.load("platform24v"))
     assert run.complete and run.attributes["wall_time"] < 2.0
     corners = run["body/position"][[125, 250, 375, 520], :2]
-    assert np.abs(corners - [[0.5, 0.0], [0.5, 0.5], [0.0, 0.5], [0.0, 0.0]]).max() < 0.02  # m
+    assert np.abs(corners - [[0.5, 0.0], [0.5, 0.5], [0.0, 0.5], [0.0, 0.0]]).max() < 0.01  # m; measured 8.3 mm, after it went sideways
     for wheel in run.wheels:
         voltage, current = (np.abs(run[f"wheels/{wheel}/{name}"]) for name in ("voltage", "current"))
         assert voltage.max() < 24.0 and current.max() <= 6.0
