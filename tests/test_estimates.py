@@ -169,4 +169,6 @@ def test_info_lists_every_estimate_with_its_unit_and_what_it_is_of(folder):
     assert [float(part) for part in re.findall(r"[\d.e-]+", lines[-1][1].split("]")[0])] == pytest.approx(
         chassis.inertia
     )
-    assert "a box of 0.5 x 0.3 x 0.1 m" in lines[-1][2] and "estimated" not in command("info", "youbot").stdout
+    assert (
+        "a box of 0.5 x 0.3 x 0.1 m" in lines[-1][2] and "estimated from shapes" not in command("info", "youbot").stdout
+    )
