@@ -9,6 +9,7 @@ from omnisim_cli.bench import bench
 from omnisim_cli.compare import compare
 from omnisim_cli.export import export
 from omnisim_cli.info import info
+from omnisim_cli.new import new
 from omnisim_cli.plot import plot
 from omnisim_cli.run import run
 from omnisim_cli.screen import BAD_INPUT, Failure, leave_at_once
@@ -53,6 +54,7 @@ def cli() -> None:
     SCENE is a TOML file, or else the name of a packaged scene.
 
     \b
+    omnisim new robot.toml                  asks for a few numbers, and writes a scene
     omnisim info authors_testbench          what a scene models, and why
     omnisim run scene.toml                  writes scene.h5
     omnisim info scene.h5                   what a trajectory holds
@@ -67,7 +69,7 @@ def cli() -> None:
     """
 
 
-for command in (run, info, plot, view, export, compare, bench, wheel, warmup):
+for command in (new, run, info, plot, view, export, compare, bench, wheel, warmup):
     cli.add_command(command)
 
 

@@ -17,7 +17,7 @@ LAYERS = (
     ("angle", "vector", "state", "tableau", "status", "config"),
     ("roller", "contact.tracking", "problems", "trajectory", "ideal", "solids", "drives"),
     ("rules", "machine_rules", "estimates"),
-    ("validation", "plausibility"),
+    ("validation", "plausibility", "design"),
     ("scene",),
     ("contact.kinematics", "storage", "export", "report", "commanded"),
     ("contact.reaction", "contact.coulomb", "contact.contensou"),

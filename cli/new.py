@@ -1,0 +1,205 @@
+"""`omnisim new`: a first scene of a robot, from a few numbers that its data sheet has."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from omnisim_cli.screen import BAD_INPUT, Failure, note
+
+if TYPE_CHECKING:
+    from omnisim.design import Controller, Motor, Robot
+
+INCH, POUND, GRAVITY = 0.0254, 0.45359237, 9.80665
+UNITS = {
+    "m": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": INCH},
+    "kg": {"kg": 1.0, "g": 1e-3, "lb": POUND},
+    "N m": {"Nm": 1.0, "mNm": 1e-3, "Ncm": 1e-2, "kgcm": 1e-2 * GRAVITY, "ozin": POUND / 16.0 * GRAVITY * INCH},
+    "rad/s": {"rad/s": 1.0, "rpm": 0.10471975511965977},
+    "m/s": {"m/s": 1.0},
+    "A": {"A": 1.0, "mA": 1e-3},
+    "V": {"V": 1.0},
+    "": {"": 1.0},
+}
+
+
+class Quantity(click.ParamType):
+    """A number > 0 with or without a unit: 0.076, "76 mm", "3 in"; without one it is SI."""
+
+    def __init__(self, unit: str):
+        self.unit, self.name = unit, unit or "number"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        if isinstance(value, float):
+            return value
+        number, unit = re.fullmatch(r"\s*([-+.\deE]*)\s*(.*?)\s*", str(value)).groups()
+        scale = UNITS[self.unit].get(re.sub(r"[\s.*]", "", unit) or self.unit.replace(" ", ""))
+        try:
+            result = float(number) * scale
+        except (TypeError, ValueError):
+            result = 0.0
+        if not 0.0 < result < 1e9:
+            known = f" with a unit or none: {', '.join(UNITS[self.unit])}" if self.unit else ""
+            self.fail(f"{value!r}: must be a number > 0{known}", param, ctx)
+        return result
+
+
+# Option, what it is, its unit, and what it is by default (by kind where that differs).
+QUESTIONS = {
+    "wheel_radius": ("Radius of a wheel", "m", {"mecanum": "76 mm", "kiwi": "50 mm", "four-omni": "30 mm"}),
+    "track": (
+        "Track, from a left wheel to a right one",
+        "m",
+        {"mecanum": "300 mm", "four-omni": "130 mm"},
+    ),
+    "wheelbase": ("Wheelbase, from a rear wheel to a front one", "m", {"mecanum": "350 mm", "four-omni": "130 mm"}),
+    "distance": ("Distance of a wheel from the middle of the machine", "m", {"kiwi": "150 mm"}),
+    "mass": ("Mass of the whole robot", "kg", {"mecanum": "12 kg", "kiwi": "3 kg", "four-omni": "2.5 kg"}),
+    "torque": ("Largest torque at a wheel", "N m", {"mecanum": "2 N m", "kiwi": "1 N m", "four-omni": "0.3 N m"}),
+    "voltage": ("Nominal voltage", "V", "24 V"),
+    "stall_torque": ("Stall torque of the motor, before its gear", "N m", "0.35 N m"),
+    "stall_current": ("Stall current", "A", "12 A"),
+    "no_load_speed": ("No-load speed of the motor, before its gear", "rad/s", "7500 rpm"),
+    "no_load_current": ("No-load current", "A", "0.3 A"),
+    "gear": ("Gear ratio, motor to wheel", "", "20"),
+}
+PLACES = {"mecanum": ("track", "wheelbase"), "four-omni": ("track", "wheelbase"), "kiwi": ("distance",)}
+MOTORS = {
+    "rate": ("torque",),
+    "dc_motor": ("voltage", "stall_torque", "stall_current", "no_load_speed", "no_load_current", "gear"),
+}
+
+
+def asked(name: str):
+    text, unit, _ = QUESTIONS[name]
+    return click.option(f"--{name.replace('_', '-')}", type=Quantity(unit), help=f"{text}.")
+
+
+def all_asked(command):
+    for name in reversed(QUESTIONS):
+        command = asked(name)(command)
+    return command
+
+
+@click.command()
+@click.argument("file", default="robot.toml")
+@click.option("--kind", type=click.Choice(tuple(PLACES)), help="Four mecanum, three omni or four omni wheels.")
+@all_asked
+@click.option("--motor", type=click.Choice(tuple(MOTORS)), help="A controller with a largest torque, or a data sheet.")
+@click.option("--rollers", type=click.IntRange(4, 100), help="Rollers of one wheel; else estimated.")
+@click.option("--roller-diameter", type=Quantity("m"), help="Of a roller amid; else estimated.")
+@click.option("--wheel-mass", type=Quantity("kg"), help="One wheel with its rollers; else estimated.")
+@click.option("--size", type=Quantity("m"), nargs=3, help="Length, width and height of the chassis; else estimated.")
+@click.option("--friction", type=Quantity(""), help="Coefficient on the floor; else estimated.")
+@click.option("--speed", type=Quantity("m/s"), help="Of the square that it drives.")
+@click.option("--side", type=Quantity("m"), default="1 m", help="Of the square that it drives; else 1 m.")
+@click.option("--yes", is_flag=True, help="Ask nothing: take defaults for what is not given.")
+@click.option("--force", is_flag=True, help="Replace a file that exists.")
+def new(file: str, force: bool, yes: bool, **given: Any) -> None:
+    """Write a first scene of a robot to FILE (robot.toml), from a few numbers that its data sheet has.
+
+    It asks for what is not given. Numbers are SI or have a unit: 0.076, "76 mm", "7500 rpm", "15 kg cm". What a data
+    sheet does not say is estimated, and marked so in the scene. The robot drives a square.
+
+    \b
+    omnisim new                                   asks
+    omnisim new kit.toml --yes                    a mecanum platform of 12 kg, to change in the editor
+    omnisim new arm.toml --kind kiwi --wheel-radius 50mm --distance 15cm --mass 3 --torque "10 kg cm"
+    """
+    from omnisim.files import write_whole
+    from omnisim.scene import SceneError, parse
+    from omnisim_cli.output import output_path
+
+    if Path(file).suffix != ".toml":
+        raise Failure(f"{file}: a scene is a TOML file; choose a name that ends in .toml", BAD_INPUT)
+    path = output_path(file, "", force)
+    robot, told = answered(given, yes)
+    text = written(robot, f"omnisim new {shlex.join(told)}")
+    try:
+        doubts = parse(text, file).warnings
+    except SceneError as error:
+        doubts = str(error).splitlines()
+    if doubts:
+        told = "\n".join(doubt.partition(": ")[2] for doubt in doubts)  # the file is not there: no line
+        raise Failure(f"these numbers make no machine; nothing was written\n{told}", BAD_INPUT)
+    write_whole({path: text.encode()})
+    click.echo(path)
+    note(f"next: omnisim info {path}; omnisim run {path}; omnisim view {path.stem}.h5 --open")
+
+
+def written(robot: Robot, command: str) -> str:
+    from omnisim.design import DesignError, scene_text
+
+    try:
+        return scene_text(robot, command)
+    except DesignError as error:
+        raise Failure(str(error), BAD_INPUT) from None
+
+
+def answered(given: dict[str, Any], yes: bool) -> tuple[Robot, list[str]]:
+    """The robot, by options, answers and defaults; and the options that would say all of it."""
+    from omnisim.design import Robot
+
+    kind = given["kind"] or ask("kind", "Kind of machine", click.Choice(tuple(PLACES)), "mecanum", yes)
+    refuse_others(given, PLACES, kind, f"a {kind} machine")
+    names = ("wheel_radius", *PLACES[kind], "mass")
+    answers = {name: answer(name, given, kind, yes) for name in names}
+    motor, by_motor = motor_of(given, kind, yes)
+    rest = {name: given[name] for name in ("rollers", "roller_diameter", "wheel_mass", "size", "friction", "speed")}
+    robot = Robot(kind, motor=motor, side=given["side"], **answers, **rest)
+    told = answers | by_motor | rest | {"side": given["side"]}
+    return robot, ["--kind", kind, *options({name: value for name, value in told.items() if value is not None})]
+
+
+def options(answers: dict[str, Any]) -> Iterator[str]:
+    for name, value in answers.items():
+        yield f"--{name.replace('_', '-')}"
+        yield from (f"{part:.9g}" for part in (value if isinstance(value, tuple) else (value,)))
+
+
+def motor_of(given: dict[str, Any], kind: str, yes: bool) -> tuple[Controller | Motor, dict[str, float]]:
+    """The motor, and the options that say it."""
+    from omnisim.design import Controller, Motor
+
+    meant = [motor for motor, names in MOTORS.items() if any(given[name] is not None for name in names)]
+    motor = given["motor"] or (meant[0] if meant else None)
+    if motor is None:
+        question = "Motors: rate (a controller with a largest torque) or dc_motor (by a data sheet)"
+        motor = ask("motor", question, click.Choice(tuple(MOTORS)), "rate", yes)
+    refuse_others(given, MOTORS, motor, f"motor {motor}")
+    answers = {name: answer(name, given, kind, yes) for name in MOTORS[motor]}
+    if motor == "rate":
+        return Controller(answers["torque"]), answers
+    names = ("stall_torque", "stall_current", "no_load_speed", "no_load_current", "voltage", "gear")
+    return Motor(*(answers[name] for name in names)), answers
+
+
+def refuse_others(given: dict[str, Any], choices: dict[str, tuple[str, ...]], choice: str, of: str) -> None:
+    """Failure for an option that belongs to another choice."""
+    for name in sorted({name for names in choices.values() for name in names} - set(choices[choice])):
+        if given[name] is not None:
+            has = ", ".join(f"--{known.replace('_', '-')}" for known in choices[choice])
+            raise Failure(f"--{name.replace('_', '-')}: not of {of}, which has {has}", BAD_INPUT)
+
+
+def answer(name: str, given: dict[str, Any], kind: str, yes: bool) -> float:
+    if given[name] is not None:
+        return given[name]
+    text, unit, default = QUESTIONS[name]
+    return ask(name, text, Quantity(unit), default[kind] if isinstance(default, dict) else default, yes)
+
+
+def ask(name: str, text: str, kind: click.ParamType, default: str, yes: bool) -> Any:
+    """On stderr, until the answer is a good one."""
+    if yes:
+        return kind.convert(default, None, None)
+    try:
+        return click.prompt(text, default=default, type=kind, err=True)
+    except click.Abort:
+        option = f"--{name.replace('_', '-')}"
+        raise Failure(f"{option}: no answer, and nothing was written; --yes takes defaults", BAD_INPUT) from None

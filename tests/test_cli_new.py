@@ -1,0 +1,170 @@
+"""`omnisim new`: what it asks, what it writes, and that the machine drives its square."""
+
+import math
+import re
+import tomllib
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from commands import command
+
+import omnisim
+from omnisim.design import KINDS, Controller, DesignError, Robot, part, scene_text
+from omnisim.scene import parse
+from omnisim.solids import gap, hub_radius
+from omnisim_cli.main import cli
+from omnisim_cli.new import Quantity
+
+ROBOTS = {
+    "mecanum": Robot("mecanum", 0.076, 12.0, Controller(2.0), track=0.3, wheelbase=0.35),
+    "kiwi": Robot("kiwi", 0.05, 3.0, Controller(1.0), distance=0.15),
+    "four-omni": Robot("four-omni", 0.03, 2.5, Controller(0.3), track=0.13, wheelbase=0.13),
+}
+
+
+def scaled(robot: Robot, scale: float, **others) -> Robot:
+    """A machine of another size: lengths by scale, masses by its cube, torques by its fourth power."""
+    lengths = {key: getattr(robot, key) * scale for key in ("wheel_radius", "track", "wheelbase", "distance")}
+    torque = Controller(robot.motor.torque * scale**4)
+    return robot._replace(**lengths, mass=robot.mass * scale**3, motor=torque, **others)
+
+
+@pytest.mark.short
+@pytest.mark.parametrize("robot", ROBOTS.values(), ids=ROBOTS.keys())
+@pytest.mark.parametrize("scale", [0.3, 1.0, 4.0])
+@pytest.mark.parametrize("rollers", [None, 6, 12, 40])
+def test_what_it_writes_loads_without_a_warning_at_any_size(robot, scale, rollers):
+    scene = parse(scene_text(scaled(robot, scale, rollers=rollers)))
+    assert scene.warnings == ()
+    config = scene.config
+    whole = config.chassis.mass + sum(
+        kind.disk.mass + kind.roller_count * kind.roller.mass for kind in map(config.type_of, config.wheels)
+    )
+    assert whole == pytest.approx(robot.mass * scale**3, rel=1e-4)  # six digits; the mass is that of all together
+
+
+@pytest.mark.short
+@pytest.mark.parametrize("kind", KINDS)
+def test_rollers_that_it_chooses_have_room_for_each_other_and_for_the_hub(kind):
+    for rollers in (4, 6, 10, 20, 60):
+        try:
+            wheel = part(ROBOTS[kind]._replace(rollers=rollers))
+        except DesignError as error:
+            first, last = map(int, re.search(r"(\d+) to (\d+) do", str(error)).groups())
+            assert not first <= rollers <= last
+            part(ROBOTS[kind]._replace(rollers=first)), part(ROBOTS[kind]._replace(rollers=last))
+            continue
+        shape = wheel.shape
+        assert gap(shape, KINDS[kind].rows) >= 0.0099 * shape.radius
+        assert shape.roller_distance < shape.radius * math.cos(shape.alpha)
+        assert wheel.hub < hub_radius(shape)
+
+
+@pytest.mark.short
+def test_numbers_that_are_given_are_in_the_scene_and_the_others_are_marked(folder):
+    size = ("--size", "60cm", "0.4", "100mm")
+    given = command("new", "m.toml", "--yes", "--rollers", 12, "--roller-diameter", "24mm", "--wheel-mass", "900 g",
+                    "--friction", 0.8, *size)  # fmt: skip
+    assert given.exit_code == 0, given.stderr
+    text = (folder / "m.toml").read_text()
+    data = tomllib.loads(text)
+    kind = data["wheel_types"]["mecanum"]
+    assert (kind["roller_count"], kind["roller_distance"]) == (12, pytest.approx(0.064))
+    assert data["chassis"]["size"] == [0.6, 0.4, 0.1] and data["friction"]["coefficient"] == 0.8
+    config = omnisim.load("m.toml").config.wheel_types["mecanum"]
+    assert config.disk.mass + 12 * config.roller.mass == pytest.approx(0.9, rel=1e-5)
+    marked = {line.split(" =")[0] for line in text.splitlines() if "ESTIMATED" in line and "=" in line}
+    assert marked == {"disk", "roller"}
+    command("new", "all.toml", "--yes")
+    everything = (folder / "all.toml").read_text()
+    marked = {line.split(" =")[0] for line in everything.splitlines() if "ESTIMATED" in line and "=" in line}
+    assert marked == {"coefficient", "roller_distance", "roller_count", "disk", "roller", "size"}
+
+
+@pytest.mark.short
+def test_the_scene_says_how_to_write_it_again(folder):
+    assert (
+        command("new", "a.toml", "--yes", "--kind", "kiwi", "--mass", "2500 g", "--size", 0.3, 0.3, 0.1).exit_code == 0
+    )
+    text = (folder / "a.toml").read_text()
+    again = re.search(r"^# Written by: omnisim new (.*)$", text, re.MULTILINE)[1].split()
+    assert command("new", "b.toml", *again).exit_code == 0  # nothing is left to ask
+    assert (folder / "b.toml").read_text() == text
+
+
+@pytest.mark.short
+def test_it_asks_for_what_is_not_given_until_the_answer_is_good(folder):
+    answers = "kiwi\n\n0.2 parsec\n200 mm\n4kg\nrate\n15 kg cm\n"
+    result = CliRunner().invoke(cli, ["new", "k.toml"], input=answers)
+    assert result.exit_code == 0 and result.stdout == "k.toml\n"  # questions go to stderr
+    assert "Radius of a wheel [50 mm]" in result.stderr and "'0.2 parsec': must be a number > 0" in result.stderr
+    config = omnisim.load("k.toml").config
+    assert math.hypot(*config.wheels[0].position) == pytest.approx(0.2, rel=1e-5)
+    assert config.wheels[0].drive.torque_limit == pytest.approx(15 * 9.80665e-2, rel=1e-5)
+    assert "Track" not in result.stderr
+    fewer = CliRunner().invoke(cli, ["new", "f.toml", "--kind", "kiwi", "--torque", "1"], input="\n\n\n")
+    assert fewer.exit_code == 0 and "Kind" not in fewer.stderr and "torque" not in fewer.stderr
+
+
+@pytest.mark.short
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [("0.076", "m", 0.076), ("76 mm", "m", 0.076), ("3in", "m", 0.0762), ("7500 rpm", "rad/s", 250 * math.pi),
+     ("15 kg cm", "N m", 1.47099750), ("200 mN m", "N m", 0.2), ("100 oz.in", "N m", 0.70615518), ("500mA", "A", 0.5)],
+)  # fmt: skip
+def test_units_of_data_sheets_are_understood(text, unit, value):
+    assert Quantity(unit).convert(text, None, None) == pytest.approx(value, rel=1e-8)
+
+
+@pytest.mark.short
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (["--wheel-radius", "76"], "a wheel of 76 m; a number without a unit is in metres: 76mm?"),
+        (["--wheel-radius", "76 parsec"], "'76 parsec': must be a number > 0 with a unit or none: m, mm, cm, in"),
+        (["--mass", "-3"], "'-3': must be a number > 0"),
+        (["--kind", "kiwi", "--track", "0.3"], "--track: not of a kiwi machine, which has --distance"),
+        (["--torque", "1", "--gear", "20"], "--gear: not of motor rate, which has --torque"),
+        (["--roller-diameter", "60mm"], "10 rollers of 60 mm do not fit on this wheel; diameters from 10.5 to 28"),
+        (["--wheel-mass", "0.1"], "a wheel of 0.1 kg is too light: 10 rollers alone weigh 0.352 kg"),
+        (["--mass", "1"], "a machine of 1 kg is too light: its 4 wheels weigh 2.82 kg"),
+        (["--torque", "2 mNm"], "the motors are too weak for this speed: it takes 228 s to reach 0.5 m/s"),
+        (["--track", "30mm"], "these numbers make no machine; nothing was written\n       wheels.front_right.position"),
+    ],
+)  # fmt: skip
+def test_numbers_that_make_no_machine_are_refused_in_a_sentence(folder, options, told):
+    result = command("new", "q.toml", "--yes", *options)
+    assert result.exit_code == 2 and told in result.stderr
+    assert not list(folder.iterdir())
+
+
+@pytest.mark.short
+def test_nothing_is_overwritten_unless_forced_and_no_answer_writes_nothing(folder):
+    (folder / "robot.toml").write_text("mine")
+    refused = command("new", "--yes")
+    assert refused.exit_code == 2 and "robot.toml: exists already; --force replaces it" in refused.stderr
+    assert (folder / "robot.toml").read_text() == "mine"
+    assert command("new", "--yes", "--force").exit_code == 0
+    assert omnisim.load("robot.toml").warnings == ()
+    silent = command("new", "other.toml")
+    assert silent.exit_code == 2 and "--kind: no answer, and nothing was written; --yes takes" in silent.stderr
+    assert command("new", "robot.csv", "--yes").stderr.startswith("Error: robot.csv: a scene is a TOML file")
+    assert {path.name for path in folder.iterdir()} == {"robot.toml"}
+
+
+@pytest.mark.parametrize("robot", ROBOTS.values(), ids=ROBOTS.keys())
+def test_the_machine_drives_its_square(robot):
+    """Corners, sides of 1 m. Strafing mecanum wheels of ten rollers fall short by 1 - sin(alpha) / alpha, 1.6 per cent."""
+    scene = parse(scene_text(robot))
+    run = omnisim.simulate(scene)
+    assert run.complete
+    times, rows = scene.config.command.times, run.time
+    corners = np.array(
+        [run["body/position"][np.searchsorted(rows, times[3 * side] - 1e-9)][:2] for side in range(1, 5)]
+    )
+    short = 1.0 - math.sin(math.pi / 10) / (math.pi / 10) if robot.kind == "mecanum" else 0.0
+    y = 1.0 - short
+    print(corners - [[1.0, 0.0], [1.0, y], [0.0, y], [0.0, 0.0]], run["body/yaw"][-1])
+    np.testing.assert_allclose(corners, [[1.0, 0.0], [1.0, y], [0.0, y], [0.0, 0.0]], atol=0.02)
+    assert abs(run["body/yaw"][-1]) < 0.02
