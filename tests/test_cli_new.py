@@ -3,6 +3,7 @@
 import math
 import re
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,10 +12,12 @@ from commands import command
 
 import omnisim
 from omnisim.design import KINDS, Controller, DesignError, Robot, part, scene_text
+from omnisim.estimates import estimates
 from omnisim.scene import parse
 from omnisim.solids import gap, hub_radius
+from omnisim.toml_text import show_path
 from omnisim_cli.main import cli
-from omnisim_cli.new import Quantity
+from omnisim_cli.new import MOTORS, PLACES, Quantity
 
 ROBOTS = {
     "mecanum": Robot("mecanum", 0.076, 12.0, Controller(2.0), track=0.3, wheelbase=0.35),
@@ -155,7 +158,7 @@ def test_nothing_is_overwritten_unless_forced_and_no_answer_writes_nothing(folde
 
 @pytest.mark.parametrize("robot", ROBOTS.values(), ids=ROBOTS.keys())
 def test_the_machine_drives_its_square(robot):
-    """Corners, sides of 1 m. Strafing mecanum wheels of ten rollers fall short by 1 - sin(alpha) / alpha, 1.6 per cent."""
+    """Sides of 1 m. Strafing mecanum wheels of ten rollers fall short by 1 - sin(alpha) / alpha, 1.6 per cent."""
     scene = parse(scene_text(robot))
     run = omnisim.simulate(scene)
     assert run.complete
@@ -168,3 +171,28 @@ def test_the_machine_drives_its_square(robot):
     print(corners - [[1.0, 0.0], [1.0, y], [0.0, y], [0.0, 0.0]], run["body/yaw"][-1])
     np.testing.assert_allclose(corners, [[1.0, 0.0], [1.0, y], [0.0, y], [0.0, 0.0]], atol=0.02)
     assert abs(run["body/yaw"][-1]) < 0.02
+
+
+@pytest.mark.short
+def test_the_page_shows_what_it_writes_and_what_is_estimated_and_doubted():
+    page = (Path(__file__).parents[1] / "docs/pages/robot.md").read_text()
+    text = scene_text(ROBOTS["mecanum"])
+    (block,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    assert block in text
+    found = list(estimates(parse(text).config))
+    assert len(found) == 7 and all(show_path(one.path) in page and one.value in page for one in found)
+    first, second = re.findall(r"Warning: platform.toml:\d+: (.*?)\n(?=Warning|```)", page, re.DOTALL)
+    assert [first] == [
+        line.partition(": ")[2] for line in parse(text.replace("radius = 0.076", "radius = 76")).warnings
+    ]
+    hands = [f"wheels.{name}.mirrored=true" for name in ("front_left", "rear_right")]
+    hands += [f"wheels.{name}.mirrored=false" for name in ("front_right", "rear_left")]
+    (told,) = parse(text, overrides=hands).warnings
+    assert told.endswith(" ".join(second.split()))
+
+
+@pytest.mark.short
+def test_every_option_and_kind_is_on_the_page():
+    page = (Path(__file__).parents[1] / "docs/pages/robot.md").read_text()
+    assert all(f"`{word}`" in page for word in (*PLACES, *MOTORS))
+    assert all(f"--{name.replace('_', '-')}" in page for names in PLACES.values() for name in names)
