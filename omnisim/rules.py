@@ -179,7 +179,7 @@ def _sheet_rules(path: KeyPath, drive: Drive) -> Iterator[Problem]:
     if not low * (1.0 - SHEET_TOLERANCE) <= torque <= high * (1.0 + SHEET_TOLERANCE):
         rest = f"nominal_voltage, no_load_speed and the currents (torque constant {motor.torque_constant:.4g} N m/A)"
         allowed = f"{low:.4g} to {high:.4g} N m, to {SHEET_TOLERANCE:.0%}, by {rest}"
-        gear = "; of a motor with its gear, whose losses take more of it, give that" if torque < low else ""
+        gear = "; if its gear takes the rest, give the motor's own values and the gear_ratio" if torque < low else ""
         yield Problem((*path, "stall_torque"), f"contradicts the rest of the data sheet: must be {allowed}{gear}")
 
 

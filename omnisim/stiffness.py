@@ -51,17 +51,31 @@ def method_used(name: str, choice: int) -> str:
 
 
 def explanation(config: Config, parameters: Parameters) -> str:
-    """What steps are taken and why, for people."""
+    """What steps are taken and why, for people: for friction, then for what settles the currents of motors."""
+    return _of_friction(config, parameters) + _of_currents(config, parameters)
+
+
+def _of_currents(config: Config, parameters: Parameters) -> str:
+    """How fast currents with an inductance settle, and whether explicit steps can follow; empty if there are none."""
+    method, rate = METHODS[config.solver.method], parameters.machine.current_relaxation
+    if rate == 0.0:
+        return ""
+    told, limit = f"; currents of motors settle at up to {rate:.2g} 1/s", method.tableau.stability_limit
+    if resolve(config, parameters) != EXPLICIT or rate * config.time.step <= limit:
+        return told
+    return f"{told}, too fast for this step: time.step < {SAFE_STEP * limit / rate:.2g} s or method = 'auto' would do"
+
+
+def _of_friction(config: Config, parameters: Parameters) -> str:
+    """The same for friction, of the floor and of bearings."""
     method, step, rate = METHODS[config.solver.method], config.time.step, relaxation_rate(config, parameters)
     choice, limit = resolve(config, parameters), method.tableau.stability_limit / step
     used = method_used(method.name, choice)
-    bearings, currents = parameters.machine.bearing_relaxation, parameters.machine.current_relaxation
-    if max(rate, bearings, currents) == 0.0:
+    bearings = parameters.machine.bearing_relaxation
+    if max(rate, bearings) == 0.0:
         return used
     slip = f"friction relaxes slip at up to {rate:.2g} 1/s"
-    if currents > max(bearings, rate):
-        slip, rate = f"currents of motors settle at up to {currents:.2g} 1/s", currents
-    elif bearings > rate:
+    if bearings > rate:
         slip, rate = f"bearings stop rollers at up to {bearings:.2g} 1/s", bearings
     elif config.friction.law == "coulomb":
         slip = "coulomb friction turns slow slip at mu N A / |v|"

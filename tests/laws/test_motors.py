@@ -11,7 +11,9 @@ from scipy.optimize import brentq
 
 import omnisim
 from omnisim.drives import drive_law
+from omnisim.packing import pack
 from omnisim.precision import ladder
+from omnisim.stiffness import explanation
 from omnisim.target import candidates
 
 GEAR, RESISTANCE = 14.0, 1.2
@@ -187,6 +189,9 @@ def test_a_current_too_fast_for_the_step_is_told_and_implicit_steps_take_it():
     stopped = omnisim.simulate(scene(data, "time.end=0.05"))
     assert stopped.attributes["status"].startswith("the current of a motor settles at 1.2e+04 1/s")
     assert "time.step < 0.00012 s" in stopped.attributes["status"]
+    for law in ({"law": "none"}, {"law": "coulomb", "coefficient": 0.5}):
+        warned = scene(data | {"friction": law})
+        assert "settle at up to 1.2e+04 1/s, too fast" in explanation(warned.config, pack(warned.config))
     for method in ("auto", "radau5"):
         run_by = run(data, "time.end=0.05", f"solver.method={method}")
         slow = run(machine("mecanum", drives=[MOTOR | {"voltage": 6.0}]), "time.end=0.05")
@@ -223,6 +228,17 @@ def test_a_loop_commands_motors_and_what_it_did_repeats():
     for path in ("body/position", "body/velocity", "wheels/w1/voltage", "wheels/w2/target_rate", "energy/electrical"):
         assert np.abs(told[path] - again[path]).max() < 1e-9, path
     assert np.abs(told["wheels/w0/target_rate"] - told["wheels/w0/spin_rate"])[-1] < 0.5  # it follows
+
+
+def test_a_trajectory_from_before_motors_told_their_currents_still_opens(tmp_path):
+    new = {"voltage", "current", "electrical_power", "heat", "target_rate", "electrical", "motor_loss", "motor_work",
+           "magnetic"}  # fmt: skip
+    told = spin_of(MOTOR | {"voltage": 6.0}, "time.step=1e-3")[0]
+    old = {path: values for path, values in told.data.items() if path.rpartition("/")[2] not in new}
+    assert len(old) == len(told.data) - 9  # four of the wheel, five energies
+    omnisim.trajectory.Trajectory(told.attributes, old).save(tmp_path / "old.h5")
+    opened = omnisim.open_trajectory(tmp_path / "old.h5")
+    assert "energy/electrical" not in opened and "wheels/w0/drive_torque" in opened
 
 
 def test_steps_that_are_picked_suit_the_samples():
