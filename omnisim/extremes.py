@@ -19,6 +19,8 @@ from omnisim.vector import Vec3, cross, dot
 from omnisim.wheel import body_motion, world_heading
 
 LEAST, MOST = range(2)
+OF_WHEELS = ("normal_force", "drive_torque", "drive_power")
+OF_MOTORS = ("voltage", "current", "electrical_power")
 RADIAL_SQUARE, LEAST_AXIAL, MOST_AXIAL, TILTING_SQUARE = range(4)
 POSITION_SQUARE, LEAST_YAW, MOST_YAW = range(3)
 
@@ -34,6 +36,9 @@ def begin_interval(parameters, run, rows, row):
         begin_pair(seen.normal_force)
         begin_pair(seen.drive_torque)
         begin_pair(seen.drive_power)
+        begin_pair(seen.voltage)
+        begin_pair(seen.current)
+        begin_pair(seen.electrical_power)
     if len(rows.bearing_extremes):
         for w in range(len(run.mode)):
             for j in range(rows.bearing_extremes.shape[2]):
@@ -69,6 +74,10 @@ def follow(parameters, run, rows, row):
         widen(seen.normal_force, max(part.normal_force, 0.0) if part.loaded else 0.0)
         widen(seen.drive_torque, part.drive_torque)
         widen(seen.drive_power, part.drive_torque * run.y[spin_rate + w])
+        if parameters.machine.motors:
+            widen(seen.voltage, part.voltage)
+            widen(seen.current, part.current)
+            widen(seen.electrical_power, part.voltage * part.current)
         for side in range(1 + run.mode[w].shared):
             force, slip = room.contacts[2 * w + side].force, room.contacts[2 * w + side].slip
             seen.friction_square = max(seen.friction_square, force[0] * force[0] + force[1] * force[1])
@@ -126,22 +135,29 @@ def follow_joint(joint, axis, found):
     widen(found[LEAST_AXIAL : MOST_AXIAL + 1], dot(force, axis))
 
 
-def wheel_extremes(extremes: np.recarray, bearings: np.ndarray, rollers: int, chassis: bool) -> dict[str, np.ndarray]:
-    """Datasets of one wheel, by path with {} for its name, from its extremes (T,) and those of its bearings (T or 0,
-    N + 1, 4); chassis: whether it has an axle."""
-    most, least = "interval_max/wheels/{}/", "interval_min/wheels/{}/"
+def wheel_extremes(extremes: np.recarray, motor: bool) -> dict[str, np.ndarray]:
+    """Datasets of one wheel, by path with {} for its name, from its extremes (T,); motor: whether it has one."""
     extremes, found = np.asarray(extremes), {}
-    for name in ("normal_force", "drive_torque", "drive_power"):
-        found[most + name], found[least + name] = extremes[name][:, MOST], extremes[name][:, LEAST]
-    found[f"{most}friction_force"] = np.sqrt(extremes["friction_square"])
-    found[f"{most}slip_velocity"] = np.sqrt(extremes["slip_square"])
-    for folder, loads in (("", bearings[:, 0]), ("rollers/", bearings[:, 1 : rollers + 1])):
-        if len(loads) and (folder or chassis):
-            found[f"{most}{folder}bearing_radial_force"] = np.sqrt(loads[..., RADIAL_SQUARE])
-            found[f"{most}{folder}bearing_axial_force"] = loads[..., MOST_AXIAL]
-            found[f"{least}{folder}bearing_axial_force"] = loads[..., LEAST_AXIAL]
-            found[f"{most}{folder}bearing_tilting_moment"] = np.sqrt(loads[..., TILTING_SQUARE])
+    for name in OF_WHEELS + OF_MOTORS * motor:
+        found[f"interval_max/wheels/{{}}/{name}"] = extremes[name][:, MOST]
+        found[f"interval_min/wheels/{{}}/{name}"] = extremes[name][:, LEAST]
+    found["interval_max/wheels/{}/friction_force"] = np.sqrt(extremes["friction_square"])
+    found["interval_max/wheels/{}/slip_velocity"] = np.sqrt(extremes["slip_square"])
     return found
+
+
+def bearing_extremes(found: np.ndarray, rollers: int, chassis: bool) -> dict[str, np.ndarray]:
+    """Datasets of what the bearings of one wheel carry, by path with {} for its name, from (T, N + 1, 4) of its joints;
+    chassis: whether it has an axle."""
+    rows = {"rollers/": found[:, 1 : rollers + 1]} | ({"": found[:, 0]} if chassis else {})
+    datasets = {}
+    for folder, loads in rows.items():
+        path = f"wheels/{{}}/{folder}bearing"
+        datasets[f"interval_max/{path}_radial_force"] = np.sqrt(loads[..., RADIAL_SQUARE])
+        datasets[f"interval_max/{path}_axial_force"] = loads[..., MOST_AXIAL]
+        datasets[f"interval_min/{path}_axial_force"] = loads[..., LEAST_AXIAL]
+        datasets[f"interval_max/{path}_tilting_moment"] = np.sqrt(loads[..., TILTING_SQUARE])
+    return datasets
 
 
 def odometry_extremes(found: np.ndarray) -> dict[str, np.ndarray]:

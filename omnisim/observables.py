@@ -11,7 +11,7 @@ from omnisim.constraints import residuals
 from omnisim.contact.kinematics import joint_rate
 from omnisim.contact.tracking import IMPLICIT, roller_axis
 from omnisim.direct import direct
-from omnisim.extremes import odometry_extremes, wheel_extremes
+from omnisim.extremes import bearing_extremes, odometry_extremes, wheel_extremes
 from omnisim.kernel import kernel
 from omnisim.loads import servo
 from omnisim.parameters import DRIVE, MULTIBODY, SERVO, Parameters
@@ -181,7 +181,9 @@ def datasets(parameters: Parameters, rows: Rows, interval: float, config: Config
         if bearings:
             group |= bearing_loads(observed.bearings[:, w], number, config.chassis is not None)
         data |= {f"wheels/{wheel.name}/{path}": values for path, values in group.items()}
-        extremes = wheel_extremes(rows.extremes[:, w], rows.bearing_extremes[:, w], number, config.chassis is not None)
+        extremes = wheel_extremes(rows.extremes[:, w], bool(parameters.wheels[w].motor))
+        if bearings:
+            extremes |= bearing_extremes(rows.bearing_extremes[:, w], number, config.chassis is not None)
         data |= {path.format(wheel.name): values for path, values in extremes.items()}
     return data
 

@@ -7,6 +7,18 @@ import numpy as np
 from omnisim.text import aligned, columns
 from omnisim.trajectory import ROLLER, ROLLERS, TABLE, WHEEL, Trajectory
 
+WHEEL_PEAKS = (
+    ("load", "normal_force", "N"),
+    ("friction", "friction_force", "N"),
+    ("slip", "slip_velocity", "m/s"),
+    ("torque", "drive_torque", "N m"),
+    ("power", "drive_power", "W"),
+)
+MOTOR_PEAKS = (
+    ("voltage", "voltage", "V"),
+    ("current", "current", "A"),
+    ("power from the supply", "electrical_power", "W"),
+)
 BEARING_LOADS = ("radial_force", "axial_force", "tilting_moment")
 
 
@@ -17,22 +29,16 @@ def summary(trajectory: Trajectory) -> str:
 
 
 def extremes(trajectory: Trajectory) -> str:
-    """The largest of each wheel's loads, slip, torque and power in the march, and the least of what has a sign; empty
-    if they are not recorded."""
-    path = "interval_max/wheels/{}/normal_force"
-    if not len(trajectory.time) or path.format(trajectory.wheels[0]) not in trajectory:
-        return ""
-    quantities = {
-        "normal_force": "load, N",
-        "friction_force": "friction, N",
-        "slip_velocity": "slip, m/s",
-        "drive_torque": "drive torque, N m",
-        "drive_power": "drive power, W",
-    }
-    lines = [("extremes of the march", *quantities.values())]
-    for wheel in trajectory.wheels:
-        lines.append((wheel, *(_range(trajectory, f"wheels/{wheel}/{name}") for name in quantities)))
-    return columns(lines)
+    """The largest of each wheel's loads, slip, torque and power in the march, the least of what has a sign, and the same
+    of motors; empty if not recorded."""
+    tables = []
+    for heading, shown in (("extremes of the march", WHEEL_PEAKS), ("extremes of motors", MOTOR_PEAKS)):
+        lines = [(heading, *(f"{name}, {units}" for name, _, units in shown))]
+        for wheel in trajectory.wheels if len(trajectory.time) else ():
+            if f"interval_max/wheels/{wheel}/{shown[0][1]}" in trajectory:
+                lines.append((wheel, *(_range(trajectory, f"wheels/{wheel}/{path}") for _, path, _ in shown)))
+        tables += [columns(lines)] if len(lines) > 1 else []
+    return "\n\n".join(tables)
 
 
 def _range(trajectory: Trajectory, path: str) -> str:
@@ -49,15 +55,12 @@ def largest(trajectory: Trajectory, path: str) -> float:
 
 def peaks(trajectory: Trajectory) -> str:
     """The largest magnitudes of loads, slip, torque and power at any wheel in the march; empty if not recorded."""
-    shown = (("load", "normal_force", "N"), ("friction", "friction_force", "N"), ("slip", "slip_velocity", "m/s"),
-             ("torque", "drive_torque", "N m"), ("power", "drive_power", "W"))  # fmt: skip
-    if not extremes(trajectory):
-        return ""
     found = []
-    for name, path, units in shown:
-        most = max(_magnitude(trajectory, f"wheels/{wheel}/{path}") for wheel in trajectory.wheels)
-        if most > 0.0:
-            found.append(f"{name} {most:.4g} {units}")
+    for name, path, units in WHEEL_PEAKS + MOTOR_PEAKS:
+        paths = [f"wheels/{wheel}/{path}" for wheel in trajectory.wheels]
+        most = [_magnitude(trajectory, path) for path in paths if f"interval_max/{path}" in trajectory]
+        if len(trajectory.time) and max(most, default=0.0) > 0.0:
+            found.append(f"{name} {max(most):.4g} {units}")
     return ", ".join(found)
 
 

@@ -131,6 +131,9 @@ EXTREME = np.dtype(
         ("normal_force", np.float64, (2,)),  # of the whole wheel, least and most, N
         ("drive_torque", np.float64, (2,)),  # N m
         ("drive_power", np.float64, (2,)),  # W
+        ("voltage", np.float64, (2,)),  # of a motor, V
+        ("current", np.float64, (2,)),  # A
+        ("electrical_power", np.float64, (2,)),  # W
         ("friction_square", np.float64),  # |F|^2 at any of its contacts, most, N^2
         ("slip_square", np.float64),  # |v|^2, m^2/s^2
     ]

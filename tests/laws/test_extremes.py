@@ -94,6 +94,22 @@ def test_a_pulse_of_torque_between_two_rows_is_seen_at_its_peak():
     assert 0.03 * spin_rate.min() < power < 0.03 * spin_rate.max()
 
 
+def test_a_pulse_of_voltage_between_two_rows_tells_the_current_that_it_takes():
+    """12 V switched on for 4 ms between two rows: the wheel hardly turns at once, the current is U / R; and switched
+    off, the motor brakes with K phi' / R."""
+    pulse = "times=[0.003, 0.003, 0.007, 0.007], voltage=[0, 12, 12, 0], resistance=2.0, torque_constant=0.02"
+    still = "wheels.wheel.spin_rate=0.0", "initial.velocity=[0, 0]", "initial.yaw_rate=0.0"
+    drive, rows = f"wheels.wheel.drive={{kind='dc_motor', {pulse}}}", ("time.end=0.02", "time.output_interval=0.01")
+    motion = run("six_rollers", drive, *still, *rows)
+    most, least = (motion[f"interval_{end}/wheels/wheel/current"] for end in ("max", "min"))
+    assert most[1] == pytest.approx(6.0, rel=1e-9)  # measured: 6e-11; friction turns the wheel a little before
+    assert motion["interval_max/wheels/wheel/electrical_power"][1] == pytest.approx(72.0, rel=1e-9)
+    assert motion["interval_max/wheels/wheel/voltage"].tolist() == [0.0, 12.0, 0.0]
+    braking = 0.02 * motion["wheels/wheel/spin_rate"].max() / 2.0
+    assert -1.5 * braking < least[1] <= -braking < 0.0
+    assert np.abs(motion["wheels/wheel/current"]).max() < 0.5  # in the rows
+
+
 def test_slip_that_begins_and_ends_between_rows_is_seen():
     """A wheel driven beyond the limit of friction for 30 ms between rows at which it rolls: slip, the limit itself."""
 
