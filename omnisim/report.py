@@ -29,7 +29,7 @@ def summary(trajectory: Trajectory) -> str:
 
 
 def extremes(trajectory: Trajectory) -> str:
-    """The largest of each wheel's loads, slip, torque and power in the march, the least of what has a sign, and the same
+    """The largest of each wheel's loads, slip, torque and power in the march, the least of what has a sign, the same
     of motors; empty if not recorded."""
     tables = []
     for heading, shown in (("extremes of the march", WHEEL_PEAKS), ("extremes of motors", MOTOR_PEAKS)):
