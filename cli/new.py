@@ -125,7 +125,9 @@ def new(file: str, force: bool, yes: bool, **given: Any) -> None:
     except SceneError as error:
         doubts = str(error).splitlines()
     if doubts:
-        told = "\n".join(doubt.partition(": ")[2] for doubt in doubts)  # the file is not there: no line
+        without_place = (doubt.split(": ", 2)[1:] for doubt in reversed(doubts))  # a line of no file
+        once = {said: f"{key}: {said}" for key, said in without_place}  # what is wrong with all wheels, of the first
+        told = "\n".join(reversed(once.values()))
         raise Failure(f"these numbers make no machine; nothing was written\n{told}", BAD_INPUT)
     write_whole({path: text.encode()})
     click.echo(path)

@@ -59,9 +59,10 @@ class Controller(NamedTuple):
         return math.inf
 
     def drive(self, inertia: float) -> str:
-        """Inline table; inertia: of the machine as one wheel feels it, kg m^2."""
+        """The table of a wheel; inertia: of the machine as one wheel feels it, kg m^2."""
         gain = inertia / SETTLING
-        return f'{{ kind = "rate", {_gains(gain)}, torque_limit = {self.torque:g} }}'
+        gains = f"proportional = {short(gain)}, integral = {short(gain / RESETTING)}"
+        return f'drive = {{ kind = "rate", {gains}, torque_limit = {short(self.torque)} }}'
 
 
 class Motor(NamedTuple):
@@ -83,15 +84,15 @@ class Motor(NamedTuple):
         return self.no_load_speed / self.gear_ratio
 
     def drive(self, inertia: float) -> str:
-        """Inline table with a controller in V s/rad, at least the motor's own back-EMF."""
+        """The table of a wheel: a controller with at least the gain of the motor's own back-EMF, and the data sheet."""
         back = self.nominal_voltage / self.most_rate
         gain = max(inertia * self.nominal_voltage / self.stall_current / back / SETTLING, back)
-        sheet = ", ".join(f"{key} = {short(value)}" for key, value in self._asdict().items())
-        return f'{{ kind = "dc_motor", {_gains(gain)}, {sheet} }}'
-
-
-def _gains(proportional: float) -> str:
-    return f"proportional = {short(proportional)}, integral = {short(proportional / RESETTING)}"
+        units = ("N m", "A", "rad/s", "A", "V", "motor to wheel")
+        sheet = (
+            f"{key} = {short(value)} # {unit}" for (key, value), unit in zip(self._asdict().items(), units, strict=True)
+        )
+        gains = f"proportional = {short(gain)} # V s/rad", f"integral = {short(gain / RESETTING)} # V/rad"
+        return "\n".join(["[wheels.drive]", 'kind = "dc_motor"', *gains, *sheet])
 
 
 class Robot(NamedTuple):
@@ -334,7 +335,7 @@ def _wheels(robot: Robot, places: list[Wheel]) -> str:
         lines += [f"position = [{short(place.x)}, {short(place.y)}]"]
         lines += [f"heading_deg = {short(place.heading)}"] * (place.heading != 0.0)
         lines += ["mirrored = true"] * place.mirrored
-        blocks.append("\n".join(["[[wheels]]", *lines, f"drive = {drive}\n"]))
+        blocks.append("\n".join(["[[wheels]]", *lines, f"{drive}\n"]))
     return "\n".join(blocks)
 
 

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from commands import command
 
 import omnisim
-from omnisim.design import KINDS, Controller, DesignError, Robot, part, scene_text
+from omnisim.design import KINDS, Controller, DesignError, Motor, Robot, part, scene_text
 from omnisim.estimates import estimates
 from omnisim.scene import parse
 from omnisim.solids import gap, hub_radius
@@ -22,15 +22,22 @@ from omnisim_cli.new import MOTORS, PLACES, Quantity
 ROBOTS = {
     "mecanum": Robot("mecanum", 0.076, 12.0, Controller(2.0), track=0.3, wheelbase=0.35),
     "kiwi": Robot("kiwi", 0.05, 3.0, Controller(1.0), distance=0.15),
+    "mecanum on motors": Robot(
+        "mecanum", 0.076, 12.0, Motor(0.35, 12.0, 785.4, 0.3, 24.0, gear_ratio=20.0), track=0.3, wheelbase=0.35
+    ),
     "four-omni": Robot("four-omni", 0.03, 2.5, Controller(0.3), track=0.13, wheelbase=0.13),
 }
+
+
+STRENGTHS = ("torque", "stall_torque", "stall_current", "no_load_current")
 
 
 def scaled(robot: Robot, scale: float, **others) -> Robot:
     """A machine of another size: lengths by scale, masses by its cube, torques by its fourth power."""
     lengths = {key: getattr(robot, key) * scale for key in ("wheel_radius", "track", "wheelbase", "distance")}
-    torque = Controller(robot.motor.torque * scale**4)
-    return robot._replace(**lengths, mass=robot.mass * scale**3, motor=torque, **others)
+    strong = {key: getattr(robot.motor, key) * scale**4 for key in STRENGTHS if hasattr(robot.motor, key)}
+    motor = robot.motor._replace(**strong)
+    return robot._replace(**lengths, mass=robot.mass * scale**3, motor=motor, **others)
 
 
 @pytest.mark.short
@@ -196,3 +203,19 @@ def test_every_option_and_kind_is_on_the_page():
     page = (Path(__file__).parents[1] / "docs/pages/robot.md").read_text()
     assert all(f"`{word}`" in page for word in (*PLACES, *MOTORS))
     assert all(f"--{name.replace('_', '-')}" in page for names in PLACES.values() for name in names)
+
+
+@pytest.mark.short
+def test_a_motor_is_taken_from_its_data_sheet_with_the_units_printed_there(folder):
+    sheet = ("--voltage", 12, "--stall-torque", "6 kg cm", "--stall-current", "5.5", "--no-load-speed", "1000 rpm",
+             "--no-load-current", "200mA", "--gear", 10)  # fmt: skip
+    made = command("new", "m.toml", "--yes", *sheet)
+    assert made.exit_code == 0, made.stderr
+    drive = omnisim.load("m.toml").config.wheels[2].drive
+    assert (drive.kind, drive.nominal_voltage, drive.stall_current, drive.no_load_current) == ("dc_motor", 12, 5.5, 0.2)
+    assert drive.stall_torque == pytest.approx(0.588399, rel=1e-5) and drive.gear_ratio == 10
+    assert drive.no_load_speed == pytest.approx(1000 * math.pi / 30, rel=1e-5)
+    wrong = command("new", "w.toml", "--yes", *sheet, "--stall-torque", "60 kg cm")
+    assert wrong.exit_code == 2 and "wheels.front_left.drive.stall_torque = 5.88399: contradicts" in wrong.stderr
+    assert wrong.stderr.count("contradicts") == 1  # of four motors
+    assert "--torque: not of motor dc_motor" in command("new", "w.toml", "--motor", "dc_motor", "--torque", 1).stderr
