@@ -13,7 +13,7 @@ import click
 from omnisim_cli.screen import BAD_INPUT, Failure, note
 
 if TYPE_CHECKING:
-    from omnisim.design import Controller, Motor, Robot
+    from omnisim.design import Robot
 
 INCH, POUND, GRAVITY = 0.0254, 0.45359237, 9.80665
 UNITS = {
@@ -71,7 +71,7 @@ QUESTIONS = {
 PLACES = {"mecanum": ("track", "wheelbase"), "four-omni": ("track", "wheelbase"), "kiwi": ("distance",)}
 MOTORS = {
     "rate": ("torque",),
-    "dc_motor": ("voltage", "stall_torque", "stall_current", "no_load_speed", "no_load_current", "gear"),
+    "dc_motor": ("stall_torque", "stall_current", "no_load_speed", "no_load_current", "voltage", "gear"),
 }
 
 
@@ -145,13 +145,15 @@ def written(robot: Robot, command: str) -> str:
 
 def answered(given: dict[str, Any], yes: bool) -> tuple[Robot, list[str]]:
     """The robot, by options, answers and defaults; and the options that would say all of it."""
-    from omnisim.design import Robot
+    from omnisim.design import Controller, Motor, Robot
 
-    kind = given["kind"] or ask("kind", "Kind of machine", click.Choice(tuple(PLACES)), "mecanum", yes)
-    refuse_others(given, PLACES, kind, f"a {kind} machine")
-    names = ("wheel_radius", *PLACES[kind], "mass")
-    answers = {name: answer(name, given, kind, yes) for name in names}
-    motor, by_motor = motor_of(given, kind, yes)
+    motor_kind = meant("motor", given, MOTORS)  # before the first question: what cannot be is said at once
+    kind = meant("kind", given, PLACES) or choose("kind", "Kind of machine", given, PLACES, yes)
+    answers = {name: answer(name, given, kind, yes) for name in ("wheel_radius", *PLACES[kind], "mass")}
+    question = "Motors: rate (a controller with a largest torque) or dc_motor (by a data sheet)"
+    motor_kind = motor_kind or choose("motor", question, given, MOTORS, yes)
+    by_motor = {name: answer(name, given, kind, yes) for name in MOTORS[motor_kind]}
+    motor = Controller(**by_motor) if motor_kind == "rate" else Motor(*by_motor.values())
     rest = {name: given[name] for name in ("rollers", "roller_diameter", "wheel_mass", "size", "friction", "speed")}
     robot = Robot(kind, motor=motor, side=given["side"], **answers, **rest)
     told = answers | by_motor | rest | {"side": given["side"]}
@@ -164,29 +166,27 @@ def options(answers: dict[str, Any]) -> Iterator[str]:
         yield from (f"{part:.9g}" for part in (value if isinstance(value, tuple) else (value,)))
 
 
-def motor_of(given: dict[str, Any], kind: str, yes: bool) -> tuple[Controller | Motor, dict[str, float]]:
-    """The motor, and the options that say it."""
-    from omnisim.design import Controller, Motor
-
-    meant = [motor for motor, names in MOTORS.items() if any(given[name] is not None for name in names)]
-    motor = given["motor"] or (meant[0] if meant else None)
-    if motor is None:
-        question = "Motors: rate (a controller with a largest torque) or dc_motor (by a data sheet)"
-        motor = ask("motor", question, click.Choice(tuple(MOTORS)), "rate", yes)
-    refuse_others(given, MOTORS, motor, f"motor {motor}")
-    answers = {name: answer(name, given, kind, yes) for name in MOTORS[motor]}
-    if motor == "rate":
-        return Controller(answers["torque"]), answers
-    names = ("stall_torque", "stall_current", "no_load_speed", "no_load_current", "voltage", "gear")
-    return Motor(*(answers[name] for name in names)), answers
+def meant(what: str, given: dict[str, Any], choices: dict[str, tuple[str, ...]]) -> str | None:
+    """The choice that is given, or the only one that has an option given; Failure for options of another choice."""
+    having = [choice for choice, names in choices.items() if any(given[name] is not None for name in names)]
+    choice = given[what] or (having[0] if len(having) == 1 else None)
+    if choice:
+        refuse_others(what, given, choices, choice)
+    return choice
 
 
-def refuse_others(given: dict[str, Any], choices: dict[str, tuple[str, ...]], choice: str, of: str) -> None:
-    """Failure for an option that belongs to another choice."""
+def choose(what: str, question: str, given: dict[str, Any], choices: dict[str, tuple[str, ...]], yes: bool) -> str:
+    """By a question, of which the first choice is the default."""
+    choice = ask(what, question, click.Choice(tuple(choices)), next(iter(choices)), yes)
+    refuse_others(what, given, choices, choice)
+    return choice
+
+
+def refuse_others(what: str, given: dict[str, Any], choices: dict[str, tuple[str, ...]], choice: str) -> None:
     for name in sorted({name for names in choices.values() for name in names} - set(choices[choice])):
         if given[name] is not None:
             has = ", ".join(f"--{known.replace('_', '-')}" for known in choices[choice])
-            raise Failure(f"--{name.replace('_', '-')}: not of {of}, which has {has}", BAD_INPUT)
+            raise Failure(f"--{name.replace('_', '-')}: not of --{what} {choice}, which has {has}", BAD_INPUT)
 
 
 def answer(name: str, given: dict[str, Any], kind: str, yes: bool) -> float:

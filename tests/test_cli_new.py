@@ -134,8 +134,8 @@ def test_units_of_data_sheets_are_understood(text, unit, value):
         (["--wheel-radius", "76"], "a wheel of 76 m; a number without a unit is in metres: 76mm?"),
         (["--wheel-radius", "76 parsec"], "'76 parsec': must be a number > 0 with a unit or none: m, mm, cm, in"),
         (["--mass", "-3"], "'-3': must be a number > 0"),
-        (["--kind", "kiwi", "--track", "0.3"], "--track: not of a kiwi machine, which has --distance"),
-        (["--torque", "1", "--gear", "20"], "--gear: not of motor rate, which has --torque"),
+        (["--kind", "kiwi", "--track", "0.3"], "--track: not of --kind kiwi, which has --distance"),
+        (["--motor", "rate", "--gear", "20"], "--gear: not of --motor rate, which has --torque"),
         (["--roller-diameter", "60mm"], "10 rollers of 60 mm do not fit on this wheel; diameters from 10.5 to 28"),
         (["--wheel-mass", "0.1"], "a wheel of 0.1 kg is too light: 10 rollers alone weigh 0.352 kg"),
         (["--mass", "1"], "a machine of 1 kg is too light: its 4 wheels weigh 2.82 kg"),
@@ -218,4 +218,4 @@ def test_a_motor_is_taken_from_its_data_sheet_with_the_units_printed_there(folde
     wrong = command("new", "w.toml", "--yes", *sheet, "--stall-torque", "60 kg cm")
     assert wrong.exit_code == 2 and "wheels.front_left.drive.stall_torque = 5.88399: contradicts" in wrong.stderr
     assert wrong.stderr.count("contradicts") == 1  # of four motors
-    assert "--torque: not of motor dc_motor" in command("new", "w.toml", "--motor", "dc_motor", "--torque", 1).stderr
+    assert "--torque: not of --motor dc_motor" in command("new", "w.toml", "--motor", "dc_motor", "--torque", 1).stderr
