@@ -1,32 +1,46 @@
 """omnisim: simulation of omni and mecanum wheels with real rollers, exact contact geometry and rigid contact.
 
-scene = omnisim.load("scene.toml")             a Scene; SceneError says what is wrong with the file
-trajectory = omnisim.simulate(scene)           a Trajectory; its status says whether it reached the end
-omnisim.Loop(scene)                            the same step by step, with inputs set by a controller
-trajectory.save("run.h5");  omnisim.open_trajectory("run.h5")
+    import omnisim
+
+    run = omnisim.simulate("youbot")                      a packaged scene, or the path of a TOML file
+    run["wheels/front_left/normal_force"]                 a dataset as an array
+    run.plot()                                            a Figure of matplotlib; run.view() shows it moving in 3-D
+    run.save("run.h5")                                    omnisim.open_trajectory("run.h5") reads it
+
+    scene = omnisim.load("youbot", {"friction.coefficient": 0.3})          SceneError says what is wrong with a scene
+    loop = omnisim.Loop(scene)                            the same step by step, with inputs set by a controller
+    while loop.advance(0.01):
+        loop.command(0.3, 0.0, 0.5 * (0.2 - loop.yaw))
+
+`omnisim --help` and a mistyped scene wait for no compiler: names are found on first use. __init__.pyi has their types.
 """
 
 from importlib import import_module
 
+_MODULES = ("analysis", "export", "plots", "report", "viewer")
 _HOMES = {
-    "Scene": "scene",
-    "SceneError": "scene",
-    "Loop": "loop",
-    "load": "scene",
-    "Trajectory": "trajectory",
-    "simulate": "simulation",
-    "open_trajectory": "storage",
-    "TrajectoryError": "storage",
+    "Loop": ("loop", "Loop"),
+    "Scene": ("scene", "Scene"),
+    "SceneError": ("scene", "SceneError"),
+    "Trajectory": ("trajectory", "Trajectory"),
+    "TrajectoryError": ("storage", "TrajectoryError"),
+    "__version__": ("version", "VERSION"),
+    "load": ("scene", "load"),
+    "load_text": ("scene", "load_text"),
+    "open_trajectory": ("storage", "read"),
+    "simulate": ("simulation", "simulate"),
 }
-__all__ = sorted(_HOMES)
+__all__ = sorted([*_MODULES, *_HOMES])
 
 
 def __getattr__(name: str):
-    """Import on first use: `omnisim --help` and a mistyped scene answer without waiting for the compiler."""
+    if name in _MODULES:
+        return import_module(f"omnisim.{name}")
     if name not in _HOMES:
         raise AttributeError(f"module 'omnisim' has no attribute {name!r}")
-    return getattr(import_module(f"omnisim.{_HOMES[name]}"), "read" if name == "open_trajectory" else name)
+    home, there = _HOMES[name]
+    return getattr(import_module(f"omnisim.{home}"), there)
 
 
 def __dir__() -> list[str]:
-    return __all__
+    return sorted({*globals(), *__all__})

@@ -1,14 +1,15 @@
 """From the records of a march to a trajectory: observed rows, events in order, attributes."""
 
-from functools import cache
-from importlib.metadata import version
+from types import SimpleNamespace
+from typing import NamedTuple
 
 import numpy as np
 
 from omnisim import status
+from omnisim.config import Config
 from omnisim.events import STOP
 from omnisim.model import describe
-from omnisim.observables import datasets
+from omnisim.observables import datasets, energy
 from omnisim.parameters import Parameters
 from omnisim.records import plain
 from omnisim.scene import Scene
@@ -16,6 +17,7 @@ from omnisim.state import Rows, Run
 from omnisim.status import EVENT_KINDS
 from omnisim.stiffness import method_used
 from omnisim.trajectory import Trajectory
+from omnisim.version import VERSION
 
 MODERATE = 1e100  # J
 
@@ -24,59 +26,89 @@ def collect(
     scene: Scene, parameters: Parameters, run: Run, rows: Rows, log: np.ndarray, wall_time: float
 ) -> Trajectory:
     """The Trajectory of a march as far as it has come; the Run may go on."""
-    config, clock, names = scene.config, plain(run.clock), [wheel.name for wheel in scene.config.wheels]
-    if clock.status == status.RUNNING:
-        clock.status = status.ENDED
+    config, names = scene.config, [wheel.name for wheel in scene.config.wheels]
     interval = config.time.output_interval
-    sampled = datasets(parameters, Rows(*(values[: clock.row] for values in rows)), interval, config)
-    stop_time, kept = clock.step * clock.dt + clock.elapsed, finite_rows(sampled)
-    if kept < clock.row:  # a state that overflows only when it is squared, say
-        clock.status, clock.wheel, stop_time = status.NOT_FINITE, -1, kept * interval
+    sampled = datasets(parameters, so_far(rows, run.clock), interval, config)
+    kept = finite_rows(sampled)
+    if kept < run.clock.row:  # a state that overflows only when it is squared, say
         sampled = {path: values[:kept] for path, values in sampled.items()}
-    stopped = clock.status != status.COMPLETE
-    if not stopped:
-        stop_time = config.time.end
-    stop_wheel = names[clock.wheel] if stopped and clock.wheel >= 0 else ""
-    method = method_used(config.solver.method, clock.choice)
+    end = ending(config, run, kept)
+    clock = end.clock
     attributes = {
-        "omnisim_version": installed_version(),
+        "omnisim_version": VERSION,
         "title": config.title,
         "scene": scene.text,
         "wheels": names,
         "model": describe(config, parameters).line,
         "tracking": config.solver.tracking,
         "formulation": config.solver.formulation,
-        "method": method,
+        "method": end.method,
         "step": config.time.step,
         "steps": clock.step,
         "rhs_evaluations": clock.rhs,
         "wall_time": wall_time,
-        "status": status.sentence(clock, stop_time, stop_wheel, method),
-        "stop_time": float(stop_time),
-        "stop_wheel": stop_wheel,
+        "status": end.sentence,
+        "stop_time": end.time,
+        "stop_wheel": end.wheel,
     }
     happened = events(np.asarray(log)[: clock.events], names)
-    if stopped:
-        happened = with_stop(happened, stop_time, stop_wheel)
+    if clock.status != status.COMPLETE:
+        happened = with_stop(happened, end.time, end.wheel)
     return Trajectory(attributes, sampled | happened)
 
 
-@cache
-def installed_version() -> str:
-    return version("omnisim-engine")
+class Ending(NamedTuple):
+    """How a march has ended, or would have if it had been left here: its clock then, time (s), wheel, sentence."""
+
+    clock: SimpleNamespace
+    time: float
+    wheel: str
+    method: str
+    sentence: str
+
+
+def ending(config: Config, run: Run, kept: int) -> Ending:
+    """The Ending of a march of which so many rows are finite."""
+    clock = plain(run.clock)
+    if clock.status == status.RUNNING:
+        clock.status = status.ENDED
+    stop_time = clock.step * clock.dt + clock.elapsed
+    if kept < clock.row:
+        clock.status, clock.wheel, stop_time = status.NOT_FINITE, -1, kept * config.time.output_interval
+    if clock.status == status.COMPLETE:
+        stop_time, clock.wheel = config.time.end, -1
+    wheel = config.wheels[clock.wheel].name if clock.wheel >= 0 else ""
+    method = method_used(config.solver.method, clock.choice)
+    return Ending(clock, float(stop_time), wheel, method, status.sentence(clock, stop_time, wheel, method))
+
+
+def outcome(config: Config, parameters: Parameters, run: Run, rows: Rows) -> str:
+    """How a march has ended, in the sentence that `collect` would give it, from as little as that takes."""
+    known = so_far(rows, run.clock)
+    energies, kept = energy(parameters, known), len(known.y)
+    if kept and not moderate(energies):
+        kept = finite_rows(datasets(parameters, known, config.time.output_interval, config))
+    return ending(config, run, kept).sentence
+
+
+def so_far(rows: Rows, clock: np.record) -> Rows:
+    """The rows that are written."""
+    return Rows(*(values[: clock.row] for values in rows))
 
 
 def finite_rows(sampled: dict[str, np.ndarray]) -> int:
-    """Number of rows before the first that holds NaN or infinity in any dataset.
-
-    Of moderate energy nothing is infinite: every dataset is a product of few speeds.
-    """
+    """Number of rows before the first that holds NaN or infinity in any dataset."""
     count = len(sampled["time"])
-    if np.all(np.abs(sampled["energy/balance"]) + sampled["energy/kinetic"] < MODERATE):
+    if moderate(sampled):
         return count
     broken = [~np.isfinite(values.reshape(count, -1)).all(axis=1) for values in sampled.values()] if count else []
     rows = np.flatnonzero(np.any(broken, axis=0)) if count else []
     return int(rows[0]) if len(rows) else count
+
+
+def moderate(energies: dict[str, np.ndarray]) -> bool:
+    """Whether energies are. If so nothing is infinite: every dataset is a product of few speeds."""
+    return bool(np.all(np.abs(energies["energy/balance"]) + energies["energy/kinetic"] < MODERATE))
 
 
 def events(log: np.ndarray, names: list[str]) -> dict[str, np.ndarray]:

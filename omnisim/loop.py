@@ -1,6 +1,6 @@
 """A scene that is stepped from outside: a controller sets the inputs of its drives between the steps.
 
-    loop = omnisim.Loop(omnisim.load("youbot"))
+    loop = omnisim.Loop("youbot")
     while loop.time < 2.0:
         loop.command(0.3, 0.0, 0.1 * (1.0 - loop.yaw))        a twist; or loop.drive("front_left", 0.2)
         loop.advance(0.01)
@@ -13,23 +13,30 @@ of them, held from then on, and the trajectory's scene has it as tables, so that
 import math
 import time
 import tomllib
+from collections.abc import Sequence
+from copy import copy
 from dataclasses import replace
 from functools import cached_property
+from os import PathLike
 from types import MappingProxyType
 
 import numpy as np
 
 from omnisim import status
-from omnisim.collect import collect
+from omnisim.arguments import finite, shown
+from omnisim.collect import collect, outcome
+from omnisim.copying import copied
 from omnisim.direct import direct
 from omnisim.events import EVENT
 from omnisim.ideal import wheel_rows
-from omnisim.packing import pack
-from omnisim.parameters import DRIVE, Parameters
+from omnisim.inputs import Held, hold, with_tables
+from omnisim.packing import WRENCH, pack
+from omnisim.parameters import DRIVE
 from omnisim.records import blank
-from omnisim.scene import Scene, SceneError
+from omnisim.scene import Overrides, Scene, SceneError, as_scene, changed
+from omnisim.sensors import Sensors
 from omnisim.start import begin, blank_rows
-from omnisim.state import YAW, Places, X, Y, places_in
+from omnisim.state import places_in
 from omnisim.status import EVENTS_PER_STEP
 from omnisim.stepper import march
 from omnisim.tableau import METHODS
@@ -40,16 +47,17 @@ ON_GRID = 1e-9  # relative, of times that must be multiples of the step
 FOR_EVER = np.iinfo(np.int64).max
 
 
-class Loop:
+class Loop(Sensors):
     """One run of a scene, as far as it has come, with the step that the scene gives: none is picked for `solver.error`.
 
-    Raises SceneError if the scene gives no step, or if the rows of all of it do not fit into memory.
+    scene: a Scene, or what `load` takes. Raises SceneError if the scene gives no step, or if the rows of all of it do
+    not fit into memory, and as `load` does.
     """
 
-    def __init__(self, scene: Scene):
-        self.scene = scene = stepped(scene)
+    def __init__(self, scene: Scene | str | PathLike[str]):
+        self.scene = scene = stepped(as_scene("Loop", scene))
         self.stages = METHODS[scene.config.solver.method].stages
-        self.parameters: Parameters = pack(scene.config)
+        self.parameters = pack(scene.config)
         self.run = begin(scene.config, self.parameters)
         try:
             count, machine = scene.config.time.outputs + 1, self.parameters.machine
@@ -57,19 +65,16 @@ class Loop:
         except MemoryError as error:
             raise SceneError(f"{scene.source}: time.output_interval: too many rows for the memory: {error}") from None
         self.log = blank(EVENT, 4 * EVENTS_PER_STEP)
-        self.wall_time = 0.0
-        self._at: Places = places_in(self.parameters)
-        self._dt = float(self.run.clock.dt)
-        self._driven: set[int] = set()
-        self._pieces = len(self.parameters.starts)  # of the tables; there may be room for more
-        self._followers = [w for w, wheel in enumerate(scene.config.wheels) if wheel.drive.controlled]
         self.names = MappingProxyType({wheel.name: w for w, wheel in enumerate(scene.config.wheels)})
+        self._at, self._dt = places_in(self.parameters), float(self.run.clock.dt)
+        self._held = Held(len(self.parameters.starts))
+        self.wall_time = 0.0
         self.march(0)  # finds the rollers in contact; the first call loads or compiles the kernels
         self.wall_time = 0.0
 
     def march(self, work: int = FOR_EVER) -> int:
         """March up to the goal, or for about so many right-hand sides; the status."""
-        clock = self.run.clock
+        clock, self._seen = self.run.clock, None
         clock["pause"] = FOR_EVER if work == FOR_EVER else min(int(clock["rhs"]) + work, FOR_EVER)
         begun = time.perf_counter()
         result = direct(march, self.parameters, self.stages, self.run, self.rows, self.log)
@@ -89,7 +94,7 @@ class Loop:
         if steps < 1 or abs(seconds - steps * self._dt) > ON_GRID * seconds:
             raise ValueError(f"{seconds!r} s is no multiple of the scene's step, {self._dt:g} s")
         clock = self.run.clock
-        clock["goal"] = min(int(clock["step"]) + steps, self.scene.config.time.steps)
+        clock["goal"] = min(int(clock["step"]) + steps, int(clock["steps"]))
         return self.march() == status.RUNNING
 
     def drive(self, wheel: str, value: float) -> None:
@@ -97,11 +102,13 @@ class Loop:
 
         Raises KeyError for an unknown wheel, ValueError for a drive without input or a number that is not finite.
         """
+        if wheel not in self.names:
+            raise KeyError(f"no wheel is called {wheel!r}; wheels: {', '.join(self.names)}")
         w = self.names[wheel]
         drive = self.scene.config.wheels[w].drive
         if drive.given is None:
             raise ValueError(f"wheel '{wheel}' has a drive of kind '{drive.kind}', which takes no input")
-        self._set({w: value})
+        self._hold({DRIVE + w: finite(f"the input of wheel '{wheel}'", value)})
 
     def command(self, vx: float, vy: float, yaw_rate: float) -> None:
         """Give all drives that follow a rate those of this twist of the chassis from now on (m/s, rad/s, its axes).
@@ -110,132 +117,73 @@ class Loop:
         """
         if not self._followers:
             raise ValueError("no wheel has a drive of kind 'rate' or a controlled motor, which could follow a command")
-        rates = (self._rows @ (vx, vy, yaw_rate)).tolist()
-        self._set({w: rates[w] for w in self._followers})
+        twist = [finite(name, value) for name, value in (("vx", vx), ("vy", vy), ("yaw_rate", yaw_rate))]
+        rates = (self._rows @ twist).tolist()
+        self._hold({DRIVE + w: rates[w] for w in self._followers})
 
-    @property
-    def time(self) -> float:
-        """s"""
-        return int(self.run.clock["step"]) * self._dt
+    def wrench(self, force: Sequence[float] = (0.0, 0.0, 0.0), yaw_torque: float = 0.0) -> None:
+        """Push with this force (x, y, z; N) and torque about the vertical (N m) from now on, in place of the scene's.
+
+        It acts at the chassis' centre of mass or the centre of a bare wheel, along the axes that the scene names in
+        `wrench.frame`: the world's unless it says "body". Raises ValueError for numbers that are not finite.
+        """
+        if not isinstance(force, Sequence | np.ndarray) or isinstance(force, str) or len(force) != 3:
+            raise TypeError(f"force must be three numbers (x, y, z), N, not {shown(force)}")
+        values = [finite(f"force {axis}", value) for axis, value in zip("xyz", force, strict=True)]
+        self._hold(dict(zip(WRENCH, [*values, finite("yaw_torque", yaw_torque)], strict=True)))
+
+    def copy(self) -> "Loop":
+        """Another Loop in the same state, to the last bit; what either does from now on, the other does not see."""
+        twin, clock = copy(self), self.run.clock
+        twin.parameters, twin.run = copied(self.parameters), copied(self.run)
+        twin.rows, twin.log = copied(self.rows, int(clock["row"])), copied(self.log, int(clock["events"]))
+        return twin
+
+    def restore(self, state: "Loop") -> None:
+        """Take over the whole state of another Loop, a `copy` made before: time, motion, inputs, rows and events.
+
+        What follows is bit for bit what followed there. `state` stays as it is, and can be restored again.
+        """
+        if not isinstance(state, Loop):
+            raise TypeError(f"restore takes a Loop, as copy() returns it, not {shown(state)}")
+        self.__dict__ = state.copy().__dict__
+
+    def reset(self, overrides: Overrides = ()) -> None:
+        """Back to the start of the scene, nothing set; with overrides, as `load` takes them, to a start of their own.
+
+        Raises SceneError, and stays where it is, if they make no scene.
+        """
+        self.__dict__ = Loop(changed(self.scene, overrides)).__dict__
 
     @property
     def status(self) -> str:
         """ "running", or how the run ended, as the trajectory's status has it."""
-        running = self.run.clock.status == status.RUNNING
-        return "running" if running else self.trajectory().attributes["status"]
-
-    @property
-    def yaw(self) -> float:
-        """rad"""
-        return float(self.run.y[YAW])
-
-    @property
-    def yaw_rate(self) -> float:
-        """rad/s"""
-        return float(self.run.y[self._at.yaw_rate])
-
-    @property
-    def position(self) -> np.ndarray:
-        """Of the chassis origin or the centre of a bare wheel: x, y, m."""
-        return self.run.y[[X, Y]] - self._to_centre()
-
-    @property
-    def velocity(self) -> np.ndarray:
-        """Of the same point: x, y, m/s, world axes."""
-        x, y = self._to_centre()
-        v = self._at.velocity
-        return self.run.y[v : v + 2] + self.yaw_rate * np.array([y, -x])
-
-    @property
-    def spin_angles(self) -> np.ndarray:
-        """Of all wheels in the order of the scene (W,), rad."""
-        return self.run.y[self._at.spin_angle :][: len(self.names)].copy()
-
-    @property
-    def spin_rates(self) -> np.ndarray:
-        """Of all wheels (W,), rad/s."""
-        return self.run.y[self._at.spin_rate :][: len(self.names)].copy()
-
-    @property
-    def odometry(self) -> np.ndarray:
-        """Pose that ideal wheels without slip would report: x, y, yaw (m, rad).
-
-        Raises ValueError for a machine whose wheels tell no pose.
-        """
-        if not self.parameters.machine.odometry:
-            raise ValueError("the spin rates of this machine's wheels tell no pose")
-        yaw = self.parameters.machine.odometry_yaw + self.spin_angles @ self.parameters.wheels.odometry[:, 2]
-        return np.append(self.run.y[self._at.odometry : self._at.odometry + 2], yaw)
+        if self.run.clock.status == status.RUNNING:
+            return "running"
+        return outcome(self.scene.config, self.parameters, self.run, self.rows)
 
     def trajectory(self) -> Trajectory:
-        """The run so far, at the output times it has passed."""
-        if self._driven:
-            self.march(0)  # takes over what was set last
-        return collect(self._scene(), self.parameters, self.run, self.rows, self.log, self.wall_time)
-
-    def _to_centre(self) -> np.ndarray:
-        """C from the chassis origin, world axes, m."""
-        (x, y), yaw = self.parameters.machine.centre, self.run.y[YAW]
-        return np.array([x * np.cos(yaw) - y * np.sin(yaw), x * np.sin(yaw) + y * np.cos(yaw)])
+        """The run so far, at the output times it has passed; the Loop may go on."""
+        here, piece = self, int(self.run.clock["piece"]) + 1
+        if piece < self._held.pieces and self.parameters.starts[piece] <= self.time:
+            here = self.copy()
+            here.march(0)  # the row of this instant is renewed by what was set last
+        parameters = here.parameters._replace(room=copied(here.parameters.room))
+        scene = with_tables(self.scene, parameters, self._held)
+        return collect(scene, parameters, here.run, here.rows, here.log, self.wall_time)
 
     @cached_property
     def _rows(self) -> np.ndarray:
         return wheel_rows(self.scene.config)
 
-    def _set(self, values: dict[int, float]) -> None:
-        """Hold these inputs of drives from now on: a piece of the tables begins here, later ones keep the rest."""
-        if not all(map(math.isfinite, values.values())):
-            raise ValueError(f"inputs of drives must be finite numbers: {values}")
-        here, piece, pieces = self.time, int(self.run.clock["piece"]) + 1, self._pieces
-        if piece == pieces or self.parameters.starts[piece] > here:  # none begins here yet
-            if pieces == len(self.parameters.starts):
-                self._make_room()
-            starts, inputs = self.parameters.starts, self.parameters.inputs
-            if piece < pieces:
-                starts[piece + 1 : pieces + 1] = starts[piece:pieces].copy()
-                inputs[piece + 1 : pieces + 1] = inputs[piece:pieces].copy()
-            starts[piece], inputs[piece] = here, inputs[piece - 1]
-            inputs[piece, :, 0] += inputs[piece, :, 1] * (here - starts[piece - 1])
-            self._pieces += 1
-        for w, value in values.items():
-            self.parameters.inputs[piece : self._pieces, DRIVE + w] = value, 0.0
-            self._driven.add(w)
+    @cached_property
+    def _followers(self) -> list[int]:
+        return [w for w, wheel in enumerate(self.scene.config.wheels) if wheel.drive.controlled]
 
-    def _make_room(self) -> None:
-        """Room for as many pieces again; those that are not there yet never begin."""
-        starts, inputs = self.parameters.starts, self.parameters.inputs
-        more = max(64, len(starts))
-        starts = np.concatenate([starts, np.full(more, np.inf)])
-        inputs = np.concatenate([inputs, np.zeros((more, *inputs.shape[1:]))])
-        self.parameters = self.parameters._replace(starts=starts, inputs=inputs)
-
-    def _scene(self) -> Scene:
-        """The scene with all that was set as tables of the drives."""
-        if not self._driven:
-            return self.scene
-        data, edits = tomllib.loads(self.scene.text), []
-        for w in sorted(self._driven):
-            times, values = self._table(DRIVE + w)
-            given = self.scene.config.wheels[w].drive.given
-            edits += [(("wheels", w, "drive", "times"), times), (("wheels", w, "drive", given), values)]
-        for path, value in edits:
-            assign(data, path, value)
-        if all(w in self._driven for w, wheel in enumerate(self.scene.config.wheels) if wheel.drive.follows_command):
-            data.pop("command", None)  # nobody follows it any more
-        return replace(self.scene, text=rewrite(self.scene.text, edits, data))
-
-    def _table(self, channel: int) -> tuple[list[float], list[float]]:
-        """Times and values of an input, so far and as they would go on."""
-        starts, inputs = self.parameters.starts, self.parameters.inputs[:, channel]
-        times, values = [], []
-        for piece in range(self._pieces):
-            value = inputs[piece, 0]
-            if piece:
-                times.append(float(starts[piece]))
-                values.append(float(inputs[piece - 1, 0] + inputs[piece - 1, 1] * (starts[piece] - starts[piece - 1])))
-            times.append(float(starts[piece]))
-            values.append(float(value))
-        return times, values
+    def _hold(self, values: dict[int, float]) -> None:
+        """Hold these values of channels from now on."""
+        piece = int(self.run.clock["piece"]) + 1
+        self.parameters, self._held = hold(self.parameters, self._held, piece, self.time, values)
 
 
 def stepped(scene: Scene) -> Scene:

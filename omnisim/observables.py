@@ -143,12 +143,9 @@ def store(target, vector):
     target[0], target[1], target[2] = vector.x, vector.y, vector.z
 
 
-@np.errstate(over="ignore", invalid="ignore")  # the caller drops rows that are not finite
-def datasets(parameters: Parameters, rows: Rows, interval: float, config: Config) -> dict[str, np.ndarray]:
-    """All datasets of T rows, `interval` seconds apart, but the events: by path in the trajectory file."""
-    times, (count, wheels, rollers) = np.arange(len(rows.y)) * interval, rows.rates.shape
-    multibody = parameters.machine.formulation == MULTIBODY
-    bearings, watch = config.bearing_loads, blank(WATCH, wheels)
+def observed_rows(parameters: Parameters, rows: Rows, times: np.ndarray, bearings: bool = False) -> Observed:
+    """What `observe` finds in these rows, recorded at these times (T,), s."""
+    count, wheels, rollers = rows.rates.shape
     observed = Observed(
         slopes=np.empty_like(rows.y),
         servo=np.empty((count, 2)),
@@ -157,7 +154,15 @@ def datasets(parameters: Parameters, rows: Rows, interval: float, config: Config
         motion=np.empty((3, count, wheels, rollers, 3)),
         bearings=np.zeros((count if bearings else 0, wheels, rollers + 1, 2, 3)),
     )
-    direct(observe, parameters, rows, times, watch, observed)
+    direct(observe, parameters, rows, times, blank(WATCH, wheels), observed)
+    return observed
+
+
+@np.errstate(over="ignore", invalid="ignore")  # the caller drops rows that are not finite
+def datasets(parameters: Parameters, rows: Rows, interval: float, config: Config) -> dict[str, np.ndarray]:
+    """All datasets of T rows, `interval` seconds apart, but the events: by path in the trajectory file."""
+    times, bearings = np.arange(len(rows.y)) * interval, config.bearing_loads
+    observed, multibody = observed_rows(parameters, rows, times, bearings), parameters.machine.formulation == MULTIBODY
     parameters = parameters._replace(machine=plain(parameters.machine))
     data = {"time": times} | body(parameters, rows.y, observed.slopes, config.chassis is None)
     data |= energy(parameters, rows)

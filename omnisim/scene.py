@@ -2,12 +2,14 @@
 
 import re
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from omnisim.arguments import path_text, shown
 from omnisim.config import Config, is_name
 from omnisim.problems import ConfigError, Problem, did_you_mean
 from omnisim.toml_text import (
@@ -23,6 +25,9 @@ from omnisim.toml_text import (
 )
 from omnisim.validation import validate
 
+Overrides = Iterable[str] | Mapping[str, Any]  # ["time.end=1"], or {"time.end": 1}, or {"time": {"end": 1}}
+SOURCE = "a path or the name of a packaged scene"
+
 
 class SceneError(ValueError):
     """What is wrong with a scene, one line for each problem: file, line, key, value, what is allowed."""
@@ -30,7 +35,10 @@ class SceneError(ValueError):
 
 @dataclass(frozen=True)
 class Scene:
-    """A checked scene.
+    """A checked scene, as `load` and `load_text` make it.
+
+        scene = omnisim.load("youbot", {"friction.coefficient": 0.3})
+        omnisim.simulate(scene)
 
     config  what the file says, in its units
     text    the whole TOML with overrides applied: loading it repeats the run
@@ -51,6 +59,21 @@ class Scene:
 
         return tuple(_report(doubts(self.config), self._written).splitlines())
 
+    def __repr__(self) -> str:
+        config, time, friction = self.config, self.config.time, self.config.friction
+        step = f"step {time.step:g} s" if config.solver.error is None else f"error {config.solver.error:g}"
+        kinds = ", ".join(
+            f"{name}: {kind.roller_count} rollers at {kind.roller_angle_deg:g} deg, radius {kind.radius:g} m"
+            for name, kind in config.wheel_types.items()
+        )
+        body = f"a chassis of {config.chassis.mass:g} kg" if config.chassis else "no chassis"
+        return (
+            f"<Scene {config.title!r} from {self.source}\n"
+            f"  wheels    {', '.join(wheel.name for wheel in config.wheels)} ({kinds}); {body}\n"
+            f"  friction  {friction.law}, coefficient {friction.coefficient:g}\n"
+            f"  time      {time.end:g} s by {config.solver.method}, {step}, rows every {time.output_interval:g} s>"
+        )
+
 
 @dataclass(frozen=True)
 class _Written:
@@ -64,20 +87,25 @@ class _Written:
 
 @dataclass(frozen=True)
 class _Override:
-    """One `--set KEY=VALUE`: the value, its path, and the topmost path that it created or replaced."""
+    """One value set: who says so, its path, and the topmost path that it created or replaced."""
 
-    argument: str
+    origin: str
     path: KeyPath
     value: Any
     top: KeyPath
 
 
-def load(source: str | Path, overrides: Iterable[str] = ()) -> Scene:
-    """The scene in a file, or else the packaged scene of that name, with `KEY=VALUE` overrides applied.
+def load(source: str | PathLike[str], overrides: Overrides = ()) -> Scene:
+    """The scene in a file, or else the packaged scene of that name, with overrides applied.
 
-    Raises SceneError for everything that is wrong with the source, its text, the overrides or the scene.
+        omnisim.load("youbot", {"friction.coefficient": 0.3, "wheels.front_left.spin_rate": 2.0})
+        omnisim.load("scene.toml", {"time": {"end": 1.0}})       tables of keys: each is set, the others stay
+        omnisim.load("scene.toml", ["friction.coefficient=0.3"])           as --set takes them
+
+    Raises SceneError for everything that is wrong with the source, its text, the overrides or the scene, TypeError
+    where an argument is none of these.
     """
-    source = str(source)
+    source = path_text("load", source, SOURCE)
     path = Path(source)
     try:
         if path.exists() and not (path.is_dir() and source in packaged_scenes()):
@@ -89,15 +117,35 @@ def load(source: str | Path, overrides: Iterable[str] = ()) -> Scene:
     return parse(_decode(_packaged(source).read_bytes(), source), source, overrides)
 
 
-def parse(text: str, source: str = "<text>", overrides: Iterable[str] = ()) -> Scene:
+def load_text(text: str, overrides: Overrides = ()) -> Scene:
+    """The scene in a TOML text, with overrides as `load` takes them. Messages call it "<text>".
+
+    Raises SceneError for everything that is wrong with it, TypeError for what is no text.
+    """
+    if not isinstance(text, str):
+        raise TypeError(f"load_text takes the text of a scene, not {shown(text)}")
+    return parse(text, overrides=overrides)
+
+
+def as_scene(function: str, scene: Scene | str | PathLike[str]) -> Scene:
+    """A Scene, or what `load` makes of its source; `function` is who was given it."""
+    return scene if isinstance(scene, Scene) else load(path_text(function, scene, f"a Scene, {SOURCE}"))
+
+
+def changed(scene: Scene, overrides: Overrides) -> Scene:
+    """The scene with overrides on top of those that it has."""
+    return parse(scene.text, scene.source, overrides)
+
+
+def parse(text: str, source: str = "<text>", overrides: Overrides = ()) -> Scene:
     """The scene in a TOML text; `source` names it in messages. Raises SceneError."""
     try:
         data = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
         raise SceneError(_syntax(error, text, source)) from None
     applied = []
-    for argument in overrides:
-        applied.append(_apply(data, argument))
+    for origin, path, value in _values(overrides):
+        applied.append(_apply(data, origin, path, value))
     written = _Written(data, text, source, tuple(applied))
     try:
         config = validate(data)
@@ -155,8 +203,46 @@ def _syntax(error: Exception, text: str, source: str) -> str:
 # --- overrides ------------------------------------------------------------------------------------
 
 
-def _apply(data: dict[str, Any], argument: str) -> _Override:
-    """Sets what `--set argument` says in the parsed scene."""
+def _values(overrides: Overrides) -> Iterator[tuple[str, KeyPath, Any]]:
+    """Who says it, the path with wheels by name, and the value of each override."""
+    if isinstance(overrides, Mapping):
+        yield from _entries(overrides, ())
+        return
+    if isinstance(overrides, str) or not isinstance(overrides, Iterable):
+        raise TypeError(f"overrides must be a dict or a list of texts 'KEY=VALUE', not {shown(overrides)}")
+    for argument in overrides:
+        if not isinstance(argument, str):
+            raise TypeError(f"an override must be a text 'KEY=VALUE', not {shown(argument)}")
+        yield _argument(argument)
+
+
+def _entries(table: Mapping[str, Any], above: KeyPath) -> Iterator[tuple[str, KeyPath, Any]]:
+    """The values in a dict of dotted keys, tables in it taken apart."""
+    for key, value in table.items():
+        try:
+            path = (*above, *split_key(key))
+        except (TypeError, ValueError):
+            raise SceneError(f"overrides: {shown(key)} is no key; must be dotted, such as 'time.step'") from None
+        if isinstance(value, Mapping):
+            yield from _entries(value, path)
+        else:
+            yield "overrides", path, _plain(value, path)
+
+
+def _plain(value: Any, path: KeyPath) -> Any:
+    """A value as TOML knows it: numbers and arrays of NumPy become Python's."""
+    value = value.tolist() if hasattr(value, "tolist") else value
+    if isinstance(value, list | tuple):
+        return [_plain(entry, path) for entry in value]
+    if isinstance(value, Mapping):
+        return {str(key): _plain(entry, path) for key, entry in value.items()}
+    if not isinstance(value, bool | int | float | str):
+        raise SceneError(f"overrides: {show_path(path)} = {shown(value)} is nothing that a scene can hold")
+    return value
+
+
+def _argument(argument: str) -> tuple[str, KeyPath, Any]:
+    """What `--set argument` says."""
     key, equals, value = argument.partition("=")
     try:
         path = split_key(key.strip())
@@ -164,11 +250,15 @@ def _apply(data: dict[str, Any], argument: str) -> _Override:
         equals = ""
     if not equals:
         raise SceneError(f"--set {argument}: must be KEY=VALUE with a dotted key, such as time.step=0.001")
-    path = _with_index(data, path, argument)
-    top = _topmost_new(data, path, argument)
-    override = _Override(argument, path, _read_value(value.strip()), top)
-    assign(data, path, override.value)
-    return override
+    return f"--set {argument}", path, _read_value(value.strip())
+
+
+def _apply(data: dict[str, Any], origin: str, path: KeyPath, value: Any) -> _Override:
+    """Sets a value in the parsed scene; `origin` is who says so."""
+    path = _with_index(data, path, origin)
+    top = _topmost_new(data, path, origin)
+    assign(data, path, value)
+    return _Override(origin, path, value, top)
 
 
 def _read_value(text: str) -> Any:
@@ -180,7 +270,7 @@ def _read_value(text: str) -> Any:
     return parsed["value"] if len(parsed) == 1 else text
 
 
-def _with_index(data: dict[str, Any], path: KeyPath, argument: str) -> KeyPath:
+def _with_index(data: dict[str, Any], path: KeyPath, origin: str) -> KeyPath:
     """Wheels are written by name and stored in a list."""
     if path[0] != "wheels" or len(path) == 1:
         return path
@@ -190,14 +280,14 @@ def _with_index(data: dict[str, Any], path: KeyPath, argument: str) -> KeyPath:
     if path[1] not in names:
         known = [name for name in names if is_name(name)]
         hint = (did_you_mean(path[1], known) or ".") + f" Wheels: {', '.join(known) or 'none'}"
-        raise SceneError(f"--set {argument}: no wheel is called '{path[1]}'{hint}")
+        raise SceneError(f"{origin}: no wheel is called '{path[1]}'{hint}")
     if len(path) == 2:
         allowed = f"a key of the wheel, such as {show_path(path)}.spin_rate=1.0"
-        raise SceneError(f"--set {argument}: must set {allowed}")
+        raise SceneError(f"{origin}: must set {allowed}")
     return ("wheels", names.index(path[1]), *path[2:])
 
 
-def _topmost_new(data: dict[str, Any], path: KeyPath, argument: str) -> KeyPath:
+def _topmost_new(data: dict[str, Any], path: KeyPath, origin: str) -> KeyPath:
     table: Any = data
     for depth, part in enumerate(path):
         if isinstance(part, int):
@@ -205,7 +295,7 @@ def _topmost_new(data: dict[str, Any], path: KeyPath, argument: str) -> KeyPath:
             continue
         if not isinstance(table, dict):
             name = show_path(_by_name(path[:depth], data))
-            raise SceneError(f"--set {argument}: {name} = {show_value(table)} is not a table and has no keys")
+            raise SceneError(f"{origin}: {name} = {show_value(table)} is not a table and has no keys")
         if part not in table:
             return path[: depth + 1]
         table = table[part]
@@ -224,7 +314,7 @@ def _report(problems: Iterable[Problem], written: _Written) -> str:
     for override in written.applied:
         top = override.top
         places = {path: place for path, place in places.items() if path[: len(top)] != top}
-        places[top] = (0, f"--set {override.argument}")
+        places[top] = (0, override.origin)
     lines = []
     for problem in problems:
         line, place = _nearest(places, problem.path)

@@ -2,10 +2,12 @@
 
 import time
 from collections.abc import Callable
+from os import PathLike
 
 from omnisim import status
+from omnisim.arguments import callable_or_none
 from omnisim.loop import Loop
-from omnisim.scene import Scene
+from omnisim.scene import Scene, as_scene
 from omnisim.target import search
 from omnisim.trajectory import Trajectory
 
@@ -13,14 +15,20 @@ CHUNK_SECONDS = 0.05  # between two calls of `progress`
 FIRST_CHUNK, MOST_CHUNK = 20_000, 20_000_000  # right-hand sides between two calls: of the order of 1 ms to 1 s
 
 
-def simulate(scene: Scene, progress: Callable[[float], object] | None = None) -> Trajectory:
+def simulate(scene: Scene | str | PathLike[str], progress: Callable[[float], object] | None = None) -> Trajectory:
     """Run a scene; with a `solver.error`, by the step that it needs.
 
+        run = omnisim.simulate("youbot")
+        run["body/position"]
+
+    scene: a Scene, or what `load` takes.
     progress: called with the fraction done, about 20 times a second, first with 0 when the kernels are ready; if it
     returns something true, the run stops there. While a step is picked, every run begins with 0 again. A run that stops
     early, for whatever reason, returns what it has computed, and `attributes["status"]` says when, where and why.
-    Raises SceneError if the rows do not fit into memory.
+    Raises SceneError if the rows do not fit into memory, and as `load` does.
     """
+    scene = as_scene("simulate", scene)
+    callable_or_none("simulate", "progress", progress, "the fraction done")
     if scene.config.solver.error is None:
         return march_through(scene, progress).trajectory()
     return search(scene, lambda candidate: march_through(candidate, progress))

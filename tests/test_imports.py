@@ -13,7 +13,7 @@ pytestmark = pytest.mark.short
 PACKAGE = Path(omnisim.__file__).parent
 # from the scene file down to the trajectory: a module imports only from rows above its own, or from its own row
 LAYERS = (
-    ("kernel", "direct", "toml_text", "text", "records", "files"),
+    ("kernel", "direct", "toml_text", "text", "records", "files", "arguments", "copying", "version"),
     ("angle", "vector", "state", "tableau", "status", "config"),
     ("roller", "contact.tracking", "problems", "trajectory", "ideal", "solids", "drives"),
     ("rules", "machine_rules", "estimates"),
@@ -48,6 +48,7 @@ LAYERS = (
     ("start",),
     ("observables",),
     ("collect",),
+    ("inputs", "sensors"),
     ("loop", "analysis", "ripple"),
     ("plots.style", "plots.asked"),
     ("plots.marks", "plots.outline"),

@@ -1,0 +1,38 @@
+"""Arguments of public functions that cannot be meant: one sentence each, before anything runs."""
+
+import math
+import os
+from typing import Any
+
+
+def shown(value: Any) -> str:
+    """A value of the wrong kind, short, and what it is."""
+    text = repr(value)
+    return f"{text if len(text) <= 60 else text[:57] + '...'} ({type(value).__name__})"
+
+
+def path_text(function: str, value: Any, wanted: str = "a path") -> str:
+    """A path as text. Raises TypeError for anything else: open() would take 3 for a file that is open already."""
+    text = os.fspath(value) if isinstance(value, os.PathLike) else value
+    if not isinstance(text, str):
+        raise TypeError(f"{function} takes {wanted}, not {shown(value)}")
+    return text
+
+
+def finite(what: str, value: Any) -> float:
+    """A finite number. Raises TypeError for what is no number, ValueError for one that is not finite."""
+    try:
+        number = float(value) if not isinstance(value, str | bytes | bool) else None
+    except (TypeError, ValueError):
+        number = None
+    if number is None:
+        raise TypeError(f"{what} must be a number, not {shown(value)}")
+    if not math.isfinite(number):
+        raise ValueError(f"{what} must be a finite number, not {number}")
+    return number
+
+
+def callable_or_none(function: str, name: str, value: Any, takes: str) -> None:
+    """Raises TypeError unless the argument is a function or None."""
+    if value is not None and not callable(value):
+        raise TypeError(f"{function}: {name} must be a function of {takes}, not {shown(value)}")
