@@ -172,6 +172,10 @@ class Loop(Sensors):
         scene = with_tables(self.scene, parameters, self._held)
         return collect(scene, parameters, here.run, here.rows, here.log, self.wall_time)
 
+    def __repr__(self) -> str:
+        end = self.scene.config.time.end
+        return f"<Loop {self.scene.config.title!r}: at {self.time:g} of {end:g} s, {self.status}>"
+
     @cached_property
     def _rows(self) -> np.ndarray:
         return wheel_rows(self.scene.config)

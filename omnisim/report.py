@@ -1,6 +1,7 @@
 """What a trajectory holds, for people."""
 
 from collections import Counter
+from html import escape
 
 import numpy as np
 
@@ -24,7 +25,8 @@ BEARING_LOADS = ("radial_force", "axial_force", "tilting_moment")
 
 def summary(trajectory: Trajectory) -> str:
     """What a trajectory holds, for people: several aligned lines without a final newline."""
-    parts = [aligned(_facts(trajectory)), extremes(trajectory), bearings(trajectory), _datasets(trajectory)]
+    datasets = columns([(f"/{path}", *rest) for path, *rest in dataset_rows(trajectory)])
+    parts = [aligned(_facts(trajectory)), extremes(trajectory), bearings(trajectory), datasets]
     return "\n\n".join(filter(None, parts))
 
 
@@ -190,8 +192,8 @@ def _supply(trajectory: Trajectory) -> str:
     return f", from the supply {taken:.6g} J (heat in windings {heat:.6g} J, friction of motors {loss:.6g} J)"
 
 
-def _datasets(trajectory: Trajectory) -> str:
-    """One line per row of TABLE: path, shape (`6|8` where wheels differ), units, description."""
+def dataset_rows(trajectory: Trajectory) -> list[tuple[str, str, str, str]]:
+    """One per row of TABLE that is there: path, shape (`6|8` where wheels differ), units, description."""
     wheels = trajectory.wheels
     name = wheels[0] if len(wheels) == 1 else "NAME"
     lines = []
@@ -201,5 +203,21 @@ def _datasets(trajectory: Trajectory) -> str:
         if not shapes:
             continue
         sizes = ["|".join(str(n) for n in dict.fromkeys(axis)) for axis in zip(*shapes, strict=True)]
-        lines.append(("/" + row.path.format(wheel=name), " x ".join(sizes), row.units, row.description))
-    return columns(lines)
+        lines.append((row.path.format(wheel=name), " x ".join(sizes), row.units, row.description))
+    return lines
+
+
+def as_html(trajectory: Trajectory) -> str:
+    """What a notebook shows of a trajectory: a few facts, and the datasets behind a click; needs nothing else."""
+    facts = _facts(trajectory)
+    told = "".join(
+        f"<tr><th style='text-align:left'>{name}</th><td style='text-align:left'>{escape(facts[name])}</td></tr>"
+        for name in ("title", "status", "duration", "wheels", "events", "model", "method")
+    )
+    rows = dataset_rows(trajectory)
+    cells = "".join(
+        "<tr>" + "".join(f"<td style='text-align:left'>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows
+    )
+    head = "<tr><th>dataset</th><th>shape</th><th>units</th><th></th></tr>"
+    summary = f"<summary>{len(rows)} datasets</summary>"
+    return f"<div><table>{told}</table><details>{summary}<table>{head}{cells}</table></details></div>"

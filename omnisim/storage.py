@@ -14,6 +14,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from omnisim.arguments import path_text
 from omnisim.files import write_whole
 from omnisim.trajectory import ATTRIBUTES, EVENT, FORMAT, FORMAT_VERSION, Quantity, Trajectory, layout
 
@@ -41,8 +42,9 @@ def read(path: str | PathLike[str]) -> Trajectory:
     """Read a trajectory file; datasets and attributes this version does not know are left alone.
 
     Raises TrajectoryError, one line, when the file is missing, a folder, no HDF5 file, no trajectory, of a
-    newer format, truncated, damaged or incomplete.
+    newer format, truncated, damaged or incomplete, and TypeError for what is no path.
     """
+    path = path_text("open_trajectory", path)
     try:
         with open(path, "rb"):
             pass

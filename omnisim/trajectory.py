@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from functools import cached_property, lru_cache
 from os import PathLike
+from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ from omnisim.status import EVENT_KINDS
 if TYPE_CHECKING:
     import pandas
     import xarray
+    from matplotlib.figure import Figure
 
 FORMAT = "omnisim-trajectory"
 FORMAT_VERSION = 1
@@ -200,6 +202,10 @@ def layout(wheels: tuple[str, ...]) -> Mapping[str, Quantity]:
 class Trajectory:
     """The motion of one run: T rows at equal intervals, N_r rollers per wheel, E events.
 
+        run = omnisim.simulate("youbot")                 or omnisim.open_trajectory("run.h5")
+        run["body/position"]                             (T, 3), m; `for path in run` tells what there is
+        run.plot("slip");  run.save("run.h5")
+
     attributes  root attributes of the file by name (ATTRIBUTES has the types); `format` and `format_version`
                 are filled in
     data        arrays by path in the file, no leading slash (TABLE has axes, units and meaning); the scales
@@ -259,6 +265,31 @@ class Trajectory:
 
         storage.write(self, path)
 
+    def plot(self, view: str = "story") -> Figure:
+        """A picture of `omnisim plot`, by the name of its view: a Figure of matplotlib (extra `plot`).
+
+        Raises ValueError for a view that there is not, and where there is nothing that it could show.
+        """
+        try:
+            from omnisim import plots
+        except ModuleNotFoundError as error:
+            if str(error.name).partition(".")[0] != "matplotlib":
+                raise
+            raise ImportError("plots need matplotlib: pip install 'omnisim-engine[plot]'") from None
+        if view not in plots.VIEWS:
+            raise ValueError(f"no view is called {view!r}; views: {', '.join(plots.VIEWS)}")
+        return plots.VIEWS[view](self)
+
+    def view(self, path: str | PathLike[str] | None = None, *, overwrite: bool = False, show: bool = True) -> Path:
+        """Write the page of `omnisim view`, the machine moving in 3-D, and show it in the browser; its path.
+
+        path: without one it is a new file in the folder of temporary files. Raises OSError, FileExistsError if it
+        exists and may not be overwritten, and ValueError if there are no rows to show.
+        """
+        from omnisim import viewer
+
+        return viewer.show_page(self, path, overwrite, show)
+
     def to_pandas(self) -> pandas.DataFrame:
         """A DataFrame by time, a column for each component of each dataset; `attrs` has attributes and units."""
         from omnisim import export
@@ -282,6 +313,16 @@ class Trajectory:
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.data)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        """What a notebook offers after `run["`."""
+        return list(self.data)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows."""
+        from omnisim import report
+
+        return report.as_html(self)
 
     def __repr__(self) -> str:
         a, rows, events = self.attributes, len(self.time), len(self["events/time"])

@@ -11,14 +11,20 @@ import base64
 import html
 import json
 import math
+import tempfile
+import webbrowser
 from importlib.resources import files
+from os import PathLike
+from pathlib import Path
 from string import Template
 from typing import Any
 
 import numpy as np
 
+from omnisim.arguments import path_text
 from omnisim.commanded import target_rates
 from omnisim.config import Config, Wheel, WheelType
+from omnisim.files import write_whole
 from omnisim.geometry import of_type, profile
 from omnisim.scene import parse
 from omnisim.status import EVENT_KINDS
@@ -46,6 +52,18 @@ WHEEL_EXTREMES = ("normal_force", "friction_force", "slip_velocity", "drive_torq
 
 class NothingToShow(ValueError):
     """A trajectory without rows."""
+
+
+def show_page(trajectory: Trajectory, path: str | PathLike[str] | None, overwrite: bool, show: bool) -> Path:
+    """Write the page, without a path to a new file among the temporary ones, and show it if wanted; its path."""
+    text = page(trajectory)
+    if path is None:
+        path, overwrite = Path(tempfile.mkdtemp(prefix="omnisim-")) / "view.html", True
+    path = Path(path_text("view", path))
+    write_whole({path: text.encode()}, overwrite)
+    if show:
+        webbrowser.open(path.resolve().as_uri())
+    return path
 
 
 def page(trajectory: Trajectory) -> str:
