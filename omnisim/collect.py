@@ -82,6 +82,7 @@ def ending(config: Config, run: Run, kept: int) -> Ending:
     return Ending(clock, float(stop_time), wheel, method, status.sentence(clock, stop_time, wheel, method))
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def outcome(config: Config, parameters: Parameters, run: Run, rows: Rows) -> str:
     """How a march has ended, in the sentence that `collect` would give it, from as little as that takes."""
     known = so_far(rows, run.clock)

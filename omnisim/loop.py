@@ -136,7 +136,8 @@ class Loop(Sensors):
         """Another Loop in the same state, to the last bit; what either does from now on, the other does not see."""
         twin, clock = copy(self), self.run.clock
         twin.parameters, twin.run = copied(self.parameters), copied(self.run)
-        twin.rows, twin.log = copied(self.rows, int(clock["row"])), copied(self.log, int(clock["events"]))
+        twin.rows = copied(self.rows, int(clock["row"]) + 1)  # the one under way too
+        twin.log = copied(self.log, int(clock["events"]))
         return twin
 
     def restore(self, state: "Loop") -> None:
