@@ -19,17 +19,22 @@ def path_text(function: str, value: Any, wanted: str = "a path") -> str:
     return text
 
 
+def number(what: str, value: Any) -> float:
+    """A number. Raises TypeError for what is none."""
+    try:
+        if not isinstance(value, str | bytes | bool):
+            return float(value)
+    except (TypeError, ValueError):
+        pass
+    raise TypeError(f"{what} must be a number, not {shown(value)}")
+
+
 def finite(what: str, value: Any) -> float:
     """A finite number. Raises TypeError for what is no number, ValueError for one that is not finite."""
-    try:
-        number = float(value) if not isinstance(value, str | bytes | bool) else None
-    except (TypeError, ValueError):
-        number = None
-    if number is None:
-        raise TypeError(f"{what} must be a number, not {shown(value)}")
-    if not math.isfinite(number):
-        raise ValueError(f"{what} must be a finite number, not {number}")
-    return number
+    found = number(what, value)
+    if not math.isfinite(found):
+        raise ValueError(f"{what} must be a finite number, not {found}")
+    return found
 
 
 def callable_or_none(function: str, name: str, value: Any, takes: str) -> None:

@@ -23,7 +23,7 @@ from types import MappingProxyType
 import numpy as np
 
 from omnisim import status
-from omnisim.arguments import finite, shown
+from omnisim.arguments import finite, number, shown
 from omnisim.collect import collect, outcome
 from omnisim.copying import copied
 from omnisim.direct import direct
@@ -90,6 +90,7 @@ class Loop(Sensors):
         False at the end of the scene, or where something stopped the run: `status` says what. Raises ValueError for a
         time that is no multiple of the step.
         """
+        number("seconds", seconds)
         steps = round(seconds / self._dt) if math.isfinite(seconds) else 0
         if steps < 1 or abs(seconds - steps * self._dt) > ON_GRID * seconds:
             raise ValueError(f"{seconds!r} s is no multiple of the scene's step, {self._dt:g} s")

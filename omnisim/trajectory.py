@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from omnisim.status import EVENT_KINDS
 
@@ -245,7 +246,7 @@ class Trajectory:
         return tuple([row for path, row in layout(self.wheels).items() if path in self.data])
 
     @property
-    def time(self) -> np.ndarray:
+    def time(self) -> NDArray[np.float64]:
         """Output times (T), s."""
         return self.data[TIME]
 
