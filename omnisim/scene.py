@@ -134,7 +134,7 @@ def as_scene(function: str, scene: Scene | str | PathLike[str]) -> Scene:
 
 def changed(scene: Scene, overrides: Overrides) -> Scene:
     """The scene with overrides on top of those that it has."""
-    return parse(scene.text, scene.source, overrides)
+    return scene if overrides == () else parse(scene.text, scene.source, overrides)
 
 
 def parse(text: str, source: str = "<text>", overrides: Overrides = ()) -> Scene:
