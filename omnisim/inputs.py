@@ -96,5 +96,7 @@ def table(parameters: Parameters, held: Held, channels: Sequence[int]) -> tuple[
     knots = np.empty((2 * held.pieces - 1, len(channels)))
     knots[::2], knots[1::2] = values, ends
     kept = np.ones(len(knots), bool)
-    kept[1::2], kept[2::2] = (jumps | bends) & (np.diff(starts) > 0.0), jumps
+    kept[2::2] = jumps
+    told = (np.diff(starts) == 0.0) & kept[:-1:2]  # a piece without length whose value stands there already
+    kept[1::2] = (jumps | bends) & ~told
     return np.repeat(starts, 2)[1:][kept].tolist(), knots[kept].tolist()

@@ -13,6 +13,7 @@ import json
 import math
 import tempfile
 import webbrowser
+from errno import EEXIST
 from importlib.resources import files
 from os import PathLike
 from pathlib import Path
@@ -60,7 +61,9 @@ def show_page(trajectory: Trajectory, path: str | PathLike[str] | None, overwrit
     if path is None:
         path, overwrite = Path(tempfile.mkdtemp(prefix="omnisim-")) / "view.html", True
     path = Path(path_text("view", path))
-    write_whole({path: text.encode()}, overwrite)
+    if path.exists() and not overwrite:
+        raise FileExistsError(EEXIST, "exists already; overwrite=True replaces it", str(path))
+    write_whole({path: text.encode()})
     if show:
         webbrowser.open(path.resolve().as_uri())
     return path

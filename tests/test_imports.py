@@ -71,6 +71,7 @@ ONLY = {
     "pyarrow": {"export"},
     "scipy": {"export"},
     "matplotlib": {
+        "trajectory",
         "wheel_drawing",
         "plots.style",
         "plots.outline",

@@ -10,7 +10,7 @@ from omnisim.inputs import table
 from omnisim.parameters import DRIVE
 
 MACHINE = {"time.end": 0.2, "time.step": 5e-4, "time.output_interval": 0.01}
-COMMAND = {"command.times": [0.0], "command.twist": [[0.4, 0.2, 0.5]]}  # slips at once
+COMMAND = {"command.times": [0.0, 0.1], "command.twist": [[0.4, 0.2, 0.5], [0.3, 0.1, 0.4]]}  # slips at once
 
 
 def started(**overrides):
