@@ -19,6 +19,6 @@ from omnisim.plots.style import PlotError
 _ALL = (story, path, drives, contact, slip, forces, rollers, ripple, odometry, energy, bearings, trackings)
 VIEWS = {view.__name__: view for view in _ALL}
 __all__ = [  # in full: tools that check types read it
-    "VIEWS", "PlotError", "bearings", "contact", "energy", "forces", "odometry", "path", "ripple", "rollers", "slip",
-    "story", "trackings",
+    "VIEWS", "PlotError", "bearings", "contact", "drives", "energy", "forces", "odometry", "path", "ripple", "rollers",
+    "slip", "story", "trackings",
 ]  # fmt: skip
