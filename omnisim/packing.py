@@ -45,9 +45,8 @@ def pack(config: Config) -> Parameters:
     """Parameters of a validated scene."""
     types, rows = [config.type_of(wheel) for wheel in config.wheels], wheel_rows(config)
     machine, twists = machine_values(config, types), None
-    wheels = [wheel_values(*pair, machine["centre"]) for pair in zip(types, config.wheels, strict=True)]
-    for values, wheel in zip(wheels, config.wheels, strict=True):
-        values |= drive_values(drive_law(wheel.drive), config.time.step)
+    place = machine["centre"], config.time.step
+    wheels = [wheel_values(*pair, *place) for pair in zip(types, config.wheels, strict=True)]
     if config.chassis is not None:
         twists = inverse(rows, rms_distance(config))
     machine["odometry"] = twists is not None
@@ -177,8 +176,8 @@ def bearing_relaxation(roller: Roller) -> float:
     return (roller.bearing_viscosity + roller.bearing_torque / roller.bearing_rate) / roller.inertia_axial
 
 
-def wheel_values(kind: WheelType, wheel: Wheel, centre: np.ndarray) -> dict:
-    """Values of a WHEEL record; centre: of the machine's mass, chassis axes, m."""
+def wheel_values(kind: WheelType, wheel: Wheel, centre: np.ndarray, step: float | None = None) -> dict:
+    """Values of a WHEEL record; centre: of the machine's mass, chassis axes, m; step: s, None where nothing marches."""
     law = drive_law(wheel.drive)
     cos, sin = exact_cos_sin(wheel.heading_deg)
     psi = math.radians(-kind.roller_angle_deg if wheel.mirrored else kind.roller_angle_deg)
@@ -211,6 +210,7 @@ def wheel_values(kind: WheelType, wheel: Wheel, centre: np.ndarray) -> dict:
         "bearing_torque": kind.roller.bearing_torque,
         "bearing_rate": kind.roller.bearing_rate,
         "odometry": (0.0, 0.0, 0.0),
+        **drive_values(law, step),
     }
 
 
