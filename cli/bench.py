@@ -134,14 +134,15 @@ def measure_all(plan: Sequence[tuple[Scene, list[Setting]]], repeats: int) -> tu
 def write(measured: Sequence[Precision], folder: Path) -> None:
     """The report as data, as text, and as a picture if matplotlib is there."""
     from omnisim_cli.bench_report import FILES, as_json, as_markdown, scene_data, title
+    from omnisim_cli.output import deliver
 
     try:
         from omnisim_cli.bench_plot import plot
     except ModuleNotFoundError:
         note("no plot: it needs matplotlib (pip install matplotlib)")
         plot = None
-    (folder / "report.json").write_text(as_json(measured), encoding="utf-8")
-    (folder / "report.md").write_text(as_markdown(measured, pictured=plot is not None), encoding="utf-8")
+    texts = {"report.json": as_json(measured), "report.md": as_markdown(measured, pictured=plot is not None)}
+    deliver({folder / name: text.encode() for name, text in texts.items()}, force=False)
     if plot:
         plot([(title(found), scene_data(found)) for found in measured], folder)
     click.echo(f"\nwritten: {folder}/" + ", ".join(name for name in FILES if (folder / name).exists()))

@@ -1,6 +1,7 @@
 """Work-precision plots, drawn from the numbers of a report: the only matplotlib import of the command."""
 
 from collections.abc import Sequence
+from io import BytesIO
 from itertools import groupby
 from pathlib import Path
 
@@ -8,6 +9,8 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
+
+from omnisim.files import write_whole
 
 # Okabe & Ito: told apart with any colour vision
 COLOURS = {"heun": "#E69F00", "rk4": "#0072B2", "dopri5": "#009E73", "radau5": "#D55E00", "auto": "#CC79A7"}
@@ -35,10 +38,13 @@ def plot(measured: Sequence[tuple[str, dict]], folder: Path) -> None:
 
 
 def save(figure: Figure, stem: Path) -> None:
-    """Write stem.png, and stem.svg, which is the same file for the same numbers."""
-    figure.savefig(stem.with_suffix(".png"), dpi=160)
+    """Write stem.png, and stem.svg, which is the same file for the same numbers; whole or not at all."""
+    png, svg = BytesIO(), BytesIO()
+    figure.savefig(png, format="png", dpi=160)
     with rc_context({"svg.hashsalt": stem.name}):
-        figure.savefig(stem.with_suffix(".svg"), metadata={"Date": None})
+        figure.savefig(svg, format="svg", metadata={"Date": None})
+    images = {stem.with_suffix(".png"): png.getvalue(), stem.with_suffix(".svg"): svg.getvalue()}
+    write_whole(images, overwrite=True)
 
 
 def panel(axes: Axes, title: str, data: dict) -> None:

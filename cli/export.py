@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import signal
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import click
 
+from omnisim.text import visible
 from omnisim_cli.screen import BAD_INPUT, Failure
 
 
@@ -27,39 +25,18 @@ def export(file: str, out: str, force: bool) -> None:
     omnisim export scene.h5 scene.parquet       needs pyarrow
     omnisim export scene.h5 scene.mat           needs scipy
     """
-    from omnisim.export import ExportError, outputs, write
+    from omnisim.export import ExportError, images, outputs
     from omnisim.storage import TrajectoryError, read
-    from omnisim_cli.output import output_path
+    from omnisim_cli.output import deliver, output_path
 
     try:
         paths = [output_path(str(path), file, force) for path in outputs(out)]
-        trajectory = read(file)
-        with interruptible():
-            write(trajectory, out)
+        files = images(read(file), out)
     except (ExportError, TrajectoryError) as error:
         raise Failure(str(error), BAD_INPUT) from None
-    except OSError as error:
-        raise Failure(f"{error.filename or out}: cannot be written: {error.strerror or error}") from None
+    deliver(files, force)
     click.echo(f"written: {', '.join(described(path) for path in paths)}")
 
 
 def described(path: Path) -> str:
-    return f"{path} ({path.stat().st_size / 1e6:.3g} MB)"
-
-
-@contextmanager
-def interruptible() -> Iterator[None]:
-    """Ctrl-C and SIGTERM clean up in this block, and leave no file."""
-
-    def interrupted(*_: object) -> None:
-        raise KeyboardInterrupt
-
-    numbers = [n for n in (signal.SIGINT, signal.SIGTERM) if signal.getsignal(n) != signal.SIG_IGN]
-    handlers = {number: signal.signal(number, interrupted) for number in numbers}
-    try:
-        yield
-    except KeyboardInterrupt:
-        raise Failure("interrupted; nothing was written") from None
-    finally:
-        for number, handler in handlers.items():
-            signal.signal(number, handler)
+    return f"{visible(str(path))} ({path.stat().st_size / 1e6:.3g} MB)"

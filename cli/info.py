@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from omnisim.parameters import Parameters
     from omnisim.scene import Scene
 
-HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
-
 
 @click.command()
 @click.argument("source", metavar="SCENE|FILE")
@@ -29,6 +27,8 @@ def info(source: str) -> None:
     omnisim info scene.toml
     omnisim info scene.h5
     """
+    from omnisim.files import is_hdf5
+
     if is_hdf5(source):
         click.echo(about_trajectory(source))
     else:
@@ -37,15 +37,6 @@ def info(source: str) -> None:
         scene = load(source)
         warn(scene.warnings)
         click.echo(about_scene(scene))
-
-
-def is_hdf5(source: str) -> bool:
-    """By content, so that a wrong suffix is no trap."""
-    try:
-        with open(source, "rb") as file:
-            return file.read(len(HDF5_SIGNATURE)) == HDF5_SIGNATURE
-    except OSError:
-        return False  # the name of a packaged scene, or an error that loading explains
 
 
 def about_trajectory(path: str) -> str:

@@ -2,6 +2,7 @@
 
 import signal
 import sys
+from typing import Any
 
 import click
 
@@ -12,14 +13,20 @@ from omnisim_cli.info import info
 from omnisim_cli.new import new
 from omnisim_cli.plot import plot
 from omnisim_cli.run import run
-from omnisim_cli.screen import BAD_INPUT, Failure, leave_at_once
+from omnisim_cli.screen import BAD_INPUT, ENDING, Failure, leave_at_once, shown
 from omnisim_cli.view import view
 from omnisim_cli.warmup import warmup
 from omnisim_cli.wheel import wheel
 
 
 class Commands(click.Group):
-    """A group that turns every failure into one message and an exit code; no traceback reaches a user."""
+    """A group that turns every failure into one message and an exit code; no traceback reaches a user, and no control
+    character a terminal.
+    """
+
+    def main(self, *arguments: Any, **options: Any) -> Any:
+        with shown():
+            return super().main(*arguments, **options)
 
     def invoke(self, ctx: click.Context):
         try:
@@ -75,6 +82,7 @@ for command in (new, run, info, plot, view, export, compare, bench, wheel, warmu
 
 def main() -> None:
     """Entry point of the command `omnisim`."""
-    if signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
-        signal.signal(signal.SIGINT, leave_at_once)
+    for number in ENDING:
+        if signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, leave_at_once)
     cli(prog_name="omnisim")

@@ -1,20 +1,34 @@
-"""Where a command may write: checked before it runs, and nothing is touched."""
+"""Where a command may write: checked before it runs, when nothing is touched. And how: whole or not at all."""
 
 import os
+import signal
 import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
-from omnisim_cli.screen import BAD_INPUT, Failure
+import click
+
+from omnisim.text import visible
+from omnisim_cli.screen import BAD_INPUT, ENDING, Failure
 
 
 def output_path(text: str, source: str, force: bool) -> Path:
-    """The output file, or Failure if what is made from `source` could not or should not be written there."""
+    """The output file, or Failure if what is made from `source` could not or should not be written there.
+
+    While the command runs the file is its own: another one that is to write it fails.
+    """
+    from omnisim.files import reserved
+
+    context = click.get_current_context()
     try:
         problem = obstacle(text, Path(os.path.realpath(text)), source, force)
+        if not problem:
+            context.with_resource(reserved(Path(text)))
     except OSError as error:
         problem = f"cannot write there: {error.strerror}"
     if problem:
-        raise Failure(f"{text}: {problem}", BAD_INPUT)
+        raise Failure(f"{visible(text)}: {problem}", BAD_INPUT)
     return Path(text)
 
 
@@ -23,7 +37,7 @@ def obstacle(text: str, target: Path, source: str, force: bool) -> str:
     if text.endswith(("/", os.sep)) or target.is_dir():
         return "a folder; the output needs the name of a file"
     if not target.parent.is_dir():
-        return f"there is no folder {target.parent}"
+        return f"there is no folder {visible(str(target.parent))}"
     if target.exists():
         if not target.is_file():
             return "not a regular file"
@@ -33,3 +47,41 @@ def obstacle(text: str, target: Path, source: str, force: bool) -> str:
             return "exists already; --force replaces it"
     with tempfile.TemporaryFile(dir=target.parent):
         return ""
+
+
+def deliver(images: Mapping[Path, bytes], force: bool) -> None:
+    """Write what files are to hold; Failure with the path of the one that cannot be written, and then none is."""
+    from omnisim.files import write_whole
+
+    with interruptible():
+        try:
+            write_whole(images, overwrite=force)
+        except OSError as error:
+            raise Failure(unwritten(error, next(iter(images)))) from None
+
+
+def unwritten(error: Exception, path: Path) -> str:
+    """What to say of a file that could not be written, `path` unless the error names another one."""
+    path = getattr(error, "filename", None) or path
+    reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
+    if isinstance(error, FileExistsError):
+        reason = "another process has made it meanwhile"
+    return f"{visible(str(path))}: cannot be written: {reason}"
+
+
+@contextmanager
+def interruptible() -> Iterator[None]:
+    """Ctrl-C and SIGTERM clean up in this block, and leave no file."""
+
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    numbers = [n for n in ENDING if signal.getsignal(n) != signal.SIG_IGN]
+    handlers = {number: signal.signal(number, interrupted) for number in numbers}
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise Failure("interrupted; nothing was written") from None
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from omnisim.text import visible
 from omnisim_cli.screen import BAD_INPUT, Failure
 
 if TYPE_CHECKING:
@@ -47,8 +48,10 @@ def plot(files: tuple[str, ...], view: str, output: str | None, force: bool) -> 
 
         pyplot.show()  # until the window is closed
     else:
-        path.write_bytes(encoded(figure, path.suffix.lower()))
-        click.echo(f"{path} ({view})")
+        from omnisim_cli.output import deliver
+
+        deliver({path: encoded(figure, path.suffix.lower())}, force)
+        click.echo(f"{visible(str(path))} ({view})")
 
 
 def picture_path(output: str, files: tuple[str, ...], force: bool) -> Path:
@@ -56,7 +59,7 @@ def picture_path(output: str, files: tuple[str, ...], force: bool) -> Path:
     from omnisim_cli.output import output_path
 
     if Path(output).suffix.lower() not in FORMATS:
-        raise Failure(f"{output}: the suffix says the format; take one of {', '.join(FORMATS)}", BAD_INPUT)
+        raise Failure(f"{visible(output)}: the suffix says the format; take one of {', '.join(FORMATS)}", BAD_INPUT)
     return [output_path(output, file, force) for file in files][-1]
 
 

@@ -3,59 +3,94 @@
 from __future__ import annotations
 
 import math
+import os
+import tempfile
 from collections import Counter
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from omnisim.text import aligned
-from omnisim_cli.screen import Failure, Progress, compilation_noted, note, warn
+from omnisim.text import aligned, visible
+from omnisim_cli.screen import BAD_INPUT, Failure, Progress, compilation_noted, note, warn
 
 if TYPE_CHECKING:
     from omnisim.scene import Scene
     from omnisim.trajectory import Trajectory
 
+HDF5 = ("", ".h5", ".hdf5", ".hdf", ".he5", ".nc", ".nc4")
 COARSE = 1e-3  # relative error of the energy balance beyond which a run is worth a warning
 
 
 @click.command()
 @click.argument("scene")
-@click.option("-o", "output", metavar="FILE", help="Output file; else STEM.h5 in the current directory.")
+@click.option(
+    "-o", "output", metavar="FILE", help="Output file, .h5 or as of `omnisim export`; else STEM.h5 in the current folder."
+)
 @click.option("--set", "overrides", metavar="KEY=VALUE", multiple=True, help="Change a key of the scene; repeatable.")
 @click.option("--force", is_flag=True, help="Replace an output file that exists.")
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 def run(scene: str, output: str | None, overrides: tuple[str, ...], force: bool, quiet: bool) -> None:
     """Simulate SCENE and write the trajectory to an HDF5 file.
 
-    Ctrl-C finishes the step and writes what was computed; a second one gives up.
+    Ctrl-C finishes the step and writes what was computed; a second one gives up. Where FILE cannot be written in the
+    end, the current folder and the temporary one are tried. A trajectory file is a SCENE too: it runs again, by default
+    into STEM_again.h5.
 
     \b
     omnisim run scene.toml                                  writes scene.h5
     omnisim run scene.toml -o fine.h5 --set time.step=1e-5
+    omnisim run scene.toml -o scene.csv                     .parquet, .mat too: without the scene, for other tools
+    omnisim run scene.h5 --set friction.coefficient=0.2     writes scene_again.h5
     omnisim run scene.toml --set solver.error=1e-6          by the step that this error needs
     omnisim run six_rollers --set wheels.wheel.spin_rate=20 --set friction.coefficient=0.1
     """
+    from omnisim.files import is_hdf5
     from omnisim.scene import load
-    from omnisim_cli.output import output_path
 
+    stored = is_hdf5(scene)
     loaded = load(scene, overrides)
-    path = output_path(f"{loaded.name}.h5" if output is None else output, scene, force)
+    name = f"{loaded.name}{'_again' * stored}.h5" if output is None else output
+    path = result_path(name, "" if stored else scene, force)  # with --force in place of the run that holds the scene
     if not quiet:
         warn(loaded.warnings)
-    trajectory = simulate_and_save(loaded, path, quiet)
+    trajectory, kept, problem = simulate_and_save(loaded, path, force, quiet)
     if not quiet:
-        click.echo(report(trajectory, path))
+        click.echo(report(trajectory, kept))
     for warning in (coarse(trajectory), missed(trajectory)):
         if warning and not quiet:
             note(warning)
+    failures = [f"{problem}; the run is in {visible(str(kept))}"] if problem else []
     if not trajectory.complete:
-        raise Failure(f"{trajectory.attributes['status']} ({path} holds what was computed)")
+        failures.append(f"{trajectory.attributes['status']} ({visible(str(kept))} holds what was computed)")
+    if failures:
+        raise Failure("\n".join(failures))
 
 
-def simulate_and_save(scene: Scene, path: Path, quiet: bool) -> Trajectory:
-    """The trajectory, which is then in the file; Failure if the user gives up or it cannot be written."""
+def result_path(text: str, source: str, force: bool) -> Path:
+    """Where to write, checked with all files beside it; Failure also for a suffix that says nothing we can write."""
+    from omnisim.export import FORMATS, ExportError, outputs
+    from omnisim_cli.output import output_path
+
+    suffix = Path(text).suffix.lower()
+    if suffix in HDF5 or text.endswith("/"):
+        return output_path(text, source, force)
+    if suffix not in FORMATS:
+        raise Failure(f"{visible(text)}: the suffix says the format; take one of .h5, {', '.join(FORMATS)}", BAD_INPUT)
+    try:
+        path, *_ = [output_path(str(path), source, force) for path in outputs(text)]
+    except ExportError as error:
+        raise Failure(str(error), BAD_INPUT) from None
+    return path
+
+
+def simulate_and_save(scene: Scene, path: Path, force: bool, quiet: bool) -> tuple[Trajectory, Path, str]:
+    """The trajectory, the file that it is in, and what was in the way if that is not `path`; Failure if the user gives
+    up or no folder takes it.
+    """
     from omnisim.simulation import simulate
+    from omnisim_cli.output import unwritten
 
     with Progress(quiet) as progress:
         with compilation_noted(quiet):
@@ -63,10 +98,35 @@ def simulate_and_save(scene: Scene, path: Path, quiet: bool) -> Trajectory:
         if trajectory.complete:
             progress(1.0)
         try:
+            save(trajectory, path, force)
+        except (OSError, ValueError, MemoryError) as error:
+            problem, kept = unwritten(error, path), rescued(trajectory, path.stem)
+            if not kept:
+                raise Failure(f"{problem}; no other folder takes it: the run is lost") from None
+            return trajectory, kept, problem
+    return trajectory, path, ""
+
+
+def save(trajectory: Trajectory, path: Path, force: bool) -> None:
+    """Write what the suffix says. Raises OSError, and ValueError for what the format cannot hold."""
+    from omnisim import export
+
+    if path.suffix.lower() in export.FORMATS:
+        export.write(trajectory, path, overwrite=force)
+    else:
+        trajectory.save(path, overwrite=force)
+
+
+def rescued(trajectory: Trajectory, stem: str) -> Path | None:
+    """The file in the current or the temporary folder that holds the trajectory now, under a name that was free."""
+    for folder in (os.getcwd, tempfile.gettempdir):
+        with suppress(OSError):  # there is no such folder, or it takes nothing
+            place = Path(folder())
+            free = (place / f"{stem}{number}.h5" for number in ("", *(f"_{n}" for n in range(2, 1000))))
+            path = next(path for path in free if not path.exists())
             trajectory.save(path)
-        except OSError as error:
-            raise Failure(f"{path}: cannot be written: {error.strerror or error}; the run is lost") from None
-    return trajectory
+            return path
+    return None
 
 
 def report(trajectory: Trajectory, path: Path) -> str:
@@ -87,7 +147,7 @@ def report(trajectory: Trajectory, path: Path) -> str:
         "energy": energy(trajectory),
         "peaks": peaks(trajectory),
         "odometry": odometry(trajectory),
-        "file": f"{path} ({rows} rows, {path.stat().st_size / 1e6:.2g} MB)",
+        "file": f"{visible(str(path))} ({rows} rows, {path.stat().st_size / 1e6:.2g} MB)",
         "status": a["status"],
     })  # fmt: skip
 

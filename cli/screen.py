@@ -39,7 +39,10 @@ def leave_at_once(*_: object) -> None:
 
     The process ends here: KeyboardInterrupt would be lost in callbacks of the compiler, with a traceback.
     """
-    os.write(2, b"Error: interrupted; nothing was written\n")
+    if "omnisim.files" in sys.modules:
+        sys.modules["omnisim.files"].release_all()
+    with suppress(OSError):
+        os.write(2, b"Error: interrupted; nothing was written\n")
     os._exit(STOPPED)
 
 
@@ -85,9 +88,10 @@ class Progress:
             self._begin()
         if self.bar:
             done = int(BAR_LENGTH * fraction)
-            if done < self.bar.pos:  # another run, in search of a step
-                self._show_bar()
-            self.bar.update(done - self.bar.pos)
+            with suppress(OSError):  # the terminal is closed
+                if done < self.bar.pos:  # another run, in search of a step
+                    self._show_bar()
+                self.bar.update(done - self.bar.pos)
         if self.stop and fraction < 1.0:
             self._end_bar()
             if not self.quiet:
@@ -103,18 +107,19 @@ class Progress:
 
     def _begin(self) -> None:
         self.begun = True
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in ENDING:
             if signal.getsignal(number) != signal.SIG_IGN:  # a background job keeps ignoring Ctrl-C
                 self.handlers[number] = signal.signal(number, self._on_signal)
         if not self.quiet and sys.stderr and sys.stderr.isatty():
             self._show_bar()
 
     def _show_bar(self) -> None:
-        self.bar = click.progressbar(length=BAR_LENGTH, file=sys.stderr)
+        self.bar = click.progressbar(length=BAR_LENGTH, file=getattr(sys.stderr, "stream", sys.stderr))
 
     def _end_bar(self) -> None:
         if self.bar:
-            self.bar.render_finish()
+            with suppress(OSError):
+                self.bar.render_finish()
         self.bar = None
 
     def _on_signal(self, *_: object) -> None:

@@ -5,7 +5,10 @@ from pathlib import Path
 
 import click
 
+from omnisim.text import visible
 from omnisim_cli.screen import BAD_INPUT, Failure
+
+PAGES = (".html", ".htm")
 
 
 @click.command()
@@ -25,8 +28,10 @@ def view(file: str, output: str | None, force: bool, show: bool) -> None:
     from omnisim.scene import SceneError
     from omnisim.storage import TrajectoryError, read
     from omnisim.viewer import NothingToShow, page
-    from omnisim_cli.output import output_path
+    from omnisim_cli.output import deliver, output_path
 
+    if output is not None and Path(output).suffix.lower() not in PAGES:
+        raise Failure(f"{visible(output)}: a page is {' or '.join(PAGES)}; `omnisim plot` makes pictures", BAD_INPUT)
     path = output_path(f"{Path(file).stem}.html" if output is None else output, file, force)
     try:
         text = page(read(file))
@@ -34,7 +39,7 @@ def view(file: str, output: str | None, force: bool, show: bool) -> None:
         raise Failure(str(error), BAD_INPUT) from None
     except (NothingToShow, SceneError) as error:
         raise Failure(f"{file}: {error}", BAD_INPUT) from None
-    path.write_text(text, encoding="utf-8")
-    click.echo(f"{path} ({path.stat().st_size / 1e6:.2g} MB)")
+    deliver({path: text.encode()}, force)
+    click.echo(f"{visible(str(path))} ({path.stat().st_size / 1e6:.2g} MB)")
     if show:
         webbrowser.open(path.resolve().as_uri())

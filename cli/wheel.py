@@ -190,9 +190,8 @@ def write_model(scene: Scene, source: str, output: str, package: str | None, for
 
     A mesh that is there already, just as it would be written, stays: that of a model in the other format.
     """
-    from omnisim.files import write_whole
     from omnisim.robot_files import robot_files
-    from omnisim_cli.output import output_path
+    from omnisim_cli.output import deliver, output_path
 
     path = output_path(output, source, force)
     if not path.stem.isprintable():
@@ -201,7 +200,7 @@ def write_model(scene: Scene, source: str, output: str, package: str | None, for
     missing = {file: image for file, image in images.items() if file == path or not holds(file, image)}
     for file in missing:
         output_path(str(file), source, force)
-    write_whole(missing)
+    deliver(missing, force)
     click.echo("\n".join(map(str, images)))
 
 

@@ -14,6 +14,20 @@ axis, so that HDF5 tools, netCDF and xarray all read it. Numbers are float64 or 
 Angles are continuous, never wrapped. A row at the instant of an event holds the state after it. A run that stops early
 has the rows it reached, and a `stop` event.
 
+## What happens to it
+
+- Written whole or not at all: beside it first, then under its name. `run`, `export`, `view`, `plot` and `wheel` replace a file
+  only with `--force`, `Trajectory.save` and `omnisim.export.write` only with `overwrite=True`.
+- On a full disk what was there stays as it was, and the message names the path. A run that its file does not take is
+  kept under a free name in the current folder, or else the temporary one; the message says where, the exit code is 1.
+- One writer at a time: while a command runs its output is reserved (a lock on a hidden file beside it), and a second command
+  that is to write it says so. A crash leaves no reservation behind.
+- Checked when it is opened: numbers carry HDF5's fletcher32, a dataset of text the CRC-32 of its characters as the attribute
+  `crc32`, the scene as `scene_crc32` of the root: of texts in UTF-8, each followed by a zero byte. A flipped bit is reported
+  with the name of the dataset. Large datasets are in chunks of rows of about 1 MB. It takes HDF5 1.10 (of 2016) to read the
+  file, whose metadata have checksums as well. Files of earlier versions, without any, still open.
+- It runs again: `omnisim run youbot.h5` simulates the scene in it, with `--set` as you like, and writes `youbot_again.h5`.
+
 T is the number of output times, N_r that of rollers of a wheel, E that of events. NAME is the name of a wheel.
 """
 MEANING = {

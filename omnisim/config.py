@@ -399,7 +399,7 @@ class Config(Table):
     """A whole scene file. Made by `validate`, which also checks the rules across keys."""
 
     schema_version: Annotated[int, Field(ge=1, le=1, alias="schema", description="1")]
-    title: Annotated[str, Field(description="a string")] = ""
+    title: Annotated[str, Field(pattern=r"^[\t\n\P{Cc}]*$", description="a string without control characters")] = ""
     world: World = Field(World(), alias="scene")
     floor: Floor = Floor()
     time: Time

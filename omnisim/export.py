@@ -8,6 +8,7 @@ import math
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib import import_module
 from io import BytesIO, StringIO
 from itertools import product
 from os import PathLike
@@ -17,6 +18,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from omnisim.files import write_whole
+from omnisim.storage import CHECKSUM, SCENE_CHECKSUM, checksum
+from omnisim.text import visible
 from omnisim.trajectory import EVENT, TIME, Quantity, Trajectory
 
 if TYPE_CHECKING:
@@ -43,25 +46,37 @@ class Column(NamedTuple):
     values: np.ndarray
 
 
-def write(trajectory: Trajectory, path: str | PathLike[str]) -> tuple[Path, ...]:
+def write(trajectory: Trajectory, path: str | PathLike[str], overwrite: bool = False) -> tuple[Path, ...]:
     """Write what the suffix of `path` says, whole or not at all; the paths written (see `outputs`).
 
-    Raises ExportError for another suffix, a library that is not installed, and what a format cannot hold; ValueError
-    for NaN or inf; OSError.
+    Raises ExportError for another suffix, a library that is not installed, and what a format cannot hold;
+    FileExistsError unless it may overwrite; ValueError for NaN or inf; OSError.
     """
+    files = images(trajectory, path)
+    write_whole(files, overwrite)
+    return tuple(files)
+
+
+def images(trajectory: Trajectory, path: str | PathLike[str]) -> dict[Path, bytes]:
+    """What `write` writes. Raises ExportError and ValueError as it does."""
     paths = outputs(path)
     trajectory.validate()
-    images = FORMATS[paths[0].suffix.lower()](trajectory)
-    write_whole(dict(zip(paths, images, strict=True)))
-    return paths
+    return dict(zip(paths, FORMATS[paths[0].suffix.lower()](trajectory), strict=True))
 
 
 def outputs(path: str | PathLike[str]) -> tuple[Path, ...]:
-    """The files that make up an export to `path`: the table by time has events beside it, run.csv run.events.csv."""
+    """The files that make up an export to `path`: the table by time has events beside it, run.csv run.events.csv.
+
+    Raises ExportError for another suffix, and for a library that is not installed.
+    """
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in FORMATS:
-        raise ExportError(f"{path}: unknown suffix {path.suffix!r}; it must be one of {', '.join(FORMATS)}")
+        known = ", ".join(FORMATS)
+        raise ExportError(f"{visible(str(path))}: unknown suffix {path.suffix!r}; it must be one of {known}")
+    if suffix in LIBRARIES:
+        with extra(suffix[1:]):
+            import_module(LIBRARIES[suffix])
     return (path,) if suffix == ".mat" else (path, path.with_suffix(f".events{path.suffix}"))
 
 
@@ -189,14 +204,18 @@ def data_tree(trajectory: Trajectory) -> xarray.DataTree:
     datasets = {group: xarray.Dataset(found) for group, found in variables.items()}
     datasets["events"] = datasets["events"].set_coords("time")  # as the file says
     wheels = trajectory.wheels
-    datasets[""].attrs = trajectory.attributes | {"wheels": list(wheels) if len(wheels) > 1 else wheels[0]}  # as netCDF
+    datasets[""].attrs = trajectory.attributes | {
+        "wheels": list(wheels) if len(wheels) > 1 else wheels[0],  # as netCDF
+        SCENE_CHECKSUM: checksum(trajectory.attributes["scene"]),
+    }
     return xarray.DataTree.from_dict({f"/{group}": dataset for group, dataset in datasets.items()})
 
 
 def _variable(quantity: Quantity, array: np.ndarray) -> tuple:
     """Dimensions, values and attributes as xarray takes them."""
     dimensions = [axis.rpartition("/")[2] for axis in quantity.axes]
-    return dimensions, array, {"units": quantity.units, "description": quantity.description}
+    sums = {CHECKSUM: checksum(*array.tolist())} if quantity.dtype == "str" else {}
+    return dimensions, array, {"units": quantity.units, "description": quantity.description} | sums
 
 
 @contextmanager
@@ -208,4 +227,5 @@ def extra(name: str) -> Iterator[None]:
         raise ExportError(f"{error.name} is not installed: pip install 'omnisim-engine[{name}]'") from None
 
 
+LIBRARIES = {".parquet": "pyarrow", ".mat": "scipy.io"}  # that a format needs
 FORMATS = {".csv": csv_files, ".parquet": parquet_files, ".mat": mat_file}

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from omnisim.config import WheelType
+from omnisim.files import write_whole
 from omnisim.geometry import hub_radius, of_type, profile, roller_frames
 from omnisim.solids import half_width, outline
 
@@ -76,7 +77,7 @@ def placed(part: Mesh, centre: np.ndarray, axis: np.ndarray) -> Mesh:
 
 def write(mesh: Mesh, path: Path, note: str) -> None:
     """An .obj or, by any other suffix, a binary .stl; metres. `note` (ASCII) goes into its head. Raises OSError."""
-    path.write_bytes(obj(mesh, note) if path.suffix.lower() == ".obj" else stl(mesh, note))
+    write_whole({path: obj(mesh, note) if path.suffix.lower() == ".obj" else stl(mesh, note)}, overwrite=True)
 
 
 def controller_note(name: str, kind: WheelType) -> str:

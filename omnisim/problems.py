@@ -11,6 +11,8 @@ from pydantic.fields import FieldInfo
 from omnisim.config import Config, Name, Table
 from omnisim.toml_text import MISSING, KeyPath, value_at
 
+MOST = 200  # errors of pydantic that are looked at: a file of nonsense has as many as keys
+
 
 class Problem(NamedTuple):
     """One defect of a scene: the key it is about (wheels and entries by index), and what is allowed."""
@@ -87,9 +89,9 @@ def allowed_at(path: KeyPath) -> str:
 
 def schema_problems(error: ValidationError, data: Any) -> Iterator[Problem]:
     """The problems behind pydantic's errors: one for each defect of `data`."""
-    items = [(item["type"], item["loc"]) for item in error.errors(include_url=False, include_input=False)]
+    items = [(item["type"], item["loc"]) for item in error.errors(include_url=False, include_input=False)][:MOST]
     # Missing keys that an unknown one nearly spells are no second defect.
-    unknown = [location for kind, location in items if kind == "extra_forbidden"]
+    unknown = {location for kind, location in items if kind == "extra_forbidden"}
     meant = {(*path[:-1], _closest(path[-1], _fields(_place(path).table))) for path in unknown}
     for location in _deepest(location for _, location in items):
         place = _place(location)

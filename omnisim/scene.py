@@ -11,13 +11,20 @@ from typing import Any
 
 from omnisim.arguments import path_text, shown
 from omnisim.config import Config, is_name
+from omnisim.files import is_hdf5, read_small
 from omnisim.problems import ConfigError, Problem, did_you_mean
+from omnisim.text import visible
 from omnisim.toml_text import (
+    DEEPEST,
     MISSING,
     KeyPath,
+    TooDeep,
     assign,
+    is_deeper,
     locate,
+    long_key,
     rewrite,
+    shortened,
     show_path,
     show_value,
     split_key,
@@ -27,6 +34,8 @@ from omnisim.validation import validate
 
 Overrides = Iterable[str] | Mapping[str, Any]  # ["time.end=1"], or {"time.end": 1}, or {"time": {"end": 1}}
 SOURCE = "a path or the name of a packaged scene"
+MOST_BYTES = 8 << 20  # of a scene file: tables of a hundred thousand rows
+MOST_PROBLEMS = 20  # that a message tells
 
 
 class SceneError(ValueError):
@@ -96,7 +105,7 @@ class _Override:
 
 
 def load(source: str | PathLike[str], overrides: Overrides = ()) -> Scene:
-    """The scene in a file, or else the packaged scene of that name, with overrides applied.
+    """The scene in a file, TOML or a trajectory that holds it, or else the packaged one of that name, overrides applied.
 
         omnisim.load("youbot", {"friction.coefficient": 0.3, "wheels.front_left.spin_rate": 2.0})
         omnisim.load("scene.toml", {"time": {"end": 1.0}})       tables of keys: each is set, the others stay
@@ -107,9 +116,10 @@ def load(source: str | PathLike[str], overrides: Overrides = ()) -> Scene:
     """
     source = path_text("load", source, SOURCE)
     path = Path(source)
+    source = visible(str(source))
     try:
         if path.exists() and not (path.is_dir() and source in packaged_scenes()):
-            return parse(_decode(path.read_bytes(), source), source, overrides)
+            return parse(_text(path, source), source, overrides)
     except OSError as error:
         raise SceneError(f"{source}: cannot read this file: {error.strerror}") from None
     if source not in packaged_scenes():
@@ -140,9 +150,12 @@ def changed(scene: Scene, overrides: Overrides) -> Scene:
 def parse(text: str, source: str = "<text>", overrides: Overrides = ()) -> Scene:
     """The scene in a TOML text; `source` names it in messages. Raises SceneError."""
     try:
-        data = tomllib.loads(text)
+        line, data = long_key(text), {}
+        data = data if line else tomllib.loads(text)
     except (ValueError, RecursionError) as error:
         raise SceneError(_syntax(error, text, source)) from None
+    if line or is_deeper(data, DEEPEST):
+        raise SceneError(f"{source}:{line or _deep_line(text)}: keys are nested more than {DEEPEST} deep")
     applied = []
     for origin, path, value in _values(overrides):
         applied.append(_apply(data, origin, path, value))
@@ -166,6 +179,18 @@ def _packaged(name: str | None = None) -> Any:
 
     folder = files("omnisim.data")
     return folder if name is None else folder / f"{name}.toml"
+
+
+def _text(path: Path, source: str) -> str:
+    """The TOML text in a file, or in the trajectory that a file is."""
+    if not is_hdf5(path):
+        return _decode(read_small(path, MOST_BYTES), source)
+    from omnisim.storage import TrajectoryError, stored_scene  # here: a text needs no HDF5
+
+    try:
+        return stored_scene(path)
+    except TrajectoryError as error:
+        raise SceneError(str(error)) from None
 
 
 def _decode(content: bytes, source: str) -> str:
@@ -198,6 +223,14 @@ def _syntax(error: Exception, text: str, source: str) -> str:
     column = f", column {found[3]}" if found[3] else ", end of the file"
     shown = show_value(lines[min(line, len(lines)) - 1].strip())
     return f"{source}:{line}: not valid TOML: {found[1]} (line {line}{column}): {shown}"
+
+
+def _deep_line(text: str) -> int:
+    try:
+        locate(text)
+    except TooDeep as error:
+        return error.line
+    return 1
 
 
 # --- overrides ------------------------------------------------------------------------------------
@@ -244,6 +277,7 @@ def _plain(value: Any, path: KeyPath) -> Any:
 def _argument(argument: str) -> tuple[str, KeyPath, Any]:
     """What `--set argument` says."""
     key, equals, value = argument.partition("=")
+    argument = visible(shortened(argument, 100))
     try:
         path = split_key(key.strip())
     except ValueError:
@@ -255,6 +289,8 @@ def _argument(argument: str) -> tuple[str, KeyPath, Any]:
 
 def _apply(data: dict[str, Any], origin: str, path: KeyPath, value: Any) -> _Override:
     """Sets a value in the parsed scene; `origin` is who says so."""
+    if is_deeper(value, DEEPEST - len(path)):
+        raise SceneError(f"{origin}: keys are nested more than {DEEPEST} deep")
     path = _with_index(data, path, origin)
     top = _topmost_new(data, path, origin)
     assign(data, path, value)
@@ -319,7 +355,8 @@ def _report(problems: Iterable[Problem], written: _Written) -> str:
     for problem in problems:
         line, place = _nearest(places, problem.path)
         lines.append((line, f"{place}: {_key_and_value(problem.path, data)}: {problem.message}"))
-    return "\n".join(message for _, message in sorted(lines, key=lambda entry: entry[0]))
+    told = [message for _, message in sorted(lines, key=lambda entry: entry[0])]
+    return "\n".join([*told[:MOST_PROBLEMS], *([f"{source}: and more of this"] if len(told) > MOST_PROBLEMS else [])])
 
 
 def _nearest(places: dict[KeyPath, tuple[int, str]], path: KeyPath) -> tuple[int, str]:

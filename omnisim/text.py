@@ -1,9 +1,25 @@
-"""Facts for people: names in a column, the text beside them wrapped to a width that terminals have."""
+"""Facts for people: names in a column, the text beside them wrapped to a width that terminals have.
 
+And text that a terminal only shows: what would act on it is written out.
+"""
+
+import re
 import textwrap
 from collections.abc import Mapping
 
 WIDTH = 110  # columns
+# what moves the cursor, colours, reorders or breaks lines; lone surrogates stand for bytes that are no UTF-8
+ACTING = re.compile("[\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
+
+
+def visible(text: str, but: str = "") -> str:
+    """The text with every control character, except those in `but`, as \\xNN (\\uNNNN)."""
+    return ACTING.sub(lambda found: found[0] if found[0] in but else _escaped(ord(found[0])), text)
+
+
+def _escaped(code: int) -> str:
+    byte = code - 0xDC00 if 0xDC80 <= code <= 0xDCFF else code  # as Python reads a byte that is no UTF-8
+    return f"\\x{byte:02x}" if byte < 0x100 else f"\\u{byte:04x}"
 
 
 def aligned(facts: Mapping[str, str], indent: str = "") -> str:

@@ -260,11 +260,14 @@ class Trajectory:
         """False when the run stopped before its end: attributes status, stop_time and stop_wheel say why."""
         return self.attributes["status"] == COMPLETE
 
-    def save(self, path: str | PathLike[str]) -> None:
-        """Write an HDF5 file, whole or not at all. Raises OSError, and ValueError for NaN or inf."""
+    def save(self, path: str | PathLike[str], overwrite: bool = False) -> None:
+        """Write an HDF5 file, whole or not at all.
+
+        Raises FileExistsError unless it may overwrite, OSError, and ValueError for NaN or inf.
+        """
         from omnisim import storage
 
-        storage.write(self, path)
+        storage.write(self, path, overwrite)
 
     def plot(self, view: str = "story") -> Figure:
         """A picture of `omnisim plot`, by the name of its view: a Figure of matplotlib (extra `plot`).

@@ -1,6 +1,7 @@
 """A wheel as a workshop sees it: side view, front view, and a roller with its dimensions in millimetres."""
 
 import math
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon, Rectangle
 
 from omnisim.config import WheelType
+from omnisim.files import write_whole
 from omnisim.geometry import gap, hub_radius, of_type, profile, roller_frames, support
 from omnisim.mesh import hub_half_width
 from omnisim.roller import axial_coordinate, profile_radius, support_parameter
@@ -25,7 +27,7 @@ AHEAD = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 
 
 def draw(path: Path, name: str, kind: WheelType) -> None:
-    """Write a drawing by its suffix: .png, .svg or .pdf. Raises OSError."""
+    """Write a drawing by its suffix, .png, .svg or .pdf, whole or not at all. Raises OSError."""
     wheel, figure = of_type(kind), Figure(figsize=PAPER, layout="constrained")
     grid = figure.add_gridspec(2, 3, width_ratios=(1.3, 0.8, 0.7), height_ratios=(1.3, 1.0))
     side, front, table = (figure.add_subplot(grid[0, column]) for column in range(3))
@@ -42,8 +44,10 @@ def draw(path: Path, name: str, kind: WheelType) -> None:
     radius = f"rolling radius for the controller {kind.radius * MM:g} mm"
     what = f"{kind.roller_count} rollers at {kind.roller_angle_deg:g} deg"
     figure.suptitle(f"Wheel type '{name}': {what}, {radius}. Dimensions in mm.", fontsize=11)
+    image, suffix = BytesIO(), path.suffix.lower()
     with rc_context({"svg.hashsalt": name}):
-        figure.savefig(path, dpi=160, metadata={"Date": None} if path.suffix.lower() == ".svg" else None)
+        figure.savefig(image, format=suffix[1:], dpi=160, metadata={"Date": None} if suffix == ".svg" else None)
+    write_whole({path: image.getvalue()}, overwrite=True)
 
 
 # --- views ----------------------------------------------------------------------------------------

@@ -285,7 +285,7 @@ def test_a_write_that_fails_leaves_the_old_files_and_nothing_else(saved, monkeyp
 
     assert command("export", "run.h5", f"out.{suffix}").exit_code == 0
     before = {path.name: path.read_bytes() for path in saved.iterdir()}
-    synthetic_trajectory(rows=5).save("run.h5")
+    synthetic_trajectory(rows=5).save("run.h5", overwrite=True)
     before["run.h5"] = (saved / "run.h5").read_bytes()
     monkeypatch.setattr(place, full)
     result = command("export", "run.h5", f"out.{suffix}", "--force")

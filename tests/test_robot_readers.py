@@ -37,7 +37,7 @@ def machine(name):
 
 
 def exported(folder, config, suffix):
-    write_whole(robot_files(config, folder / f"machine{suffix}"))
+    write_whole(robot_files(config, folder / f"machine{suffix}"), overwrite=True)
     return folder / f"machine{suffix}"
 
 

@@ -11,6 +11,7 @@ import pytest
 from vehicles import VEHICLE
 
 from omnisim.scene import Scene, SceneError, load, packaged_scenes, parse
+from omnisim.text import visible
 
 pytestmark = pytest.mark.short
 
@@ -79,7 +80,7 @@ def test_an_unknown_name_lists_the_packaged_scenes_and_the_nearest(monkeypatch):
 
 @pytest.mark.parametrize("source", ["missing.toml", os.path.join("some", "where"), "a\0b.toml"])
 def test_a_missing_file_is_said_to_be_missing(source):
-    assert message(source) == f"{source}: there is no such file"
+    assert message(source) == f"{visible(source)}: there is no such file"
 
 
 def test_a_folder_is_no_scene(tmp_path):

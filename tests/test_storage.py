@@ -62,6 +62,7 @@ STRINGS = {"axis", "tangent", "events/kind", "events/wheel"}
 ATTRIBUTES = {"format", "format_version", "omnisim_version", "title", "scene", "wheels", "model", "tracking",
               "method", "step", "steps", "rhs_evaluations", "wall_time", "status", "stop_time",
               "stop_wheel"}  # fmt: skip
+STORED = ATTRIBUTES | {"scene_crc32"}
 
 
 def contract():
@@ -130,7 +131,7 @@ def test_every_axis_of_every_dataset_carries_its_scale(saved):
 
 def test_root_attributes_are_those_of_the_contract(saved):
     with h5py.File(saved, "r") as file:
-        assert set(file.attrs) == ATTRIBUTES
+        assert set(file.attrs) == STORED
         assert file.attrs["format"] == "omnisim-trajectory"
         assert file.attrs["format_version"] == 1
         assert file.attrs["wheels"].tolist() == ["wheel"]
@@ -195,7 +196,7 @@ def test_xarray_sees_a_tree_with_dimensions_coordinates_and_units(tmp_path, engi
         coordinates = tree["wheels/wheel/rollers"].coords
         assert {"time", "axis", "roller"} <= set(coordinates)
         assert coordinates["roller"].attrs["units"] == "1"
-        assert set(tree.attrs) == ATTRIBUTES
+        assert set(tree.attrs) == STORED
 
 
 def test_h5dump_shows_paths_and_values(saved):
@@ -223,7 +224,7 @@ def test_an_interrupted_write_leaves_the_old_file_and_nothing_else(saved, monkey
 
     monkeypatch.setattr(place, interrupted)
     with pytest.raises(error):
-        synthetic_trajectory(rows=5).save(saved)
+        synthetic_trajectory(rows=5).save(saved, overwrite=True)
     assert untouched(saved.parent, before)
 
 
@@ -245,7 +246,7 @@ def test_a_full_disk_is_one_clear_error_and_leaves_the_old_file(saved, limit):
         trajectory = synthetic_trajectory(rows=1001)
         resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]), resource.RLIM_INFINITY))
         try:
-            trajectory.save(sys.argv[1])
+            trajectory.save(sys.argv[1], overwrite=True)
         except OSError as error:
             print(error.errno, error)
     """
@@ -262,12 +263,12 @@ def test_nan_that_came_in_after_construction_does_not_reach_a_file(saved):
     trajectory = synthetic_trajectory()
     trajectory["body/yaw"][3] = np.nan
     with pytest.raises(ValueError, match=r"dataset body/yaw is nan at index \(3,\)"):
-        trajectory.save(saved)
+        trajectory.save(saved, overwrite=True)
     assert untouched(saved.parent, before)
 
 
 def test_a_second_write_replaces_the_first(saved):
-    synthetic_trajectory(rows=5).save(saved)
+    synthetic_trajectory(rows=5).save(saved, overwrite=True)
     assert len(storage.read(saved).time) == 5
     assert [path.name for path in saved.parent.iterdir()] == [saved.name]
 
@@ -275,7 +276,7 @@ def test_a_second_write_replaces_the_first(saved):
 def test_writing_to_a_link_replaces_the_file_behind_it(saved, tmp_path):
     link = tmp_path / "latest.h5"
     link.symlink_to(saved)
-    synthetic_trajectory(rows=5).save(link)
+    synthetic_trajectory(rows=5).save(link, overwrite=True)
     assert link.is_symlink()
     assert len(storage.read(saved).time) == 5
 
@@ -377,11 +378,11 @@ def test_a_dataset_of_the_wrong_type_is_refused(saved):
 
 def test_what_a_search_adds_is_kept_and_may_be_absent(tmp_path):
     for added in ({}, {"error_target": 1e-6}, {"error_target": 1e-6, "error_estimate": 2.5e-7}):
-        synthetic_trajectory(**added).save(tmp_path / "run.h5")
+        synthetic_trajectory(**added).save(tmp_path / "run.h5", overwrite=True)
         back = storage.read(tmp_path / "run.h5").attributes
         assert {name: value for name, value in back.items() if name.startswith("error")} == added
         with h5py.File(tmp_path / "run.h5", "r") as file:
-            assert set(file.attrs) == ATTRIBUTES | added.keys()
+            assert set(file.attrs) == STORED | added.keys()
 
 
 def test_the_factory_of_these_tests_gives_all_attributes_but_the_format():
