@@ -25,9 +25,7 @@ COARSE = 1e-3  # relative error of the energy balance beyond which a run is wort
 
 @click.command()
 @click.argument("scene")
-@click.option(
-    "-o", "output", metavar="FILE", help="Output file, .h5 or as of `omnisim export`; else STEM.h5 in the current folder."
-)
+@click.option("-o", "output", metavar="FILE", help="Output file, its suffix says the format; else STEM.h5 here.")
 @click.option("--set", "overrides", metavar="KEY=VALUE", multiple=True, help="Change a key of the scene; repeatable.")
 @click.option("--force", is_flag=True, help="Replace an output file that exists.")
 @click.option("--quiet", is_flag=True, help="Print errors only.")

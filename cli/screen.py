@@ -1,15 +1,64 @@
-"""What a user sees besides results: messages, failures, the progress of a run."""
+"""What a user sees besides results: messages, failures, the progress of a run. And only sees: see `Shown`."""
 
 import os
 import signal
 import sys
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext, suppress
+from typing import Any, TextIO
 
 import click
 
+from omnisim.text import visible
+
 STOPPED, BAD_INPUT = 1, 2  # exit codes
 BAR_LENGTH = 1000
+ENDING = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+
+
+class Shown:
+    """A text stream for people: what would act on their terminal is written out, what it has no letters for too.
+
+    All that a command prints goes through here, so no title, name or path in a message needs to be thought of. Tabs
+    and newlines pass. `stream` is for what is meant to act, the progress bar.
+    """
+
+    def __init__(self, stream: TextIO, lenient: bool):
+        self.stream, self.lenient = stream, lenient
+
+    def write(self, text: str) -> int:
+        shown = visible(text, but="\t\n")
+        encoding = self.stream.encoding or "utf-8"
+        with self._errors():
+            self.stream.write(shown.encode(encoding, "backslashreplace").decode(encoding))
+        return len(text)
+
+    def flush(self) -> None:
+        with self._errors():
+            self.stream.flush()
+
+    def _errors(self) -> Any:
+        """Nobody who reads messages any more is no reason to lose a run; a result that cannot be told is an error."""
+        return suppress(OSError) if self.lenient else nullcontext()
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "buffer":
+            raise AttributeError(name)  # there is no way around this
+        return getattr(self.stream, name)
+
+
+@contextmanager
+def shown() -> Iterator[None]:
+    """stdout and stderr are Shown in this block."""
+    before = sys.stdout, sys.stderr
+    inside = [stream and Shown(stream, lenient) for stream, lenient in zip(before, (False, True), strict=True)]
+    sys.stdout, sys.stderr = inside
+    try:
+        yield
+    finally:
+        if sys.stdout is inside[0]:  # click replaces one that nobody reads
+            sys.stdout = before[0]
+        sys.stderr = before[1]
 
 
 class Failure(click.ClickException):

@@ -356,7 +356,8 @@ def _report(problems: Iterable[Problem], written: _Written) -> str:
         line, place = _nearest(places, problem.path)
         lines.append((line, f"{place}: {_key_and_value(problem.path, data)}: {problem.message}"))
     told = [message for _, message in sorted(lines, key=lambda entry: entry[0])]
-    return "\n".join([*told[:MOST_PROBLEMS], *([f"{source}: and more of this"] if len(told) > MOST_PROBLEMS else [])])
+    more = [f"{written.source}: and more of this"] if len(told) > MOST_PROBLEMS else []
+    return "\n".join([*told[:MOST_PROBLEMS], *more])
 
 
 def _nearest(places: dict[KeyPath, tuple[int, str]], path: KeyPath) -> tuple[int, str]:
