@@ -153,7 +153,8 @@ def write_value(value: Any) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{_dotted((key,))} = {write_value(entry)}" for key, entry in value.items()) + "}"
+        pairs = (f"{_dotted((key,))} = {write_value(entry)}" for key, entry in value.items())
+        return f"{{ {', '.join(pairs)} }}"
     if isinstance(value, list | tuple):
         return "[" + ", ".join(map(write_value, value)) + "]"
     if isinstance(value, str):

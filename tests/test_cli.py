@@ -144,12 +144,12 @@ def test_a_scene_is_not_overwritten_by_its_own_result(folder):
     assert (folder / "scene.toml").read_text() == text
 
 
-@pytest.mark.parametrize("broken", ["write", "replace"])
+@pytest.mark.parametrize("broken", ["write", "link"])
 def test_a_file_that_cannot_be_written_is_one_line(broken, monkeypatch, folder):
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("omnisim.storage.write_whole" if broken == "write" else "omnisim.files.os.replace", full)
+    monkeypatch.setattr("omnisim.storage.write_whole" if broken == "write" else "omnisim.files.os.link", full)
     result = command("run", SCENE)
     assert result.exit_code == 1
     last = result.stderr.splitlines()[-1]

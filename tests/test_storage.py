@@ -169,6 +169,97 @@ def test_what_a_later_version_adds_is_left_alone(saved):
     assert "body/temperature" not in storage.read(saved)
 
 
+# Checksums
+
+
+def chunks(path):
+    """{dataset of numbers: (where its first chunk begins, its size in the file)}"""
+    found = {}
+
+    def visit(name, item):
+        if isinstance(item, h5py.Dataset) and item.chunks:
+            assert item.fletcher32, name
+            chunk = item.id.get_chunk_info(0)
+            found[name] = chunk.byte_offset, chunk.size
+
+    with h5py.File(path, "r") as file:
+        file.visititems(visit)
+    return found
+
+
+def test_a_flipped_bit_is_reported_with_the_name_of_its_dataset(saved):
+    whole, found = saved.read_bytes(), chunks(saved)
+    assert found.keys() == (contract().keys() | SCALES.keys()) - STRINGS
+    for name, (begin, size) in found.items():
+        for place, bit in ((0, 1), (size // 2, 16), (size - 5, 128)):
+            flipped = bytearray(whole)
+            flipped[begin + place] ^= bit
+            saved.write_bytes(flipped)
+            assert refusal(saved) == f"truncated or damaged (dataset {name}: it does not match its checksum)"
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [("exchange", "dataset events/kind"), ("x", "dataset axis"), ("h", "dataset tangent"), ("rollers", "scene")],
+)
+def test_so_is_one_in_a_text(saved, text, name):
+    whole = saved.read_bytes()
+    pattern = text.encode() + (b"" if name.endswith("kind") else b"\0" if name != "scene" else b' \xc2\xb5"')
+    places = [place for place in range(len(whole)) if whole.startswith(pattern, place)]
+    names = []
+    for place in places:
+        flipped = bytearray(whole)
+        flipped[place] ^= 1
+        saved.write_bytes(flipped)
+        try:
+            storage.read(saved)
+        except TrajectoryError as error:
+            names.append(str(error))
+    assert any(f"{name}: it does not match its checksum" in message for message in names), names
+
+
+def test_of_a_thousand_flipped_bits_none_changes_a_number_or_the_scene_in_silence(saved):
+    written, whole = storage.read(saved), saved.read_bytes()
+    places = np.random.default_rng(5).integers(8 * len(whole), size=1000).tolist()
+    seen = 0
+    for place in places:
+        flipped = bytearray(whole)
+        flipped[place // 8] ^= 1 << place % 8
+        saved.write_bytes(flipped)
+        try:
+            back = storage.read(saved)
+        except TrajectoryError:
+            seen += 1
+        else:
+            assert all(np.array_equal(back[path], written[path]) for path in written)
+            assert back.attributes["scene"] == SCENE
+    assert seen > 500  # the others: room that holds nothing, text that only describes
+
+
+def test_a_large_dataset_is_in_chunks_of_rows_and_a_file_hardly_larger(tmp_path):
+    trajectory = synthetic_trajectory(rows=40_001)
+    trajectory.save(tmp_path / "run.h5")
+    with h5py.File(tmp_path / "run.h5") as file:
+        assert file["body/yaw"].chunks == (40_001,)
+        assert file["wheels/wheel/rollers/center_position"].chunks == (6667, 6, 3)  # 0.96 MB
+    data = sum(array.nbytes for array in trajectory.data.values() if array.dtype.kind != "U")
+    assert os.path.getsize(tmp_path / "run.h5") - data < 130_000  # 118 kB: the rest of the file and what fills chunks
+    assert all(np.array_equal(storage.read(tmp_path / "run.h5")[path], trajectory[path]) for path in trajectory)
+
+
+def test_files_written_before_there_were_checksums_are_read(saved):
+    written = synthetic_trajectory()
+    with h5py.File(saved, "r+") as file:
+        del file.attrs["scene_crc32"]
+        for path in STRINGS:
+            del file[path].attrs["crc32"]
+        for path in ("body/yaw", "energy/kinetic", "wheels/wheel/contact_roller"):
+            del file[path]
+            file[path] = written[path]
+    back = storage.read(saved)
+    assert all(np.array_equal(back[path], written[path]) for path in written)
+
+
 # xarray and HDF5 tools
 
 
@@ -267,7 +358,11 @@ def test_nan_that_came_in_after_construction_does_not_reach_a_file(saved):
     assert untouched(saved.parent, before)
 
 
-def test_a_second_write_replaces_the_first(saved):
+def test_a_second_write_replaces_the_first_only_if_told(saved):
+    before = {saved.name: saved.read_bytes()}
+    with pytest.raises(FileExistsError, match=r"exists already; overwrite=True replaces it: '.*run\.h5'$"):
+        synthetic_trajectory(rows=5).save(saved)
+    assert untouched(saved.parent, before)
     synthetic_trajectory(rows=5).save(saved, overwrite=True)
     assert len(storage.read(saved).time) == 5
     assert [path.name for path in saved.parent.iterdir()] == [saved.name]

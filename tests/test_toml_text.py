@@ -4,7 +4,18 @@ import tomllib
 
 import pytest
 
-from omnisim.toml_text import MISSING, locate, rewrite, show_path, show_value, split_key, value_at
+from omnisim.toml_text import (
+    MISSING,
+    assign,
+    is_deeper,
+    locate,
+    long_key,
+    rewrite,
+    show_path,
+    show_value,
+    split_key,
+    value_at,
+)
 
 pytestmark = pytest.mark.short
 
@@ -136,3 +147,77 @@ def test_a_text_that_cannot_be_edited_loses_comments_and_no_value():
     data = {"a": 2, "b": 3}
     assert tomllib.loads(rewrite("a = 1 # c", [(("a", "impossible"), 2)], data)) == data
     assert tomllib.loads(rewrite("a = 1 # c", [(("a",), 99)], data)) == data
+
+
+EDITED = """\
+# top
+title = "t"  # title
+
+[friction]  # law
+law = "none" # which
+[[wheels]]
+name = "a"
+drive = { kind = "free" }  # drive
+# between
+[[wheels]]
+name = "b"
+drive.kind = "torque"
+drive.torque = 1.0
+[wheel_types.omni.disk]
+mass = [
+  1.0,  # kg
+]
+"""
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "kept"),
+    [
+        (("title",), 'a "quoted" \\ µ\x7f\n', 7),
+        (("time", "end"), 1e-5, 7),
+        (("friction", "coefficient"), 0.5, 7),
+        (("friction",), {"law": "viscous", "a b": [1, True, "x"]}, 7),
+        (("wheels", 0, "drive", "kind"), "torque", 7),
+        (("wheels", 0, "drive", "deep", "er"), [[1.0, -0.0], []], 7),
+        (("wheels", 0, "spin_rate"), 2, 7),
+        (("wheels", 1, "drive", "torque"), float("inf"), 7),
+        (("wheels", 1, "drive", "times"), [0.0, 1.0], 7),
+        (("wheels", 1, "drive"), {"kind": "free"}, 7),
+        (("wheel_types", "omni", "disk", "mass"), 3.0, 6),  # the comment within the value goes
+        (("wheel_types", "omni", "radius"), 0.1, 7),
+        (("wheel_types", "a.b", "radius"), 0.1, 7),
+        (("friction", "law"), MISSING, 7),
+        (("wheels", 1, "drive"), MISSING, 7),
+        (("friction",), MISSING, 7),
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+def test_every_layout_is_edited_in_place(path, value, kept, newline):
+    text = EDITED.replace("\n", newline)
+    data = tomllib.loads(text)
+    assign(data, path, value)
+    edited = rewrite(text, [(path, value)], data)
+    assert tomllib.loads(edited) == data
+    assert edited.count("# ") == kept
+    assert text.splitlines()[0] == edited.splitlines()[0]
+
+
+def test_several_edits_do_not_get_in_each_others_way():
+    data = tomllib.loads(EDITED)
+    edits = [(("time", "end"), 1), (("time", "step"), 0.1), (("time",), {"end": 2, "step": 3}), (("title",), "x"),
+             (("title",), "y"), (("friction", "a"), 1), (("friction", "b"), 2)]  # fmt: skip
+    for path, value in edits:
+        assign(data, path, value)
+    edited = rewrite(EDITED, edits, data)
+    assert tomllib.loads(edited) == data and edited.count("# ") == 7
+
+
+def test_depth_is_that_of_the_longest_path():
+    nested = {"a": [1, {"b": {"c": 2}}]}  # a[1].b.c
+    assert not is_deeper(nested, 4) and is_deeper(nested, 3) and not is_deeper(1, 0) and is_deeper(1, -1)
+
+
+@pytest.mark.parametrize("text", ["a." * 101 + "a = 1", "x = 1\n [ " + "'b' . " * 101, "x = {" + '"c".' * 101, " " * 9])
+def test_a_key_of_very_many_parts_is_found_before_it_is_parsed(text):
+    assert long_key(text) == (text.count("\n") + 1 if "." in text else None)
