@@ -111,9 +111,8 @@ def new(file: str, force: bool, yes: bool, **given: Any) -> None:
     omnisim new kit.toml --yes                    a mecanum platform of 12 kg, to change in the editor
     omnisim new arm.toml --kind kiwi --wheel-radius 50mm --distance 15cm --mass 3 --torque "10 kg cm"
     """
-    from omnisim.files import write_whole
     from omnisim.scene import SceneError, parse
-    from omnisim_cli.output import output_path
+    from omnisim_cli.output import deliver, output_path
 
     if Path(file).suffix != ".toml":
         raise Failure(f"{file}: a scene is a TOML file; choose a name that ends in .toml", BAD_INPUT)
@@ -129,7 +128,7 @@ def new(file: str, force: bool, yes: bool, **given: Any) -> None:
         once = {said: f"{key}: {said}" for key, said in without_place}  # what is wrong with all wheels, of the first
         told = "\n".join(reversed(once.values()))
         raise Failure(f"these numbers make no machine; nothing was written\n{told}", BAD_INPUT)
-    write_whole({path: text.encode()})
+    deliver({path: text.encode()}, force)
     click.echo(path)
     note(f"next: omnisim info {path}; omnisim run {path}; omnisim view {path.stem}.h5 --open")
 
