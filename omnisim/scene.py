@@ -105,7 +105,7 @@ class _Override:
 
 
 def load(source: str | PathLike[str], overrides: Overrides = ()) -> Scene:
-    """The scene in a file, TOML or a trajectory that holds it, or else the packaged one of that name, overrides applied.
+    """The scene in a file, TOML or trajectory, or else the packaged one of that name, with overrides applied.
 
         omnisim.load("youbot", {"friction.coefficient": 0.3, "wheels.front_left.spin_rate": 2.0})
         omnisim.load("scene.toml", {"time": {"end": 1.0}})       tables of keys: each is set, the others stay

@@ -63,7 +63,7 @@ def show_page(trajectory: Trajectory, path: str | PathLike[str] | None, overwrit
     path = Path(path_text("view", path))
     if path.exists() and not overwrite:
         raise FileExistsError(EEXIST, "exists already; overwrite=True replaces it", str(path))
-    write_whole({path: text.encode()})
+    write_whole({path: text.encode()}, overwrite)
     if show:
         webbrowser.open(path.resolve().as_uri())
     return path
