@@ -27,6 +27,7 @@ MOST_SWEEPS = 500  # over the wheels
 MOST_ROUNDS = 100  # of loads
 SETTLED = 1e-15  # change of forces and loads, relative to the largest, and of a share
 STEADY = 1e-12  # correction of a direction by Newton's method: the next would be lost in rounding
+LOST = 1e-12  # of the load times the radius, a torque that is lost in rounding
 ROUNDING = 1e-11  # a change below which, if it no longer falls, is rounding
 
 
@@ -163,9 +164,12 @@ def share_load(machine, wheel, room, w):
     t_low, t_high = turning(machine, room, w, 0.0), turning(machine, room, w, 1.0)
     low, high = 0.0, 1.0
     part.share_margin = min(t_low, -t_high)
+    lost = LOST * abs(part.normal_force) * wheel.radius
     share = 0.5
-    if t_low > t_high:
+    if t_low - t_high > lost:
         share = min(max(t_low / (t_low - t_high), 0.0), 1.0)
+    elif min(t_low, t_high) > lost or max(t_low, t_high) < -lost:  # one of them will carry on, by the sense of both
+        share = 1.0 if t_low > 0.0 else 0.0
     if (room.resting[0].rest or room.resting[1].rest) and t_low > 0.0 > t_high:
         side = 0
         for _ in range(MOST_ITERATIONS):  # regula falsi, Illinois variant

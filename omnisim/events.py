@@ -27,8 +27,8 @@ import numpy as np
 from omnisim.actuation import limit_guard, next_limit
 from omnisim.contact.coulomb import CREEP, SLIP, STICK
 from omnisim.contact.reaction import COULOMB, SATURATED
-from omnisim.exchange import comes_to_rest_between, leave_edge, release_rollers, stand_on
-from omnisim.grip import CONE, CREEP_SPEED, come_to_rest, cone_rounding, rest_speed, start_creep, start_slip, youth
+from omnisim.exchange import comes_to_rest_between, edge_rounding, leave_edge, release_rollers, stand_on
+from omnisim.grip import CREEP_SPEED, come_to_rest, cone_rounding, rest_speed, start_creep, start_slip, youth
 from omnisim.kernel import kernel, merged, outlined
 from omnisim.loads import LEAST_REGULAR
 from omnisim.parameters import CONTACTS
@@ -44,8 +44,7 @@ LOAD_PLAY = 1e-12  # of the weight: in the rounding of its load a wheel that has
 MOST_CHANGES = 50  # of modes that follow one another at one instant
 MOST_TRIED = 10  # wheels of which all sets are tried
 ON_A_LINE = 1e-9  # of the extent of the wheels squared
-SLIP_ROUNDING = 0.1  # of the slip that no longer matters
-CREEP_ROUNDING = 1e-3  # of the same: what contacts that let go together may slip back
+CREEP_ROUNDING = 1e-3  # of the slip that no longer matters: what contacts that let go together may slip back
 EXCHANGE, STUCK, SLIPS, LIFT, LANDING, SHARED, PARTED, STOP = range(len(EVENT_KINDS))
 
 EVENT = np.dtype(
@@ -71,7 +70,7 @@ def guard(parameters, clock, mode, kind, w, side, y, watch):
         rounding = ANGLE_ROUNDING * (1.0 + abs(spin_angle))  # an edge reached to rounding is reached
         return direction * (roller_end(wheel, mode[w].roller, direction) - spin_angle) - rounding
     if kind == SHARE:
-        return watch[w].share_margin + share_rounding(parameters, mode[w], w, y, watch[w]) if mode[w].shared else 0.0
+        return watch[w].share_margin + edge_rounding(parameters, mode[w], w, y, watch[w]) if mode[w].shared else 0.0
     if kind == LOAD:
         play = LOAD_PLAY * machine.mass * machine.gravity
         return watch[w].normal_force if mode[w].loaded else play - watch[w].normal_force
@@ -93,15 +92,6 @@ def guard(parameters, clock, mode, kind, w, side, y, watch):
     if mode[w].shared:
         return CREEP_SPEED - math.sqrt(watch[w].slip_square[side])
     return youth(parameters, clock, mode[w], watch[w]) if mode[w].grip[side] == CREEP else 0.0
-
-
-@kernel
-def share_rounding(parameters, mode, w, y, watch):
-    """Rounding of the torques that push a wheel back onto its edge, N m: of the load, and of friction of tiny slip."""
-    force = CONE * watch.normal_force
-    for side in range(2):
-        force += SLIP_ROUNDING * rest_speed(parameters, mode, w, side, y) * watch.factor[side]
-    return force * parameters.wheels[w].radius
 
 
 @kernel

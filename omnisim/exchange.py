@@ -1,48 +1,21 @@
-"""Which roller carries the wheel: at the start, when the next one takes over, and when two of them do."""
+"""Which roller carries the wheel: when the next one takes over, and when two of them do. onset.py has the start."""
 
 import math
 
 from omnisim.contact.coulomb import SLIP
 from omnisim.contact.reaction import COULOMB, SATURATED
 from omnisim.contact.tracking import EXPLICIT, explicit_touches, implicit_touches, roller_axis
-from omnisim.grip import come_to_rest, rests
+from omnisim.coupled import LOST
+from omnisim.grip import come_to_rest, rest_speed, rests
 from omnisim.kernel import kernel, merged, outlined
-from omnisim.runge_kutta import refresh
+from omnisim.runge_kutta import copy, evaluate, refresh
 from omnisim.state import places, rate_place
 from omnisim.wheel import azimuth, rho_of, roller_end
 
 ON_EDGE = 1e-14  # of a radian and of the spin angle: so near to the edge is on it
 SWING = 1 / 200  # of a step: a swing about an edge and back that is shorter is none
-
-
-@outlined
-def stand_up(parameters, run):
-    """The mode of every wheel at t = 0 as far as its spin tells it; friction is not asked yet."""
-    at = places(parameters)
-    for w in range(len(run.mode)):
-        mode = run.mode[w]
-        ahead, behind = touching(parameters, w, run.y)
-        backwards = run.y[at.spin_rate + w] < 0.0
-        mode.direction, mode.loaded = -1 if backwards else 1, 1
-        take_rollers(parameters, run, w, behind if backwards else ahead, False)
-    refresh(parameters, run, 0.0)
-
-
-@outlined
-def settle(parameters, run, w):
-    """The mode of wheel w at t = 0: on an edge the sense of spin tells the roller, and without spin its acceleration.
-
-    Whether the wheel rests on both rollers there.
-    """
-    at, mode = places(parameters), run.mode[w]
-    ahead, behind = touching(parameters, w, run.y)
-    stand_on(parameters, run, w, mode.roller, False, 0.0)
-    if run.y[at.spin_rate + w] == 0.0 and run.slopes[0, at.spin_rate + w] < 0.0:
-        mode.direction = -1
-        stand_on(parameters, run, w, behind, False, 0.0)
-        if ahead != behind and run.slopes[0, at.spin_rate + w] > 0.0:
-            rest_on_both(parameters, run, w, ahead, 0.0)
-    return mode.shared
+MOMENTS = 3  # of this length, after which a torque that grows from nothing is there
+SLIP_ROUNDING = 0.1  # of the slip that no longer matters
 
 
 @merged
@@ -61,11 +34,58 @@ def comes_to_rest_between(parameters, run, w, t):
     here, neighbour = mode.roller, mode.roller + mode.direction
     release_rollers(parameters, run, w)
     stand_on(parameters, run, w, neighbour, False, t)
-    if mode.direction * run.slopes[0, at.spin_rate + w] >= 0.0:
+    if hold_on(parameters, run, w, t) >= 0.0:
         stand_on(parameters, run, w, here, False, t)
         return False
     rest_on_both(parameters, run, w, max(here, neighbour), t)
     return True
+
+
+@outlined
+def hold_on(parameters, run, w, t):
+    """Torque with which wheel w, on an edge without spin, holds on to the mode that it has there, N m.
+
+    On one roller J phi'' in the sense of `direction`, away from the edge if the roller is to carry on; on two the one
+    with which each pushes back. Where that is lost in rounding, it is what it will be some moments later: the first is
+    seen of a torque that grows from nothing, the next of the slip that follows, and of smooth friction. Else 0.
+    """
+    clock, trial, slope, watch = run.clock, run.trial, run.slopes[1], run.watch_end[w]
+    rounding = edge_rounding(parameters, run.mode[w], w, run.y, run.watch[w])
+    torque = hold_of(parameters, run.mode[w], w, run.slopes[0], run.watch[w])
+    if abs(torque) > rounding:
+        return torque
+    moment = SWING * clock.dt
+    copy(run.y, trial)
+    copy(run.slopes[0], slope)
+    for later in range(MOMENTS):
+        for m in range(len(trial)):
+            trial[m] += moment * slope[m]
+        evaluate(parameters, run.mode, clock.piece, t + (later + 1) * moment, trial, slope, run.watch_end)
+        clock.rhs += 1
+        torque = hold_of(parameters, run.mode[w], w, slope, watch)
+        if abs(torque) > rounding:
+            run.watch[w].share = watch.share  # which of the two will carry on
+            return torque
+    return 0.0
+
+
+@kernel
+def hold_of(parameters, mode, w, slope, watch):
+    """That torque by the derivative `slope` and the by-products `watch` of a state."""
+    if mode.shared:
+        return watch.share_margin
+    return mode.direction * slope[places(parameters).spin_rate + w] / parameters.wheels[w].spin_mobility
+
+
+@kernel
+def edge_rounding(parameters, mode, w, y, watch):
+    """Rounding of such a torque, N m: of the load, and on two rollers of friction of tiny slip."""
+    force = LOST * abs(watch.normal_force)
+    if mode.shared:
+        for side in range(2):
+            if mode.grip[side] == SLIP:
+                force += SLIP_ROUNDING * rest_speed(parameters, mode, w, side, y) * watch.factor[side]
+    return force * parameters.wheels[w].radius
 
 
 @kernel
@@ -114,7 +134,7 @@ def renew_friction(parameters, run, w, t):
             refresh(parameters, run, t)
 
 
-@merged
+@outlined
 def touching(parameters, w, y):
     """The rollers of wheel w that touch the floor at state `y`, counted on through every turn: (ahead, behind).
 

@@ -15,21 +15,20 @@ from omnisim.events import (
     GRIP,
     GUARDS,
     OF_WHEEL,
-    SHARED,
     TURN,
     all_hold,
     guard,
-    record,
     settle_others,
     settle_slips,
     transition,
 )
-from omnisim.exchange import release_rollers, settle, stand_up
+from omnisim.exchange import release_rollers
 from omnisim.extremes import begin_interval, follow, follow_again
 from omnisim.grip import begin_to_stop, hold, outrun, rests, step_length, stopped_speed, stops
 from omnisim.implicit import implicit_step
 from omnisim.joints import hold_bodies
 from omnisim.kernel import kernel, merged, outlined
+from omnisim.onset import stand
 from omnisim.parameters import MULTIBODY
 from omnisim.runge_kutta import accept, copy, explicit_step, refresh
 from omnisim.state import places
@@ -71,12 +70,7 @@ def march(parameters, method, run, rows, log):
     clock = run.clock
     if clock.row == 0 and clock.status == RUNNING:
         sampled(parameters, run, False)
-        stand_up(parameters, run)
-        for w in range(len(run.mode)):
-            if settle(parameters, run, w):
-                ahead, rollers = run.mode[w].roller, parameters.wheels[w].rollers
-                record(clock, log, 0.0, SHARED, w, ahead % rollers, (ahead - 1) % rollers)
-        settle_others(parameters, run, log, 0.0)
+        stand(parameters, run, log)
         check(parameters, run)
         bearings, currents = parameters.machine.bearing_relaxation, parameters.machine.current_relaxation
         if clock.status == RUNNING:

@@ -6,8 +6,12 @@ from pathlib import Path
 import numpy as np
 
 import omnisim
+from omnisim.events import EVENT
+from omnisim.onset import stand
 from omnisim.packing import pack
+from omnisim.records import blank
 from omnisim.start import begin
+from omnisim.status import EVENTS_PER_STEP
 
 REFERENCE = Path(__file__).parent / "reference"
 REFERENCE_CASES = ("testbench_psi0", "testbench_psi30")
@@ -62,6 +66,13 @@ def packed(scene):
     """Parameters and a Run at t = 0 of a scene."""
     parameters = pack(scene.config)
     return parameters, begin(scene.config, parameters)
+
+
+def standing(scene):
+    """The same with the modes of t = 0 and their derivative."""
+    parameters, run = packed(scene)
+    stand(parameters, run, blank(EVENT, 4 * EVENTS_PER_STEP))
+    return parameters, run
 
 
 def wheel_record(radius=0.1, roller_distance=0.068, rollers=4, psi_deg=30.0):

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from scenes import packed, reference_scene
+from scenes import packed, reference_scene, standing
 
 from omnisim.dynamics import rhs
-from omnisim.exchange import settle, stand_up
 from omnisim.observables import datasets
 from omnisim.start import blank_rows
 from omnisim.state import YAW, places_of
@@ -34,9 +33,7 @@ def random_runs(psi, law, tracking="explicit", count=10):
             f"wheels.wheel.spin_angle_deg={100 * spin}", f"wheels.wheel.spin_rate={5 * spin_rate}",
             f"wheels.wheel.roller_rates={(5 * rng.normal(size=4)).round(3).tolist()}", f"solver.tracking={tracking}",
         ]  # fmt: skip
-        parameters, run = packed(reference_scene("testbench_psi30", *overrides, *PUSHED))
-        stand_up(parameters, run)
-        settle(parameters, run, 0)
+        parameters, run = standing(reference_scene("testbench_psi30", *overrides, *PUSHED))
         yield parameters, run
 
 

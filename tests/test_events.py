@@ -5,10 +5,10 @@ import math
 
 import numpy as np
 import pytest
-from scenes import packed, reference_scene, simulate
+from scenes import reference_scene, simulate, standing
 
 import omnisim
-from omnisim.exchange import settle, stand_up, touching
+from omnisim.exchange import touching
 
 STILL = ("initial.velocity=[0, 0]", "initial.yaw_rate=0", "wheels.wheel.roller_rates=0")
 EDGE = "wheels.wheel.spin_angle_deg=45"  # the common edge of rollers 0 and 1 of the four-roller wheel
@@ -167,12 +167,10 @@ def test_the_rollers_that_touch_are_found_by_either_contact_condition(tracking):
         (720.0, (8, 8)),
         (-45.0, (0, -1)),
     ):
-        parameters, run = packed(
+        parameters, run = standing(
             reference_scene("testbench_psi30", f"wheels.wheel.spin_angle_deg={degrees}", f"solver.tracking={tracking}")
         )
         assert touching(parameters, 0, run.y) == expected
-        stand_up(parameters, run)
-        settle(parameters, run, 0)
         assert run.mode[0].roller == expected[0]  # positive spin
 
 

@@ -41,6 +41,7 @@ LAYERS = (
     ("grip",),
     ("exchange",),
     ("events", "extremes"),
+    ("onset",),
     ("stepper",),
     ("statics", "model"),
     ("slopes",),

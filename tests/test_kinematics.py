@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from scenes import packed, reference_scene
+from scenes import packed, reference_scene, standing
 
 from omnisim.contact.kinematics import Motion, inverse_mass, joint_rate, slip_acceleration, slip_velocity
 from omnisim.contact.tracking import explicit_contact, roller_axis
-from omnisim.exchange import settle, stand_up
 from omnisim.state import places_in
 from omnisim.wheel import body_motion, contact_state, external_wrench
 
@@ -75,9 +74,7 @@ def test_the_slip_acceleration_is_a_f_plus_b(psi):
             "wheels.wheel.drive={kind='torque', torque=0.7}", "wrench.times=[0.0]", "wrench.force=[[0.4, -0.3, 2.0]]",
             "wrench.yaw_torque=[0.06]", "friction.slip_speed=0.5",
         )  # fmt: skip
-        parameters, run = packed(scene)
-        stand_up(parameters, run)
-        settle(parameters, run, 0)
+        parameters, run = standing(scene)
 
         def state_at(y, parameters=parameters, run=run):
             return contact_state(parameters, run.mode[0], 0, 0, body_motion(parameters, y), y)
