@@ -82,7 +82,7 @@ def test_both_formulations_start_from_an_edge_as_one(count, backwards, right):
         assert kinds(reduced) == kinds(multibody), seed
         last = divergence(reduced, multibody)[-1]
         worst = max(worst, last.position, last.angle)
-    assert worst < 1e-9
+    assert worst < 1e-9  # m, rad; measured: 4e-13
 
 
 @pytest.mark.parametrize("kind", ["omni", "mecanum"])
@@ -99,10 +99,10 @@ def test_all_wheels_of_a_machine_start_from_an_edge(kind, torque):
     data["solver"] = {"method": "dopri5"}
     reduced, multibody = both(lambda *overrides: scene(data, *overrides))
     last = divergence(reduced, multibody)[-1]
-    assert max(last.position, last.angle) < 1e-9
+    assert max(last.position, last.angle) < 1e-9  # measured: 4e-12
     assert kinds(reduced) == kinds(multibody)
     image = omnisim.simulate(scene(mirrored(data)))
-    assert np.abs(image["body/position"] - reduced["body/position"] * [1.0, -1.0, 1.0]).max() < 1e-12
+    assert np.abs(image["body/position"] - reduced["body/position"] * [1.0, -1.0, 1.0]).max() < 1e-12  # measured: 0
 
 
 # --- the scene that both saw in two ways ------------------------------------------------------------------------------
@@ -115,11 +115,11 @@ def test_a_pulled_wheel_leaves_its_edge_in_both():
     reduced, multibody = both(edge_start)
     assert len(reduced["events/kind"]) == len(multibody["events/kind"]) == 0
     last = divergence(reduced, multibody)[-1]
-    assert max(last.position, last.angle) < 1e-9
+    assert max(last.position, last.angle) < 1e-9  # measured: 1e-16
     coarse = omnisim.simulate(edge_start("solver.formulation=multibody", "time.step=4e-4"))
-    assert np.abs(final_state(coarse) - final_state(multibody)).max() < 1e-9
+    assert np.abs(final_state(coarse) - final_state(multibody)).max() < 1e-9  # measured: 5e-14
     implicit = omnisim.simulate(edge_start("solver.tracking=implicit"))
-    assert np.abs(final_state(implicit) - final_state(reduced)).max() < 1e-9
+    assert np.abs(final_state(implicit) - final_state(reduced)).max() < 1e-9  # measured: 3e-18
 
 
 def accelerations(data: dict, q: float) -> np.ndarray:
@@ -170,7 +170,7 @@ def test_the_roller_is_the_one_that_a_dense_solution_allows():
     assert ahead[0] > 0.04 and behind[0] > 0.04  # rad/s^2: 0.0429 and 0.187
     for run in both(edge_start, "time.end=2e-4", "time.output_interval=1e-4"):
         found = np.array([run[f"wheels/{wheel}/spin_acceleration"][0] for wheel in run.wheels])
-        assert np.abs(found - ahead).max() < 1e-12 * np.abs(ahead).max()
+        assert np.abs(found - ahead).max() < 1e-12 * np.abs(ahead).max()  # measured: 4e-16
 
 
 def test_smooth_friction_moves_to_the_same_motion_as_its_slip_falls():
@@ -179,7 +179,7 @@ def test_smooth_friction_moves_to_the_same_motion_as_its_slip_falls():
         law = ("friction.law=regularized", f"friction.slip_speed={speed}", "solver.method=radau5", "time.step=1e-3")
         errors.append(np.abs(final_state(omnisim.simulate(edge_start(*law))) - coulomb).max())
     ratios = np.array(errors[:-1]) / errors[1:]
-    assert np.all((ratios > 8.0) & (ratios < 12.0)) and errors[-1] < 1e-5, errors  # first order in the slip speed
+    assert np.all((ratios > 8.0) & (ratios < 12.0)) and errors[-1] < 1e-5, errors  # first order; measured: 1.9e-6
 
 
 # --- one wheel twisted on its edge ------------------------------------------------------------------------------------
@@ -212,7 +212,7 @@ def test_a_wheel_that_sticks_on_both_leaves_when_they_push_no_more():
     """The yaw torque falls through zero at half the time. It used to be held to the end."""
     for run in both(twisted([0.02, -0.02])):
         assert run["events/kind"].tolist() == ["share_begin", "share_end"]
-        assert abs(run["events/time"][1] - 0.005) < 1e-10  # s
+        assert abs(run["events/time"][1] - 0.005) < 1e-10  # s; measured: 7e-13
         assert (run["wheels/wheel/contact_share"][5 + 1 :] == 1.0).all()
 
 
@@ -226,4 +226,4 @@ def test_where_each_would_roll_away_the_free_torque_decides_and_else_it_is_forwa
     for run in (reduced, multibody, smooth):
         assert (sense * run["wheels/wheel/spin_rate"][1:] > 0.0).all() and not kinds(run)
     last = divergence(reduced, multibody)[-1]
-    assert max(last.position, last.angle) < 1e-12
+    assert max(last.position, last.angle) < 1e-12  # measured: 3e-16
