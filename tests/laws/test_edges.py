@@ -50,7 +50,7 @@ def start(seed: int, count: int, backwards: bool, right: bool) -> dict:
         edge = phase + pitch * (int(random.integers(-2, 3)) + 0.5)  # one of several, on either side of 0
         wheel = {"name": f"w{i}", "type": "t", "phase_deg": phase, "mirrored": right != (i % 2 == 1)}
         wheel["spin_angle_deg"] = edge if i == 0 or random.random() < 0.7 else float(random.uniform(0.0, 360.0))
-        if random.random() < 0.6 or i == count - 1:
+        if i == count - 1 or (i > 0 and random.random() < 0.5):  # the first of several is pulled along
             torque = 10.0 ** random.uniform(-4.0, 0.7)  # from next to nothing to more than friction holds
             wheel["drive"] = {"kind": "torque", "torque": -torque if backwards else torque}
         if count > 1:
@@ -58,8 +58,7 @@ def start(seed: int, count: int, backwards: bool, right: bool) -> dict:
             wheel["position"] = [0.3 * float(np.cos(azimuth)), 0.3 * float(np.sin(azimuth))]
             wheel["heading_deg"] = float(np.degrees(azimuth) + 90.0 + random.normal(0.0, 20.0))
         wheels.append(wheel)
-    wrench = {"times": [0.0], "yaw_torque": [float(random.normal(0.0, 0.3))]}
-    wrench["force"] = [[*map(float, random.normal(0.0, 1.0, 2)), 0.0]]
+    wrench = {"times": [0.0], "yaw_torque": [float(random.normal(0.0, 0.3))]}  # on a wheel alone
     chassis = {"mass": 7.6, "center_of_mass": [0.0, 0.0, 0.09], "inertia": [0.16, 0.17, 0.32]}
     return {
         "schema": 1,
@@ -68,8 +67,7 @@ def start(seed: int, count: int, backwards: bool, right: bool) -> dict:
         "friction": {"law": "coulomb", "coefficient": float(random.uniform(0.2, 0.8))},
         "wheel_types": {"t": kind},
         "wheels": wheels,
-        "wrench": wrench,
-    } | ({"chassis": chassis} if count > 1 else {})
+    } | ({"chassis": chassis} if count > 1 else {"wrench": wrench})
 
 
 @pytest.mark.parametrize(("count", "backwards", "right"), list(product((1, 3), (False, True), (False, True))))
@@ -82,7 +80,7 @@ def test_both_formulations_start_from_an_edge_as_one(count, backwards, right):
         assert kinds(reduced) == kinds(multibody), seed
         last = divergence(reduced, multibody)[-1]
         worst = max(worst, last.position, last.angle)
-    assert worst < 1e-9  # m, rad; measured: 4e-13
+    assert worst < 1e-9  # m, rad; measured: 1.4e-13
 
 
 @pytest.mark.parametrize("kind", ["omni", "mecanum"])
