@@ -71,13 +71,14 @@ def result_path(text: str, source: str, force: bool) -> Path:
     from omnisim.export import FORMATS, ExportError, outputs
     from omnisim_cli.output import output_path
 
-    suffix = Path(text).suffix.lower()
-    if suffix in HDF5 or text.endswith("/"):
-        return output_path(text, source, force)
+    path, suffix = output_path(text, source, force), Path(text).suffix.lower()
+    if suffix in HDF5:
+        return path
     if suffix not in FORMATS:
         raise Failure(f"{visible(text)}: the suffix says the format; take one of .h5, {', '.join(FORMATS)}", BAD_INPUT)
     try:
-        path, *_ = [output_path(str(path), source, force) for path in outputs(text)]
+        for beside in outputs(text)[1:]:
+            output_path(str(beside), source, force)
     except ExportError as error:
         raise Failure(str(error), BAD_INPUT) from None
     return path

@@ -284,7 +284,7 @@ def test_run_writes_what_the_suffix_says(here):
         (("view", "made.h5", "-o", "out"), ("out: a page is .html",)),
         (("run", "scene.toml", "-o", "there.csv"), ("there.events.csv: exists already; --force",)),
         (("run", "made.h5", "-o", "../nowhere/x.h5"), ("there is no folder",)),
-        (("run", "scene.toml", "-o", "scene.toml"), ("suffix",)),
+        (("run", "scene.toml", "-o", "scene.toml"), ("the input itself",)),
     ],
     ids=str,
 )
