@@ -134,7 +134,8 @@ def new(file: str, force: bool, yes: bool, **given: Any) -> None:
 
 
 def written(robot: Robot, command: str) -> str:
-    from omnisim.design import DesignError, scene_text
+    from omnisim.design import DesignError
+    from omnisim.first_scene import scene_text
 
     try:
         return scene_text(robot, command)

@@ -11,8 +11,9 @@ from click.testing import CliRunner
 from commands import command
 
 import omnisim
-from omnisim.design import KINDS, Controller, DesignError, Motor, Robot, part, scene_text
+from omnisim.design import KINDS, Controller, DesignError, Motor, Robot, part
 from omnisim.estimates import estimates
+from omnisim.first_scene import scene_text
 from omnisim.scene import parse
 from omnisim.solids import gap, hub_radius
 from omnisim.toml_text import show_path

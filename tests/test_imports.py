@@ -17,7 +17,7 @@ LAYERS = (
     ("angle", "vector", "state", "tableau", "status", "config"),
     ("roller", "contact.tracking", "problems", "trajectory", "ideal", "solids", "drives"),
     ("rules", "machine_rules", "estimates"),
-    ("validation", "plausibility", "design", "storage"),
+    ("validation", "plausibility", "design", "first_scene", "storage"),
     ("scene",),
     ("contact.kinematics", "export", "report", "commanded"),
     ("contact.reaction", "contact.coulomb", "contact.contensou"),
