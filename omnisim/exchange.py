@@ -22,7 +22,7 @@ SLIP_ROUNDING = 0.1  # of the slip that no longer matters
 def comes_to_rest_between(parameters, run, w, t):
     """Whether a wheel that has just turned back now rests on two rollers; if so, it does from here on.
 
-    Its swings about the edge have become too short to follow, and the neighbour would push it back as well.
+    Its swings about the edge have become too short to follow, and the neighbour would push it back as well, or not on.
     """
     wheel, mode, at = parameters.wheels[w], run.mode[w], places(parameters)
     edge = roller_end(wheel, mode.roller, mode.direction)
@@ -34,7 +34,7 @@ def comes_to_rest_between(parameters, run, w, t):
     here, neighbour = mode.roller, mode.roller + mode.direction
     release_rollers(parameters, run, w)
     stand_on(parameters, run, w, neighbour, False, t)
-    if hold_on(parameters, run, w, t) >= 0.0:
+    if hold_on(parameters, run, w, t) > 0.0:  # what nothing turns rests on both as well
         stand_on(parameters, run, w, here, False, t)
         return False
     rest_on_both(parameters, run, w, max(here, neighbour), t)
