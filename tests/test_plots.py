@@ -323,9 +323,9 @@ def test_ticks_of_thousands_of_events_are_thinned_too():
     run.data["events/wheel"] = np.array(["wheel"] * 6001)
     run.data["events/time"] = np.linspace(0.0, 1.0, 6001)
     strip = plots.slip(run).axes[-1]
-    assert [text.get_text() for text in strip.get_yticklabels()] == ["slip\nevery 21st of 6001"]
+    assert [text.get_text() for text in strip.get_yticklabels()] == ["slip\nevery 13th of 6001"]
     (ticks,) = strip.get_lines()
-    assert 280 < len(ticks.get_xdata()) <= 301 and set(ticks.get_xdata()[[0, -1]]) == {0.0, 1.0}
+    assert 450 < len(ticks.get_xdata()) <= 501 and set(ticks.get_xdata()[[0, -1]]) == {0.0, 1.0}
 
 
 def test_ordinals():

@@ -68,7 +68,7 @@ def draw_path(axes: Axes, runs: Runs) -> None:
         axes.plot(x, y, **look(number, 0, len(runs)), label=name)
         axes.plot(x[0], y[0], **RING, markeredgecolor=colour)
         lines |= draw_others(axes, run, number, len(runs))
-        draw_machine(axes, run, colour)
+        draw_machine(axes, run, colour, filled=len(runs) == 1)
         draw_heading(axes, run, colour)
         draw_marks(axes, run, colour, every)
     ink = {"color": INK} if len(runs) > 1 else {}
@@ -106,11 +106,11 @@ def draw_others(axes: Axes, run: Trajectory, number: int, runs: int) -> dict[str
     return lines
 
 
-def draw_machine(axes: Axes, run: Trajectory, colour: str) -> None:
+def draw_machine(axes: Axes, run: Trajectory, colour: str, filled: bool) -> None:
     """The machine from above at a few instants, if its scene can be read."""
     config = config_of(run)
     if config is not None:
-        draw_outlines(axes, config, np.column_stack([run["body/position"][:, :2], run["body/yaw"]]), colour)
+        draw_outlines(axes, config, np.column_stack([run["body/position"][:, :2], run["body/yaw"]]), colour, filled)
 
 
 def draw_heading(axes: Axes, run: Trajectory, colour: str) -> None:

@@ -49,7 +49,7 @@ def instants(way: np.ndarray, size: float) -> np.ndarray:
     return np.unique(np.append(way.searchsorted(np.linspace(0.0, way[-1], parts + 1)[:-1]), len(way) - 1))
 
 
-def draw_outlines(axes: Axes, config: Config, poses: np.ndarray, colour: str) -> None:
+def draw_outlines(axes: Axes, config: Config, poses: np.ndarray, colour: str, filled: bool) -> None:
     """Outlines at some of the poses x, y, yaw (T, 3). None where the path is short beside the machine."""
     polygons, front = outline(config)
     corners = np.concatenate(polygons)
@@ -60,6 +60,7 @@ def draw_outlines(axes: Axes, config: Config, poses: np.ndarray, colour: str) ->
     rows = instants(way, size)
     drawn = [moved(polygon, pose) for pose in poses[rows] for polygon in polygons]
     marks = [moved(front, pose) for pose in poses[rows]]
-    axes.add_collection(PolyCollection(drawn, facecolor=colour, edgecolor=colour, alpha=0.18, zorder=1.1))
+    look = {"facecolor": colour, "alpha": 0.18} if filled else {"facecolor": "none", "alpha": 0.5}
+    axes.add_collection(PolyCollection(drawn, edgecolor=colour, **look, zorder=1.1))
     axes.add_collection(PolyCollection(marks, facecolor=colour, linewidth=0.0, alpha=0.35, zorder=1.1))
     axes.update_datalim(np.concatenate(drawn))

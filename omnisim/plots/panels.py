@@ -16,7 +16,7 @@ from omnisim.trajectory import Trajectory
 
 WIDTH, PANEL, LANE = 9.0, 1.9, 0.3  # inches: a figure, the height of a panel, of one kind of events
 TALLEST = 10.0  # inches: panels together
-MANY, MOST_TICKS = 100, 300  # in a lane: ticks are fine; more of a kind would be one bar
+MANY, MOST_TICKS = 100, 500  # in a lane: ticks are fine; more of a kind would be one bar
 
 Curves = Mapping[str, np.ndarray]  # values (T) by the name of the part, a wheel for one; empty where there is but one
 Bands = Mapping[str, tuple[np.ndarray, np.ndarray]]  # lowest and highest values (T) since the row before, by part
