@@ -255,22 +255,24 @@ def test_a_band_reaches_as_far_as_the_extremes_between_rows(name, label, path):
 
 
 def test_extremes_of_bearing_loads_and_of_odometry_are_bands(kiwi):
-    figure = plots.bearings(kiwi)
-    assert not axes_of(figure, "axle, axial, N").collections
-    run = Trajectory(kiwi.attributes, kiwi.data)
-    force = kiwi["wheels/left/bearing_force"][:, 1]
-    run.data["interval_max/wheels/left/bearing_axial_force"] = force + 0.1
-    run.data["interval_min/wheels/left/bearing_axial_force"] = force - 20.0
-    run.data["interval_max/wheels/left/rollers/bearing_radial_force"] = np.full((len(run.time), 18), 70.0)
-    run.data["interval_max/odometry/position_error"] = np.full(len(run.time), 0.3)
-    figure = plots.bearings(run)
-    (band,) = axes_of(figure, "axle, axial, N").collections
-    assert band.get_paths()[0].vertices[:, 1].max() == np.abs(force - 20.0).max()  # whichever its sign
-    (band,) = axes_of(figure, "roller, radial, N").collections
-    assert band.get_paths()[0].vertices[:, 1].max() == 70.0
-    for figure, label in ((plots.odometry(run), "error of position, m"), (plots.path(run), "distance, m")):
-        (band,) = axes_of(figure, label).collections
-        assert band.get_paths()[0].vertices[:, 1].max() == 0.3
+    """As high as `info` has the peak, whichever its sign, and higher than any row."""
+
+    def top(figure, label, part):
+        (band,) = [one for one in axes_of(figure, label).collections if one.get_label() == f"band of {part}"]
+        return band.get_paths()[0].vertices[:, 1].max()
+
+    bearings, of = plots.bearings(kiwi), "wheels/left"
+    for label, path in (("axle, axial, N", f"{of}/bearing_axial_force"),
+                        ("roller, axial, N", f"{of}/rollers/bearing_axial_force")):  # fmt: skip
+        peak = max(np.abs(kiwi[f"{group}/{path}"]).max() for group in ("interval_max", "interval_min"))
+        assert top(bearings, label, "left") == peak > lines(bearings, label)["left"][1].max()
+    for label, path in (("axle, radial, N", f"{of}/bearing_radial_force"),
+                        ("roller, radial, N", f"{of}/rollers/bearing_radial_force"),
+                        ("roller, tilting moment, N m", f"{of}/rollers/bearing_tilting_moment")):  # fmt: skip
+        assert top(bearings, label, "left") == kiwi[f"interval_max/{path}"].max()
+    error = kiwi["interval_max/odometry/position_error"].max()
+    assert top(plots.odometry(kiwi), "error of position, m", "distance") == error
+    assert top(plots.path(kiwi), "distance, m", "odometry from machine") == error
 
 
 def test_beside_the_path_stand_the_commanded_one_and_that_of_the_odometry(kiwi):

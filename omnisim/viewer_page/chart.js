@@ -15,8 +15,8 @@ function spread(low, high, least) {
 }
 
 export class Chart {
-  constructor(element, select, motion, wheels, seek) {
-    Object.assign(this, { element, select, motion, seek, quantities: quantities(motion, wheels) });
+  constructor({ element, select, note }, motion, wheels, seek) {
+    Object.assign(this, { element, select, note, motion, seek, quantities: quantities(motion, wheels) });
     select.append(...Object.keys(this.quantities).map((name) => new Option(name)));
     select.addEventListener("change", () => this.draw());
     new ResizeObserver(() => this.plot?.setSize({ width: element.clientWidth, height: HEIGHT })).observe(element);
@@ -33,6 +33,7 @@ export class Chart {
     const axis = { stroke: this.colours.text, grid: { stroke: this.colours.grid, width: 0.5 }, ticks: { show: false } };
     const least = this.select.value.startsWith("energy") ? 0 : LEAST;
     const within = (plot) => ticks(duration, plot.bbox.width / devicePixelRatio);
+    this.note.hidden = !bands.length;
     this.plot?.destroy();
     this.plot = new uPlot(
       {
@@ -45,7 +46,7 @@ export class Chart {
         },
         axes: [
           { ...axis, size: 0, splits: within, values: (_, times) => times.map(() => "") },
-          { ...axis, size: GUTTER, values: (_, numbers) => numbers.map((one) => Number(one.toPrecision(6)).toString()) },
+          { ...axis, size: GUTTER, space: 22, values: (_, numbers) => numbers.map((one) => Number(one.toPrecision(6)).toString()) },
         ],
         series: [{ label: "t, s", value: (_, time) => short(time) }, ...series],
         bands,

@@ -25,7 +25,12 @@ const stage = stageOrReason();
 stage.scene.add(arrows.group);
 
 const [chart, timebar] = [
-  new Chart(element("chart"), element("quantity"), motion, data.machine.wheels, seek),
+  new Chart(
+    { element: element("chart"), select: element("quantity"), note: element("pale") },
+    motion,
+    data.machine.wheels,
+    seek,
+  ),
   new Timebar(
     {
       slider: element("time"),
