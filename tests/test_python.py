@@ -2,6 +2,7 @@
 
 import html.parser
 import importlib.metadata
+import importlib.util
 import json
 import re
 import shutil
@@ -96,8 +97,8 @@ def test_tools_that_check_types_know_the_public_names(tool, tmp_path):
     file.write_text(USER + WRONG)
     if tool == "mypy":
         command = [sys.executable, "-m", "mypy", "--strict", "--follow-imports=silent", "--cache-dir", tmp_path, file]
-    elif shutil.which("pyright") and shutil.which("node"):
-        command = ["pyright", file]
+    elif importlib.util.find_spec("pyright") and shutil.which("node"):
+        command = [sys.executable, "-m", "pyright", file]
     else:
         pytest.skip("no pyright with a node of its own")
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)
