@@ -12,7 +12,7 @@ from omnisim.stepper import write_row
 
 pytestmark = pytest.mark.short
 
-AT = places_of(1, 2, 0, 0, 0)
+AT = places_of(1, 2, 0, 0, 0, 0, 0)
 PUSHED = (
     "wheels.wheel.drive={kind='torque', torque=0.7}",
     "wrench.frame='body'",

@@ -190,7 +190,7 @@ mass = [
         (("wheels", 1, "drive"), MISSING, 7),
         (("friction",), MISSING, 7),
     ],
-    ids=str,
+    ids=lambda value: "missing" if value is MISSING else str(value),
 )
 @pytest.mark.parametrize("newline", ["\n", "\r\n"])
 def test_every_layout_is_edited_in_place(path, value, kept, newline):

@@ -109,13 +109,13 @@ def constant_inputs(march: March) -> np.ndarray:
 
 
 def order_of_wheel() -> list[int]:
-    at = places_of(1, 2, 0, 0, 0)
+    at = places_of(1, 2, 0, 0, 0, 0, 0)
     order = [X, Y, YAW, at.velocity, at.velocity + 1, at.yaw_rate, at.friction_loss, at.drive_work, at.wrench_work]
     return [*order, at.spin_angle, at.spin_rate, at.roller_rate]
 
 
 def order_of_machine() -> list[int]:
-    at, slots = places_of(WHEELS, 2, 0, 0, 1), 2
+    at, slots = places_of(WHEELS, 2, 0, 0, 0, 0, 1), 2
     positions = [X, Y, YAW, *range(at.spin_angle, at.spin_angle + WHEELS)]
     rates = [at.velocity, at.velocity + 1, at.yaw_rate, *range(at.spin_rate, at.spin_rate + WHEELS)]
     rollers = range(at.roller_rate, at.roller_rate + slots * WHEELS, slots)
