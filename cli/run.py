@@ -183,4 +183,4 @@ def energy(trajectory: Trajectory) -> str:
 
     error = energy_error(trajectory)
     relative = f", {error.relative:.2g} of {error.scale_name}" if error.scale else ""
-    return f"balanced to {error.absolute:.2g} J{relative}"
+    return f"balanced to {error.absolute:.2g} J in every row{relative}"

@@ -166,7 +166,7 @@ def _constraints(trajectory: Trajectory) -> str:
     position, velocity = (trajectory[f"constraints/{name}"].max() for name in ("position", "velocity"))
     drifts = (trajectory[f"constraints/{name}_drift"][-1] for name in ("position", "velocity"))
     drift = " and ".join(f"{value:.2g} {unit}" for value, unit in zip(drifts, ("m", "m/s"), strict=True))
-    return f"kept to {position:.2g} m and {velocity:.2g} m/s; put back at every step, by {drift} at most"
+    return f"kept to {position:.2g} m and {velocity:.2g} m/s in every row; put back at every step, by {drift} at most"
 
 
 def _energy(trajectory: Trajectory) -> str:
@@ -181,7 +181,7 @@ def _energy(trajectory: Trajectory) -> str:
     if "energy/gravity" in trajectory:
         gravity = trajectory["energy/gravity"]
         change += f", of gravity {gravity[0]:.6g} -> {gravity[-1]:.6g} J"
-    return f"{change}, {', '.join(works)}{_supply(trajectory)}; balanced to {error:.2g} J"
+    return f"{change}, {', '.join(works)}{_supply(trajectory)}; balanced to {error:.2g} J in every row"
 
 
 def _supply(trajectory: Trajectory) -> str:
