@@ -100,7 +100,8 @@ def test_a_machine_says_how_far_its_odometry_is_off_and_what_it_holds(folder):
 
 
 def test_info_tells_scenes_from_trajectories_by_content(folder):
-    assert command("run", SCENE, "-o", "run.toml", "--quiet").exit_code == 0
+    assert command("run", SCENE, "-o", "run.h5", "--quiet").exit_code == 0
+    (folder / "run.h5").rename(folder / "run.toml")
     (folder / "scene.h5").write_text(Path(SCENE).read_text())
     assert "15 exchange" in command("info", "run.toml").stdout
     assert "left out" in command("info", "scene.h5").stdout

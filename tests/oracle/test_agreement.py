@@ -86,7 +86,10 @@ def compare(path: Path, overrides: tuple[str, ...], servo_torque: str | None) ->
     scene = load(path, overrides)
     run = omnisim.simulate(scene)
     assert run.complete, run.attributes["status"]
-    oracle = multibody(tomllib.loads(scene.text), run.time)
+    # The oracle steps over the kink of the saturated law, which is no event there: at 1e-12 a roller's rate is off by
+    # 2e-9 rad/s on the slope, at 1e-13 by 7e-11, at any step of the engine.
+    rtol = 1e-13 if scene.config.friction.law == "saturated" else 1e-12
+    oracle = multibody(tomllib.loads(scene.text), run.time, rtol)
     worst = differences(run, oracle)
     if servo_torque:
         worst["servo_torque"] = np.abs(oracle["servo_torque"] - run[servo_torque]).max()
