@@ -25,7 +25,7 @@ from omnisim.exchange import (
 )
 from omnisim.grip import come_to_rest
 from omnisim.kernel import merged, outlined
-from omnisim.runge_kutta import evaluate, refresh
+from omnisim.runge_kutta import refresh
 from omnisim.state import places
 from omnisim.status import RUNNING
 
@@ -42,9 +42,7 @@ def stand(parameters, run, log):
         for w in range(len(run.mode)):
             changed = goes_further(parameters, run, log, w) or changed
         if not changed:
-            break
-    # What was found on the way may be of a moment later.
-    evaluate(parameters, run.mode, run.clock.piece, 0.0, run.y, run.slopes[0], run.watch)
+            return
 
 
 @merged

@@ -138,3 +138,13 @@ def test_a_row_that_a_controller_renews_keeps_its_interval():
     assert before > 0.0 and motion["interval_max/wheels/right/drive_torque"][1] == before
     assert motion["wheels/right/drive_torque"][1] < 0.0  # the row holds the state after it
     assert motion["interval_min/wheels/right/drive_torque"][1] == motion["wheels/right/drive_torque"][1]
+
+
+def test_extremes_begin_with_the_start_where_a_wheel_on_an_edge_is_looked_at_a_moment_later():
+    """A torque that grows from nothing tells only later which roller carries on; row 0 knows nothing of that."""
+    ramp = "wheels.wheel.drive={kind='torque', times=[0.0, 0.01], torque=[0.0, 0.05]}"
+    still = ("wheels.wheel.spin_rate=0.0", "initial.velocity=[0, 0]", "initial.yaw_rate=0.0")
+    edge = "wheels.wheel.spin_angle_deg=-30.0"  # of six rollers
+    motion = run("six_rollers", ramp, *still, edge, "wheels.wheel.roller_rates=0.0", "time.end=0.01")
+    assert motion["interval_max/wheels/wheel/drive_torque"][0] == 0.0
+    assert motion["interval_max/wheels/wheel/friction_force"][0] == 0.0
