@@ -105,7 +105,7 @@ def compilation_noted(quiet: bool = False) -> Iterator[None]:
 
         def on_start(self, _: event.Event) -> None:
             if not self.silent:
-                note("compiling kernels, once: this takes a minute or two")
+                note("compiling kernels, once: this takes two or three minutes")
             self.silent = True
 
         def on_end(self, _: event.Event) -> None:

@@ -33,7 +33,7 @@ def of_rows(trajectory, path):
 SCENES = {
     "bare wheel, stopping": ("coulomb_wheel", "time.end=0.5"),
     "smooth friction": ("six_rollers", "time.end=0.2", BEARINGS),
-    "machine with odometry": ("youbot", "time.end=0.3", BEARINGS),
+    "machine with odometry": ("youbot", "time.end=0.3", "initial.yaw_deg=40.0", BEARINGS),
     "bodies": ("kiwi", "time.end=0.1", "solver.formulation=multibody"),
     "implicit steps": ("authors_vehicle", "time.end=0.02", "solver.method=radau5"),
     "rest on two rollers": ("testbench_psi30", "time.end=6.6", "time.step=1e-3", "time.output_interval=0.1"),
@@ -92,6 +92,28 @@ def test_a_pulse_of_torque_between_two_rows_is_seen_at_its_peak():
     np.testing.assert_array_equal(torque, [0.0, 0.03, 0.0])
     power = motion["interval_max/wheels/wheel/drive_power"][1]
     assert 0.03 * spin_rate.min() < power < 0.03 * spin_rate.max()
+
+
+def test_a_jump_in_the_middle_of_a_step_is_seen_on_both_sides():
+    """Torque that jumps to 0.03 N m at 0.01303 s and falls from there at once; the step is 0.1 ms."""
+    drive = "wheels.wheel.drive={kind='torque', times=[0.003, 0.01303, 0.01303, 0.0171], torque=[0, 0, 0.03, 0]}"
+    motion = run("six_rollers", drive, "time.end=0.04", "time.output_interval=0.02")
+    np.testing.assert_array_equal(motion["interval_max/wheels/wheel/drive_torque"], [0.0, 0.03, 0.0])
+
+
+def test_loads_are_seen_on_both_sides_of_an_exchange():
+    """Without friction the load follows the contact point, which jumps from one end of a roller to the other: the least
+    and the largest load are those on the two sides of the jump, at any step."""
+    scene = machine("mecanum")
+    scene["wheels"][0]["spin_rate"], found = 30.0, []
+    for step in (2e-3, 1e-4):
+        scene["time"] = {"end": 0.1, "step": step, "output_interval": 0.1}
+        motion = run_machine(scene)
+        assert (motion["events/kind"] == "exchange").sum() == 3
+        found.append([motion[f"interval_{end}/wheels/w0/normal_force"][1] for end in ("max", "min")])
+        rows = motion["wheels/w0/normal_force"]
+        assert found[-1][0] > rows.max() + 0.05 and found[-1][1] < rows.min() - 0.05
+    np.testing.assert_allclose(*found, rtol=1e-12)
 
 
 def test_a_pulse_of_voltage_between_two_rows_tells_the_current_that_it_takes():
