@@ -2,6 +2,7 @@
 
 import signal
 import sys
+import warnings
 from typing import Any
 
 import click
@@ -13,7 +14,7 @@ from omnisim_cli.info import info
 from omnisim_cli.new import new
 from omnisim_cli.plot import plot
 from omnisim_cli.run import run
-from omnisim_cli.screen import BAD_INPUT, ENDING, Failure, leave_at_once, shown
+from omnisim_cli.screen import BAD_INPUT, ENDING, Failure, leave_at_once, shown, warn
 from omnisim_cli.view import view
 from omnisim_cli.warmup import warmup
 from omnisim_cli.wheel import wheel
@@ -25,7 +26,8 @@ class Commands(click.Group):
     """
 
     def main(self, *arguments: Any, **options: Any) -> Any:
-        with shown():
+        with shown(), warnings.catch_warnings():
+            warnings.showwarning = lambda message, *_, **__: warn([str(message)])
             return super().main(*arguments, **options)
 
     def invoke(self, ctx: click.Context):

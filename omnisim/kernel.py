@@ -10,12 +10,14 @@ import os
 import re
 import shutil
 import tempfile
+import warnings
 from functools import partial
 from pathlib import Path
 
 import numba
 import platformdirs
 from numba.core import config as numba_config
+from numba.core.caching import IndexDataCacheFile
 from numba.core.compiler import Compiler
 from numba.core.types import unliteral
 
@@ -125,6 +127,31 @@ def outlined(function):
     return compiled(function, inline=False)
 
 
+class KernelFiles(IndexDataCacheFile):
+    """A file for every kernel and signature, named after both.
+
+    Numba numbers the files and keeps an index: two processes that compile at once could give one number to two
+    signatures, and the one would run the other's code.
+    """
+
+    def save(self, key, data):
+        try:
+            self._save_data(self._name(key), data)
+        except OSError as error:  # a full disk is no reason to lose a run
+            warnings.warn(
+                f"{CACHE_DIRECTORY}: compiled kernels cannot be kept: {error.strerror}", RuntimeWarning, stacklevel=2
+            )
+
+    def load(self, key):
+        try:
+            return self._load_data(self._name(key))
+        except OSError:  # not there
+            return None
+
+    def _name(self, key):
+        return f"{Path(self._index_name).stem}.{hashlib.sha256(repr(key).encode()).hexdigest()[:16]}.nbc"
+
+
 class Disjoint(Compiler):
     """The compiler, told that no two arrays that a kernel is given overlap where it writes."""
 
@@ -151,6 +178,7 @@ def compiled(function, inline, inlining="never"):
         numba_config.CACHE_DIR = theirs
     if hasattr(dispatcher, "overloads"):  # compilation may be switched off
         dispatcher.compile = partial(compile_once, dispatcher.compile)
+        dispatcher._cache._cache_file.__class__ = KernelFiles
     return dispatcher
 
 

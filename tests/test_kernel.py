@@ -57,7 +57,7 @@ def test_the_same_sources_share_one_cache_and_others_do_not(package, tmp_path):
     cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     first, again = run(package, **cache)[1], run(package, **cache)[1]
     assert first == again
-    assert list((tmp_path / "cache" / "omnisim" / first).rglob("*.nbi")), "the kernels are on disk"
+    assert list((tmp_path / "cache" / "omnisim" / first).rglob("*.nbc")), "the kernels are on disk"
     (package / "status.py").write_text((package / "status.py").read_text() + "# edited\n")
     assert run(package, **cache)[1] != first
 
@@ -132,7 +132,36 @@ def test_without_a_writable_folder_kernels_compile_into_a_temporary_one(package,
     (tmp_path / "file").write_text("")
     value, _ = run(package, NUMBA_CACHE_DIR=str(tmp_path / "file" / "below"), TMPDIR=str(tmp_path))
     assert value == 7.0
-    assert list(tmp_path.glob("omnisim-*/*/**/*.nbi"))
+    assert list(tmp_path.glob("omnisim-*/*/**/*.nbc"))
+
+
+def test_a_full_disk_costs_the_kept_kernels_but_not_the_result(package, tmp_path):
+    program = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))" + PROGRAM
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    done = subprocess.run(
+        [sys.executable, "-B", "-c", program], cwd=tmp_path, env=environment, capture_output=True, text=True
+    )
+    assert done.stdout.startswith("7.0 "), done.stderr
+    assert "compiled kernels cannot be kept: File too large" in done.stderr
+    assert not list((tmp_path / "cache").rglob("*.nbc*"))
+
+
+def test_signatures_compiled_by_two_processes_at_once_get_files_of_their_own(package, tmp_path):
+    """Each process starts before the other has written anything, and Numba's own cache would number both files 1."""
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    (package / "callee.py").write_text("from omnisim.kernel import kernel\n@kernel\ndef inner(x):\n    return x / 2\n")
+    program = "from omnisim import callee; print('ready', flush=True); input(); print(callee.inner({}))"
+
+    def start(argument):
+        return subprocess.Popen(
+            [sys.executable, "-B", "-c", program.format(argument)],
+            cwd=tmp_path, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+        )  # fmt: skip
+
+    both = [start(argument) for argument in ("7.0", "7")]
+    assert [process.stdout.readline() for process in both] == ["ready\n"] * 2
+    assert [process.communicate("\n")[0] for process in both] == ["3.5\n"] * 2
+    assert len(list((tmp_path / "cache").rglob("callee.*.nbc"))) == 2
 
 
 def test_other_packages_keep_their_own_cache_setting():
