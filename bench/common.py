@@ -9,16 +9,16 @@ from typing import NamedTuple
 import numpy as np
 
 import omnisim
-from omnisim.events import EVENT
-from omnisim.packing import pack
-from omnisim.parameters import Parameters
-from omnisim.scene import Scene, parse
-from omnisim.start import begin, blank_rows
-from omnisim.state import Rows, Run
-from omnisim.status import COMPLETE, EVENTS_PER_STEP
-from omnisim.stepper import march
-from omnisim.tableau import METHODS, Stages
-from omnisim.trajectory import Trajectory
+from omnisim.base.methods import METHODS, Stages
+from omnisim.base.status import COMPLETE, EVENTS_PER_STEP
+from omnisim.dynamics.packing import pack
+from omnisim.dynamics.parameters import Parameters
+from omnisim.dynamics.state import Rows, Run
+from omnisim.march.events import EVENT
+from omnisim.march.initial_state import begin, blank_rows
+from omnisim.march.march import march
+from omnisim.results.trajectory import Trajectory
+from omnisim.scene.scene import Scene, parse
 
 ROLLER_RATES = (3.0, -2.0, 5.0, 1.0, -4.0, 2.0)
 SCENE = """

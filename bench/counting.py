@@ -16,9 +16,9 @@ from common import ready
 from limit import OPERATIONS
 from peers.c_loop import LOOPS
 
-from omnisim.dynamics import rhs
-from omnisim.runge_kutta import accept, explicit_step
-from omnisim.scene import Scene
+from omnisim.dynamics.right_hand_side import rhs
+from omnisim.march.runge_kutta import accept, explicit_step
+from omnisim.scene.scene import Scene
 
 COUNTS = dict.fromkeys(OPERATIONS, 0.0)
 

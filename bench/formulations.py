@@ -12,8 +12,8 @@ from common import Claim, interleaved, marching, median_ratio, ready, simulation
 from machine_scenes import platform, ring
 
 import omnisim
-from omnisim.analysis import distance
-from omnisim.scene import Scene, load, parse
+from omnisim.results.comparison import distance
+from omnisim.scene.scene import Scene, load, parse
 
 FORMULATIONS = ("reduced", "multibody")
 PACKAGED = {"coulomb_wheel": 1e-3, "kiwi": 1e-3, "youbot": 1e-3}  # s

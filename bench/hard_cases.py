@@ -47,7 +47,7 @@ from hard_claims import (
     wrench,
 )
 
-from omnisim.analysis import energy_error
+from omnisim.results.comparison import energy_error
 
 PSI30 = str(Path(__file__).parents[1] / "tests/reference/testbench_psi30.toml")
 NEAR_LIMIT = str(Path(__file__).parent / "scenes/near_limit.toml")

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 import omnisim
-from omnisim.trajectory import Trajectory
+from omnisim.results.trajectory import Trajectory
 
 
 class Comparison(NamedTuple):

@@ -5,8 +5,8 @@ import statistics
 import numba
 from common import Claim, bare_wheel, interleaved, ready, table
 
-from omnisim.dynamics import rhs
-from omnisim.tableau import TABLEAUX
+from omnisim.base.methods import TABLEAUX
+from omnisim.dynamics.right_hand_side import rhs
 
 EVALUATIONS = 20_000
 TARGET, ALARM = 1.5, 1.1  # how many times faster explicit tracking makes an rk4 step; the paper found about 1.5

@@ -17,9 +17,9 @@ import numpy as np
 from common import Claim, interleaved, marching, median_ratio, simulation, table
 
 import omnisim
-from omnisim.scene import Scene
-from omnisim.tableau import TABLEAUX
-from omnisim.trajectory import Trajectory
+from omnisim.base.methods import TABLEAUX
+from omnisim.results.trajectory import Trajectory
+from omnisim.scene.scene import Scene
 
 TARGET, ALARM = 20.0, 5.0  # times faster than the regularized law: simulate, by the method of the scene
 REFERENCE = Path(__file__).parents[1] / "tests/reference/coulomb_wheel.json"

@@ -16,9 +16,9 @@ import math
 
 import numpy as np
 
-from omnisim.ideal import wheel_rows
-from omnisim.packing import axle_inertia, bodies
-from omnisim.scene import Scene, parse
+from omnisim.dynamics.packing import axle_inertia, bodies
+from omnisim.scene.ideal_kinematics import wheel_rows
+from omnisim.scene.scene import Scene, parse
 
 END, RAMP = 2.0, 0.5  # s
 MOTIONS = {"forward": (0.5, 0.0, 0.0), "sideways": (0.0, 0.5, 0.0), "diagonal with yaw": (0.4, 0.3, 0.5)}

@@ -14,9 +14,9 @@ from common import Claim, table
 from machine_scenes import platform
 
 import omnisim
-from omnisim import precision
-from omnisim.precision import Setting, finest_orders, ladder
-from omnisim.scene import Scene, parse
+from omnisim.run import work_precision
+from omnisim.run.work_precision import Setting, finest_orders, ladder
+from omnisim.scene.scene import Scene, parse
 from omnisim_cli.bench_report import GOALS, LEGEND, scene_data, section, winner
 
 NEAR_LIMIT = Path(__file__).parent / "scenes/near_limit.toml"
@@ -84,7 +84,7 @@ def measure(rounds: int) -> dict:
 
 def measure_entry(entry: Entry, methods: tuple[str, ...], rounds: int) -> dict:
     scene = entry.scene()
-    found = precision.measure(scene, entry.settings(methods), rounds)
+    found = work_precision.measure(scene, entry.settings(methods), rounds)
     orders = {method: order for (method, tracking), order in finest_orders(found).items() if tracking == "explicit"}
     return scene_data(found) | {
         "own_step_s": scene.config.time.step,

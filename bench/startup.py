@@ -10,9 +10,9 @@ from pathlib import Path
 
 from common import Claim, table
 
-from omnisim.scene import packaged_scenes
+from omnisim.scene.scene import packaged_scenes
 
-IMPORTS = ("omnisim", "omnisim.scene", "omnisim.simulation", "numba", "numpy")
+IMPORTS = ("omnisim", "omnisim.scene.scene", "omnisim.run.simulation", "numba", "numpy")
 
 
 def seconds_of(command: list[str], **environment: str) -> float:

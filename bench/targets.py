@@ -8,9 +8,9 @@ from typing import NamedTuple
 from common import Claim, table
 
 import omnisim
-from omnisim.analysis import distance
-from omnisim.precision import Reference, converged
-from omnisim.scene import Scene
+from omnisim.results.comparison import distance
+from omnisim.run.work_precision import Reference, converged
+from omnisim.scene.scene import Scene
 
 REFERENCE = Path(__file__).parents[1] / "tests" / "reference"
 TARGETS = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)

@@ -19,7 +19,7 @@ import numpy as np
 from common import Claim, table
 
 import omnisim
-from omnisim.trajectory import Trajectory
+from omnisim.results.trajectory import Trajectory
 
 RAMP, HOLD = 0.5, 2.0  # s: the command rises linearly; from HOLD on the motion is steady
 STEP, INTERVAL = 5e-4, 2e-3  # s

@@ -28,10 +28,10 @@ import numpy as np
 from common import Claim, table
 
 import omnisim
-from omnisim.analysis import energy_error
-from omnisim.config import Config
-from omnisim.ideal import wheel_rows
-from omnisim.trajectory import Trajectory
+from omnisim.results.comparison import energy_error
+from omnisim.results.trajectory import Trajectory
+from omnisim.scene.ideal_kinematics import wheel_rows
+from omnisim.scene.schema import Config
 
 SCENE, WHEEL = "authors_vehicle", "wheel_types.omni"
 STARTS = {"in place": (0.0, 0.0, 1.0), "straight": (1.0, 0.0, 0.0), "both": (1.0, 0.0, 1.0)}  # twists: m/s, m/s, rad/s

@@ -17,8 +17,8 @@ from common import Claim, bare_wheel, interleaved, marching, median_ratio, ready
 from machine_scenes import END, MOTIONS, platform, ring
 
 import omnisim
-from omnisim.loop import Loop
-from omnisim.trajectory import Trajectory
+from omnisim.results.trajectory import Trajectory
+from omnisim.run.loop import Loop
 
 TARGET, ALARM, AIM = 500.0, 100.0, 2000.0  # times real time of the march, platform under rate drives, slowest motion
 WHEELS_ALARM = 6.0  # times a step of the smallest ring, for the largest

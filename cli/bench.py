@@ -14,8 +14,8 @@ from omnisim_cli.compare import KINDS
 from omnisim_cli.screen import BAD_INPUT, Failure, Progress, compilation_noted, note
 
 if TYPE_CHECKING:
-    from omnisim.precision import Precision, Setting
-    from omnisim.scene import Scene
+    from omnisim.run.work_precision import Precision, Setting
+    from omnisim.scene.scene import Scene
 
 SCENES = ("six_rollers", "coulomb_wheel", "kiwi")
 METHODS = ("heun", "rk4", "dopri5", "radau5", "auto")
@@ -63,8 +63,8 @@ def bench(
     """
     for library in ("OPENBLAS", "MKL"):  # more threads gain nothing in small solves, and wait for each other
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")  # before the first import of NumPy
-    from omnisim.precision import Setting, ladder
-    from omnisim.scene import load
+    from omnisim.run.work_precision import Setting, ladder
+    from omnisim.scene.scene import load
 
     changes = [[*overrides, f"friction.law={law}"] for law in laws] or [overrides]
     entries = [load(name, change) for name in scenes or SCENES for change in changes]
@@ -102,7 +102,7 @@ def report_folder(text: str) -> Path:
 
 def measure_all(plan: Sequence[tuple[Scene, list[Setting]]], repeats: int) -> tuple[list[Precision], list[str]]:
     """Measure and show one scene after the other; what was measured, and what went wrong in a line each."""
-    from omnisim.precision import Interrupted, Unconverged, measure
+    from omnisim.run.work_precision import Interrupted, Unconverged, measure
     from omnisim_cli.bench_report import shown
 
     measured: list[Precision] = []

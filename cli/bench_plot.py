@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 
-from omnisim.files import write_whole
+from omnisim.base.files import write_whole
 
 # Okabe & Ito: told apart with any colour vision
 COLOURS = {"heun": "#E69F00", "rk4": "#0072B2", "dopri5": "#009E73", "radau5": "#D55E00", "auto": "#CC79A7"}

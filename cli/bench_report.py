@@ -7,9 +7,9 @@ from collections.abc import Iterable, Sequence
 from importlib.metadata import version
 from itertools import groupby
 
-from omnisim.precision import Precision, Row, Setting, fastest, finest_orders
-from omnisim.tableau import TABLEAUX
-from omnisim.text import columns, hanging
+from omnisim.base.formatting import columns, hanging
+from omnisim.base.methods import TABLEAUX
+from omnisim.run.work_precision import Precision, Row, Setting, fastest, finest_orders
 
 FILES = ("report.json", "report.md", "work_precision.png", "work_precision.svg")
 GOALS = (1e-6, 1e-9)

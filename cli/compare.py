@@ -11,9 +11,9 @@ import click
 from omnisim_cli.screen import Failure, compilation_noted, note
 
 if TYPE_CHECKING:
-    from omnisim.analysis import Comparison, Divergence
-    from omnisim.scene import Scene
-    from omnisim.trajectory import Trajectory
+    from omnisim.results.comparison import Comparison, Divergence
+    from omnisim.results.trajectory import Trajectory
+    from omnisim.scene.scene import Scene
 
 # What is compared: attribute of the trajectory, and the scenes to compare without one from the user.
 KINDS = {
@@ -39,7 +39,7 @@ def compare(a: str, b: str, scene: str | None) -> None:
     omnisim compare implicit explicit
     omnisim compare reduced multibody scene.toml
     """
-    from omnisim.scene import load
+    from omnisim.scene.scene import load
 
     kind, scenes = kind_of(a, b)
     names = (scene,) if scene else scenes
@@ -65,19 +65,20 @@ def kind_of(a: str, b: str) -> tuple[str, tuple[str, ...]]:
 def compare_pair(pair: Sequence[Scene], kind: str, choices: tuple[str, str]) -> Sequence[Trajectory]:
     """Run one scene in both ways and print how they compare."""
     note(f"{pair[0].source}: {' and '.join(choices)}, in turn ...")
-    from omnisim import analysis, timing
+    from omnisim.results import comparison
+    from omnisim.run import timing
 
     with compilation_noted():
         trajectories, times = timing.race(pair)
         costs = timing.tracking_costs(pair) if kind == "tracking" else []
-    comparison = analysis.compare(*trajectories)
+    comparison = comparison.compare(*trajectories)
     click.echo(headline(trajectories, comparison, choices) + "\n")
     if kind == "tracking":
         click.echo(beside_the_paper(trajectories, comparison, times, costs) + "\n")
     else:
         click.echo(march_times(choices, times) + "\n")
     if any(row.difference for row in comparison.differences):
-        click.echo(over_time(analysis.divergence(*trajectories)) + "\n")
+        click.echo(over_time(comparison.divergence(*trajectories)) + "\n")
     click.echo(everything(comparison) + "\n")
     return trajectories
 
@@ -116,7 +117,7 @@ def beside_the_paper(
     trajectories: Sequence[Trajectory], comparison: Comparison, times: list[list[float]], costs: list[float]
 ) -> str:
     """The quantities that the paper reports, with its own numbers."""
-    from omnisim.analysis import PAPER
+    from omnisim.results.comparison import PAPER
 
     a, b = (trajectory.attributes["tracking"] for trajectory in trajectories)
     ratio = {("implicit", "explicit"): f"{PAPER_RATIO:g}", ("explicit", "implicit"): f"{1 / PAPER_RATIO:.2g}"}

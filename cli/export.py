@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from omnisim.text import visible
+from omnisim.base.formatting import visible
 from omnisim_cli.screen import BAD_INPUT, Failure
 
 
@@ -25,13 +25,14 @@ def export(file: str, out: str, force: bool) -> None:
     omnisim export scene.h5 scene.parquet       needs pyarrow
     omnisim export scene.h5 scene.mat           needs scipy
     """
-    from omnisim.export import ExportError, images, outputs
-    from omnisim.storage import TrajectoryError, read
+    from omnisim.base.trajectory_file import TrajectoryError
+    from omnisim.results.tables import ExportError, images, outputs
+    from omnisim.results.trajectory import open_trajectory
     from omnisim_cli.output import deliver, output_path
 
     try:
         paths = [output_path(str(path), file, force) for path in outputs(out)]
-        files = images(read(file), out)
+        files = images(open_trajectory(file), out)
     except (ExportError, TrajectoryError) as error:
         raise Failure(str(error), BAD_INPUT) from None
     deliver(files, force)

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from omnisim.text import aligned, columns
+from omnisim.base.formatting import aligned, columns
 from omnisim_cli.screen import BAD_INPUT, Failure, compilation_noted, warn
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from omnisim.config import Config, Drive
-    from omnisim.parameters import Parameters
-    from omnisim.scene import Scene
+    from omnisim.dynamics.parameters import Parameters
+    from omnisim.scene.scene import Scene
+    from omnisim.scene.schema import Config, Drive
 
 
 @click.command()
@@ -27,12 +27,12 @@ def info(source: str) -> None:
     omnisim info scene.toml
     omnisim info scene.h5
     """
-    from omnisim.files import is_hdf5
+    from omnisim.base.files import is_hdf5
 
     if is_hdf5(source):
         click.echo(about_trajectory(source))
     else:
-        from omnisim.scene import load
+        from omnisim.scene.scene import load
 
         scene = load(source)
         warn(scene.warnings)
@@ -40,19 +40,20 @@ def info(source: str) -> None:
 
 
 def about_trajectory(path: str) -> str:
-    from omnisim.report import summary
-    from omnisim.storage import TrajectoryError, read
+    from omnisim.base.trajectory_file import TrajectoryError
+    from omnisim.results.report import summary
+    from omnisim.results.trajectory import open_trajectory
 
     try:
-        return summary(read(path))
+        return summary(open_trajectory(path))
     except TrajectoryError as error:
         raise Failure(str(error), BAD_INPUT) from None
 
 
 def about_scene(scene: Scene) -> str:
     """The size of the run, the model with its reasons, the machine, and each type of wheel."""
-    from omnisim.model import describe
-    from omnisim.packing import pack
+    from omnisim.dynamics.description import describe
+    from omnisim.dynamics.packing import pack
 
     config = scene.config
     with compilation_noted():
@@ -82,7 +83,7 @@ def section(heading: str, facts: dict[str, str]) -> str:
 
 
 def run_facts(scene: Scene, parameters: Parameters) -> dict[str, str]:
-    from omnisim.stiffness import explanation
+    from omnisim.march.stiffness import explanation
 
     time, solver = scene.config.time, scene.config.solver
     if solver.error is None:
@@ -101,8 +102,8 @@ def run_facts(scene: Scene, parameters: Parameters) -> dict[str, str]:
 
 def estimate_table(config: Config) -> str:
     """One line for each number that the scene leaves out; empty if there is none."""
-    from omnisim.estimates import estimates
-    from omnisim.toml_text import show_path
+    from omnisim.scene.estimates import estimates
+    from omnisim.scene.toml_text import show_path
 
     return columns([(show_path(found.path), found.value, found.of) for found in estimates(config)], indent="  ")
 
@@ -120,7 +121,7 @@ def machine_facts(parameters: Parameters) -> dict[str, str]:
 
 def wheel_table(config: Config, parameters: Parameters) -> str:
     """One line for each wheel: where it is, what drives it, what it carries."""
-    from omnisim.statics import static_loads
+    from omnisim.dynamics.static_loads import static_loads
 
     rows = [("name", "type", "position", "heading", "mirrored", "drive", "load at standstill")]
     loads = static_loads(parameters, yaw=math.radians(config.initial.yaw_deg))
@@ -134,7 +135,7 @@ def wheel_table(config: Config, parameters: Parameters) -> str:
 
 def ideal_table(config: Config) -> str:
     """Spin rates of the ideal wheels in the unit motions of the chassis origin."""
-    from omnisim.ideal import wheel_rows
+    from omnisim.scene.ideal_kinematics import wheel_rows
 
     motions = ("1 m/s forward", "1 m/s left", "1 rad/s of yaw")
     rows = [("name", *motions)]
@@ -146,7 +147,7 @@ def ideal_table(config: Config) -> str:
 
 def slope_table(config: Config, parameters: Parameters) -> str:
     """On which slopes the machine slides, drives up no more, or tips."""
-    from omnisim.slopes import least, steepest
+    from omnisim.dynamics.slopes import least, steepest
 
     rows = [("uphill", "holds, wheels locked", "drives up", "tips")]
     rows += [("ahead", *steepest(config, parameters, 0.0)), ("to the left", *steepest(config, parameters, 90.0))]
@@ -174,7 +175,7 @@ def motors(config: Config) -> dict[Drive, list[str]]:
 
 def motor_facts(drive: Drive) -> dict[str, str]:
     """What follows from the constants of a motor or from its data sheet: at the wheel, behind the gear."""
-    from omnisim.drives import drive_law, sheet_constants
+    from omnisim.scene.drives import drive_law, sheet_constants
 
     law, gear = drive_law(drive), drive.gear_ratio
     motor = law.motor
@@ -207,7 +208,7 @@ def first_of_each_type(config: Config, parameters: Parameters) -> list[tuple]:
 
 def wheel_facts(wheel: np.record) -> dict[str, str]:
     """Sizes that follow from the scene's."""
-    from omnisim.roller import length, profile_radius, tip_radius
+    from omnisim.contact.roller_profile import length, profile_radius, tip_radius
 
     psi = math.degrees(math.atan2(wheel.sin_psi, wheel.cos_psi))
     margin = wheel.radius * wheel.cos_alpha - wheel.roller_distance

@@ -43,7 +43,7 @@ class Commands(click.Group):
 
 def explained(error: Exception) -> Failure:
     """The message and exit code for an exception that no command expects."""
-    from omnisim.scene import SceneError  # here: --help answers without it
+    from omnisim.scene.scene import SceneError  # here: --help answers without it
 
     if isinstance(error, SceneError):
         return Failure(str(error), BAD_INPUT)

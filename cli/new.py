@@ -13,7 +13,7 @@ import click
 from omnisim_cli.screen import BAD_INPUT, Failure, note
 
 if TYPE_CHECKING:
-    from omnisim.design import Robot
+    from omnisim.scene.design import Robot
 
 INCH, POUND, GRAVITY = 0.0254, 0.45359237, 9.80665
 UNITS = {
@@ -111,7 +111,7 @@ def new(file: str, force: bool, yes: bool, **given: Any) -> None:
     omnisim new kit.toml --yes                    a mecanum platform of 12 kg, to change in the editor
     omnisim new arm.toml --kind kiwi --wheel-radius 50mm --distance 15cm --mass 3 --torque "10 kg cm"
     """
-    from omnisim.scene import SceneError, parse
+    from omnisim.scene.scene import SceneError, parse
     from omnisim_cli.output import deliver, output_path
 
     if Path(file).suffix != ".toml":
@@ -134,8 +134,8 @@ def new(file: str, force: bool, yes: bool, **given: Any) -> None:
 
 
 def written(robot: Robot, command: str) -> str:
-    from omnisim.design import DesignError
-    from omnisim.first_scene import scene_text
+    from omnisim.scene.design import DesignError
+    from omnisim.scene.first_scene import scene_text
 
     try:
         return scene_text(robot, command)
@@ -145,7 +145,7 @@ def written(robot: Robot, command: str) -> str:
 
 def answered(given: dict[str, Any], yes: bool) -> tuple[Robot, list[str]]:
     """The robot, by options, answers and defaults; and the options that would say all of it."""
-    from omnisim.design import Controller, Motor, Robot
+    from omnisim.scene.design import Controller, Motor, Robot
 
     motor_kind = meant("motor", given, MOTORS)  # before the first question: what cannot be is said at once
     kind = meant("kind", given, PLACES) or choose("kind", "Kind of machine", given, PLACES, yes)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from omnisim.text import visible
+from omnisim.base.formatting import visible
 from omnisim_cli.screen import BAD_INPUT, ENDING, Failure
 
 
@@ -18,7 +18,7 @@ def output_path(text: str, source: str, force: bool) -> Path:
 
     While the command runs the file is its own: another one that is to write it fails.
     """
-    from omnisim.files import reserved
+    from omnisim.base.files import reserved
 
     context = click.get_current_context()
     try:
@@ -51,7 +51,7 @@ def obstacle(text: str, target: Path, source: str, force: bool) -> str:
 
 def deliver(images: Mapping[Path, bytes], force: bool) -> None:
     """Write what files are to hold; Failure with the path of the one that cannot be written, and then none is."""
-    from omnisim.files import write_whole
+    from omnisim.base.files import write_whole
 
     with interruptible():
         try:

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from omnisim.text import visible
+from omnisim.base.formatting import visible
 from omnisim_cli.screen import BAD_INPUT, Failure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from omnisim.trajectory import Trajectory
+    from omnisim.results.trajectory import Trajectory
 
 VIEWS = (
     "story", "path", "drives", "contact", "slip", "forces", "rollers", "ripple", "odometry", "energy", "bearings",
@@ -65,10 +65,11 @@ def picture_path(output: str, files: tuple[str, ...], force: bool) -> Path:
 
 def read_all(files: Collection[str]) -> dict[str, Trajectory]:
     """Trajectories by title, or by file if titles do not tell them apart; Failure for what is no trajectory."""
-    from omnisim.storage import TrajectoryError, read
+    from omnisim.base.trajectory_file import TrajectoryError
+    from omnisim.results.trajectory import open_trajectory
 
     try:
-        found = [read(file) for file in files]
+        found = [open_trajectory(file) for file in files]
     except TrajectoryError as error:
         raise Failure(str(error), BAD_INPUT) from None
     titles = [trajectory.attributes["title"] for trajectory in found]
@@ -83,7 +84,7 @@ def drawn(view: str, trajectories: dict[str, Trajectory], interactive: bool) -> 
 
         if not interactive:
             matplotlib.use("agg")
-        from omnisim import plots
+        from omnisim.pictures import plots
     except ModuleNotFoundError as error:
         if error.name.partition(".")[0] != "matplotlib":
             raise

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from omnisim.text import aligned, visible
+from omnisim.base.formatting import aligned, visible
 from omnisim_cli.screen import BAD_INPUT, Failure, Progress, compilation_noted, note, warn
 
 if TYPE_CHECKING:
-    from omnisim.scene import Scene
-    from omnisim.trajectory import Trajectory
+    from omnisim.results.trajectory import Trajectory
+    from omnisim.scene.scene import Scene
 
 HDF5 = ("", ".h5", ".hdf5", ".hdf", ".he5", ".nc", ".nc4")
 COARSE = 1e-3  # relative error of the energy balance beyond which a run is worth a warning
@@ -44,8 +44,8 @@ def run(scene: str, output: str | None, overrides: tuple[str, ...], force: bool,
     omnisim run scene.toml --set solver.error=1e-6          by the step that this error needs
     omnisim run six_rollers --set wheels.wheel.spin_rate=20 --set friction.coefficient=0.1
     """
-    from omnisim.files import is_hdf5
-    from omnisim.scene import load
+    from omnisim.base.files import is_hdf5
+    from omnisim.scene.scene import load
 
     stored = is_hdf5(scene)
     loaded = load(scene, overrides)
@@ -68,7 +68,7 @@ def run(scene: str, output: str | None, overrides: tuple[str, ...], force: bool,
 
 def result_path(text: str, source: str, force: bool) -> Path:
     """Where to write, checked with all files beside it; Failure also for a suffix that says nothing we can write."""
-    from omnisim.export import FORMATS, ExportError, outputs
+    from omnisim.results.tables import FORMATS, ExportError, outputs
     from omnisim_cli.output import output_path
 
     path, suffix = output_path(text, source, force), Path(text).suffix.lower()
@@ -88,7 +88,7 @@ def simulate_and_save(scene: Scene, path: Path, force: bool, quiet: bool) -> tup
     """The trajectory, the file that it is in, and what was in the way if that is not `path`; Failure if the user gives
     up or no folder takes it.
     """
-    from omnisim.simulation import simulate
+    from omnisim.run.simulation import simulate
     from omnisim_cli.output import unwritten
 
     with Progress(quiet) as progress:
@@ -108,10 +108,10 @@ def simulate_and_save(scene: Scene, path: Path, force: bool, quiet: bool) -> tup
 
 def save(trajectory: Trajectory, path: Path, force: bool) -> None:
     """Write what the suffix says. Raises OSError, and ValueError for what the format cannot hold."""
-    from omnisim import export
+    from omnisim.results import tables
 
-    if path.suffix.lower() in export.FORMATS:
-        export.write(trajectory, path, overwrite=force)
+    if path.suffix.lower() in tables.FORMATS:
+        tables.write(trajectory, path, overwrite=force)
     else:
         trajectory.save(path, overwrite=force)
 
@@ -130,7 +130,7 @@ def rescued(trajectory: Trajectory, stem: str) -> Path | None:
 
 def report(trajectory: Trajectory, path: Path) -> str:
     """The summary of a run, for people."""
-    from omnisim.report import accuracy, odometry, peaks
+    from omnisim.results.report import accuracy, odometry, peaks
 
     a, rows = trajectory.attributes, len(trajectory.time)
     kinds = Counter(trajectory["events/kind"].tolist())
@@ -153,7 +153,7 @@ def report(trajectory: Trajectory, path: Path) -> str:
 
 def coarse(trajectory: Trajectory) -> str:
     """What to say of a run whose energies do not balance; empty if they do."""
-    from omnisim.analysis import unaccounted
+    from omnisim.results.comparison import unaccounted
 
     missing = unaccounted(trajectory)
     if missing < COARSE or not trajectory.complete:  # else the status has said more
@@ -179,7 +179,7 @@ def speed(simulated: float, wall_time: float) -> str:
 
 def energy(trajectory: Trajectory) -> str:
     """How well the energies balance, absolutely and relatively."""
-    from omnisim.analysis import energy_error
+    from omnisim.results.comparison import energy_error
 
     error = energy_error(trajectory)
     relative = f", {error.relative:.2g} of {error.scale_name}" if error.scale else ""

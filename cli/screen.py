@@ -9,7 +9,7 @@ from typing import Any, TextIO
 
 import click
 
-from omnisim.text import visible
+from omnisim.base.formatting import visible
 
 STOPPED, BAD_INPUT = 1, 2  # exit codes
 BAR_LENGTH = 1000
@@ -88,8 +88,8 @@ def leave_at_once(*_: object) -> None:
 
     The process ends here: KeyboardInterrupt would be lost in callbacks of the compiler, with a traceback.
     """
-    if "omnisim.files" in sys.modules:
-        sys.modules["omnisim.files"].release_all()
+    if "omnisim.base.files" in sys.modules:
+        sys.modules["omnisim.base.files"].release_all()
     with suppress(OSError):
         os.write(2, b"Error: interrupted; nothing was written\n")
     os._exit(STOPPED)

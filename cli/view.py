@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from omnisim.text import visible
+from omnisim.base.formatting import visible
 from omnisim_cli.screen import BAD_INPUT, Failure
 
 PAGES = (".html", ".htm")
@@ -25,16 +25,17 @@ def view(file: str, output: str | None, force: bool, show: bool) -> None:
     omnisim view youbot.h5                  writes youbot.html
     omnisim view youbot.h5 -o demo.html --open
     """
-    from omnisim.scene import SceneError
-    from omnisim.storage import TrajectoryError, read
-    from omnisim.viewer import NothingToShow, page
+    from omnisim.base.trajectory_file import TrajectoryError
+    from omnisim.pictures.viewer import NothingToShow, page
+    from omnisim.results.trajectory import open_trajectory
+    from omnisim.scene.scene import SceneError
     from omnisim_cli.output import deliver, output_path
 
     if output is not None and Path(output).suffix.lower() not in PAGES:
         raise Failure(f"{visible(output)}: a page is {' or '.join(PAGES)}; `omnisim plot` makes pictures", BAD_INPUT)
     path = output_path(f"{Path(file).stem}.html" if output is None else output, file, force)
     try:
-        text = page(read(file))
+        text = page(open_trajectory(file))
     except TrajectoryError as error:
         raise Failure(str(error), BAD_INPUT) from None
     except (NothingToShow, SceneError) as error:

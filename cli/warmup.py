@@ -17,11 +17,11 @@ def warmup() -> None:
     """
     note("compiling kernels ...")
     begun = time.perf_counter()
-    from omnisim import timing
-    from omnisim.kernel import CACHE_DIRECTORY
-    from omnisim.packing import pack
-    from omnisim.scene import load
-    from omnisim.stiffness import explanation
+    from omnisim.base.kernel import CACHE_DIRECTORY
+    from omnisim.dynamics.packing import pack
+    from omnisim.march.stiffness import explanation
+    from omnisim.run import timing
+    from omnisim.scene.scene import load
     from omnisim_cli.info import wheel_facts
 
     for tracking in ("explicit", "implicit"):

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from omnisim.text import aligned, columns
+from omnisim.base.formatting import aligned, columns
 from omnisim_cli.screen import BAD_INPUT, Failure, note
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from omnisim.config import WheelType
-    from omnisim.scene import Scene
+    from omnisim.scene.scene import Scene
+    from omnisim.scene.schema import WheelType
 
 STATIONS = 17  # of the profile
 PACKAGE = "[A-Za-z][A-Za-z0-9_-]*"
@@ -38,7 +38,7 @@ def wheel(scene: str, name: str | None, output: str | None, part: str | None, pa
     omnisim wheel youbot --part roller -o roller.stl mesh in metres: .stl, .obj
     omnisim wheel youbot -o youbot.xml               the whole machine: .xml (MuJoCo), .urdf, meshes beside it
     """
-    from omnisim.scene import load
+    from omnisim.scene.scene import load
 
     loaded, suffix = load(scene), Path(output or "").suffix.lower()
     if output is not None and suffix not in (*DRAWINGS, *MESHES, *MODELS):
@@ -75,7 +75,7 @@ def check_package(package: str, suffix: str) -> None:
 
 def wheel_type(scene: Scene, name: str | None) -> tuple[str, WheelType]:
     """The type of this name, or the first one."""
-    from omnisim.problems import did_you_mean
+    from omnisim.scene.problems import did_you_mean
 
     kinds = scene.config.wheel_types
     name = next(iter(kinds)) if name is None else name
@@ -89,7 +89,7 @@ def wheel_type(scene: Scene, name: str | None) -> tuple[str, WheelType]:
 
 
 def about(name: str, kind: WheelType) -> str:
-    from omnisim.geometry import of_type
+    from omnisim.cad.geometry import of_type
 
     record = of_type(kind)
     sections = {
@@ -102,8 +102,8 @@ def about(name: str, kind: WheelType) -> str:
 
 
 def dimensions(kind: WheelType, record: np.record) -> dict[str, str]:
-    from omnisim.geometry import solid
-    from omnisim.roller import length, profile_radius, tip_radius
+    from omnisim.cad.geometry import solid
+    from omnisim.contact.roller_profile import length, profile_radius, tip_radius
 
     body, roller = solid(record, kind.roller.bore_radius), kind.roller
     density = roller.mass / body.volume
@@ -121,7 +121,7 @@ def dimensions(kind: WheelType, record: np.record) -> dict[str, str]:
 def profile_table(record: np.record) -> str:
     import numpy as np
 
-    from omnisim.geometry import profile
+    from omnisim.cad.geometry import profile
 
     q = np.linspace(-record.alpha, record.alpha, STATIONS)
     rows = [
@@ -131,7 +131,7 @@ def profile_table(record: np.record) -> str:
 
 
 def room(record: np.record) -> dict[str, str]:
-    from omnisim.geometry import gap, hub_radius
+    from omnisim.cad.geometry import gap, hub_radius
 
     margin, hub = record.radius * record.cos_alpha - record.roller_distance, hub_radius(record)
     return {
@@ -148,7 +148,7 @@ def told(distance: float) -> str:
 
 
 def ripple_table(record: np.record) -> str:
-    from omnisim.geometry import ripple, shapes
+    from omnisim.cad.geometry import ripple, shapes
 
     rows = [("roller", "height of the centre, peak to peak, mm", "rolling radius: mean", "lowest", "highest")]
     for shape, reach in shapes(record).items():
@@ -170,15 +170,15 @@ def mm(metres: float) -> str:
 
 def write_drawing(path: Path, name: str, kind: WheelType) -> None:
     try:
-        from omnisim.wheel_drawing import draw
+        from omnisim.cad.drawing import draw
     except ImportError:
         raise Failure("a drawing needs matplotlib: pip install 'omnisim-engine[plot]'", BAD_INPUT) from None
     draw(path, name, kind)
 
 
 def write_mesh(path: Path, part: str, name: str, kind: WheelType) -> None:
-    from omnisim.geometry import gap, of_type
-    from omnisim.mesh import controller_note, roller, whole, write
+    from omnisim.cad.geometry import gap, of_type
+    from omnisim.cad.mesh import controller_note, roller, whole, write
 
     if part == "wheel" and gap(of_type(kind)) < 0.0:
         note("Warning: the rollers of this wheel overlap in one row, and so do those of the mesh")
@@ -190,7 +190,7 @@ def write_model(scene: Scene, source: str, output: str, package: str | None, for
 
     A mesh that is there already, just as it would be written, stays: that of a model in the other format.
     """
-    from omnisim.robot_files import robot_files
+    from omnisim.cad.robot_files import robot_files
     from omnisim_cli.output import deliver, output_path
 
     path = output_path(output, source, force)
@@ -210,7 +210,7 @@ def holds(file: Path, image: bytes) -> bool:
 
 def package_prefix(path: Path, package: str) -> str:
     """package://NAME/ and the way from the package's folder to that of the file."""
-    from omnisim.robot_files import package_folder
+    from omnisim.cad.robot_files import package_folder
 
     folder = path.resolve().parent
     root = package_folder(path, package)

@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from omnisim.trajectory import ATTRIBUTES, FORMAT, LABELS, OPTIONAL_ATTRIBUTES, TABLE, Quantity
+from omnisim.base.trajectory_file import FORMAT
+from omnisim.results.layout import ATTRIBUTES, LABELS, OPTIONAL_ATTRIBUTES, TABLE, Quantity
 
 PAGE = Path(__file__).parent / "pages/file.md"
 INTRODUCTION = f"""# Trajectory file

@@ -7,9 +7,9 @@ import numpy as np
 from matplotlib.collections import PolyCollection
 
 import omnisim
-from omnisim.packing import pack
-from omnisim.roller import axial_coordinate, profile_radius
-from omnisim.tableau import TABLEAUX
+from omnisim.base.methods import TABLEAUX
+from omnisim.contact.roller_profile import axial_coordinate, profile_radius
+from omnisim.dynamics.packing import pack
 
 HERE = Path(__file__).parent
 INK, WARM, COOL = "#1f2933", "#d1495b", "#00798c"

@@ -7,7 +7,7 @@ from typing import Any, get_args
 
 from pydantic.fields import FieldInfo
 
-from omnisim.config import DATA_SHEET, DRIVE_KEYS, FRICTION_DEFAULTS, FRICTION_KEYS, Config, DriveKeys, Table
+from omnisim.scene.schema import DATA_SHEET, DRIVE_KEYS, FRICTION_DEFAULTS, FRICTION_KEYS, Config, DriveKeys, Table
 
 PAGE = Path(__file__).parent / "pages/scene.md"
 INTRODUCTION = """# Scene file

@@ -17,25 +17,31 @@
 
 from importlib import import_module
 
-_MODULES = ("analysis", "export", "plots", "report", "viewer")
+_MODULES = {
+    "analysis": "results.comparison",
+    "export": "results.tables",
+    "plots": "pictures.plots",
+    "report": "results.report",
+    "viewer": "pictures.viewer",
+}
 _HOMES = {
-    "Loop": ("loop", "Loop"),
-    "Scene": ("scene", "Scene"),
-    "SceneError": ("scene", "SceneError"),
-    "Trajectory": ("trajectory", "Trajectory"),
-    "TrajectoryError": ("storage", "TrajectoryError"),
-    "__version__": ("version", "VERSION"),
-    "load": ("scene", "load"),
-    "load_text": ("scene", "load_text"),
-    "open_trajectory": ("storage", "read"),
-    "simulate": ("simulation", "simulate"),
+    "Loop": ("run.loop", "Loop"),
+    "Scene": ("scene.scene", "Scene"),
+    "SceneError": ("scene.scene", "SceneError"),
+    "Trajectory": ("results.trajectory", "Trajectory"),
+    "TrajectoryError": ("base.trajectory_file", "TrajectoryError"),
+    "__version__": ("base.version", "VERSION"),
+    "load": ("scene.scene", "load"),
+    "load_text": ("scene.scene", "load_text"),
+    "open_trajectory": ("results.trajectory", "open_trajectory"),
+    "simulate": ("run.simulation", "simulate"),
 }
 __all__ = sorted([*_MODULES, *_HOMES])
 
 
 def __getattr__(name: str):
     if name in _MODULES:
-        return import_module(f"omnisim.{name}")
+        return import_module(f"omnisim.{_MODULES[name]}")
     if name not in _HOMES:
         raise AttributeError(f"module 'omnisim' has no attribute {name!r}")
     home, there = _HOMES[name]

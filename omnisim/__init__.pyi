@@ -1,19 +1,19 @@
 """Types of the public names, which __init__.py finds on first use."""
 
-from omnisim import analysis as analysis
-from omnisim import export as export
-from omnisim import plots as plots
-from omnisim import report as report
-from omnisim import viewer as viewer
-from omnisim.loop import Loop as Loop
-from omnisim.scene import Scene as Scene
-from omnisim.scene import SceneError as SceneError
-from omnisim.scene import load as load
-from omnisim.scene import load_text as load_text
-from omnisim.simulation import simulate as simulate
-from omnisim.storage import TrajectoryError as TrajectoryError
-from omnisim.storage import read as open_trajectory
-from omnisim.trajectory import Trajectory as Trajectory
+from omnisim.base.trajectory_file import TrajectoryError as TrajectoryError
+from omnisim.pictures import plots as plots
+from omnisim.pictures import viewer as viewer
+from omnisim.results import comparison as analysis
+from omnisim.results import report as report
+from omnisim.results import tables as export
+from omnisim.results.trajectory import Trajectory as Trajectory
+from omnisim.results.trajectory import open_trajectory as open_trajectory
+from omnisim.run.loop import Loop as Loop
+from omnisim.run.simulation import simulate as simulate
+from omnisim.scene.scene import Scene as Scene
+from omnisim.scene.scene import SceneError as SceneError
+from omnisim.scene.scene import load as load
+from omnisim.scene.scene import load_text as load_text
 
 __version__: str
 __all__ = [

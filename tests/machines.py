@@ -6,7 +6,7 @@ import tomllib
 import numpy as np
 
 import omnisim
-from omnisim.scene import Scene, parse
+from omnisim.scene.scene import Scene, parse
 
 TYPES = {
     "mecanum": {

@@ -2,7 +2,7 @@
 
 import pytest
 
-from omnisim.scene import SceneError, parse
+from omnisim.scene.scene import SceneError, parse
 
 
 def replaced(text: str, *pairs: str) -> str:

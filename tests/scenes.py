@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 
 import omnisim
-from omnisim.events import EVENT
-from omnisim.onset import stand
-from omnisim.packing import pack
-from omnisim.records import blank
-from omnisim.start import begin
-from omnisim.status import EVENTS_PER_STEP
+from omnisim.base.records import blank
+from omnisim.base.status import EVENTS_PER_STEP
+from omnisim.dynamics.packing import pack
+from omnisim.march.events import EVENT
+from omnisim.march.initial_state import begin
+from omnisim.march.onset import stand
 
 REFERENCE = Path(__file__).parent / "reference"
 REFERENCE_CASES = ("testbench_psi0", "testbench_psi30")

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from omnisim.status import EVENT_KINDS
-from omnisim.trajectory import Trajectory
+from omnisim.base.status import EVENT_KINDS
+from omnisim.results.trajectory import Trajectory
 
 SCENE = 'schema = 1\ntitle = "rollers µ"\n'
 

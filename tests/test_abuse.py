@@ -21,7 +21,7 @@ from commands import SCENE, command, settings
 from synthetic import synthetic_trajectory
 
 import omnisim
-from omnisim.storage import read
+from omnisim.results.trajectory import open_trajectory as read
 
 pytestmark = [pytest.mark.short, pytest.mark.skipif(os.name != "posix", reason="limits, pipes and mounts of POSIX")]
 SHORT = settings("time.end=0.02", "time.output_interval=0.01", "time.step=0.001")
@@ -112,7 +112,7 @@ def test_a_setting_of_nonsense_is_one_short_line(value, reason, here):
 @pytest.mark.parametrize("source", ["/dev/zero", "/dev/full", "/dev/null", "pipe", ".", "huge"])
 @pytest.mark.parametrize("name", ["run", "info"])
 def test_what_is_no_file_is_no_scene(name, source, here, monkeypatch):
-    monkeypatch.setattr("omnisim.files.SILENCE", 0.1)
+    monkeypatch.setattr("omnisim.base.files.SILENCE", 0.1)
     os.mkfifo("pipe")
     with open("huge", "wb") as file:
         file.truncate(10**11)
@@ -233,7 +233,7 @@ def test_a_folder_that_is_gone_at_the_end_loses_no_run(here, monkeypatch):
         shutil.rmtree("results")
         return original(scene, progress)
 
-    monkeypatch.setattr("omnisim.simulation.simulate", simulate)
+    monkeypatch.setattr("omnisim.run.simulation.simulate", simulate)
     result = command("run", "scene.toml", "-o", "results/out.h5", "--quiet", *SHORT)
     refused(result, "results/out.h5: cannot be written: No such file", f"the run is in {here}/out.h5", code=1)
 
@@ -243,13 +243,13 @@ def test_a_file_that_came_meanwhile_is_not_replaced(here, monkeypatch):
         Path("out.h5").write_text("precious")
         return original(scene, progress)
 
-    monkeypatch.setattr("omnisim.simulation.simulate", simulate)
+    monkeypatch.setattr("omnisim.run.simulation.simulate", simulate)
     refused(command(*WRITERS["run"]), "another process has made it meanwhile", f"{here}/out_2.h5", code=1)
     assert Path("out.h5").read_text() == "precious" and read("out_2.h5").complete
 
 
 def test_two_runs_into_one_file_the_second_says_so(here):
-    holding = "from omnisim.files import reserved; from pathlib import Path; import sys\n"
+    holding = "from omnisim.base.files import reserved; from pathlib import Path; import sys\n"
     holding += "with reserved(Path('out.h5')): print(flush=True); sys.stdin.read()"
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
     with subprocess.Popen([sys.executable, "-c", holding], **pipes) as first:
@@ -293,14 +293,14 @@ def test_a_suffix_that_says_nothing_is_refused_before_anything_runs(arguments, p
         omnisim.simulate(omnisim.load("scene.toml", SHORT[1::2])).save("made.h5", overwrite=True)
     (here / "there.events.csv").write_text("precious")
     before = contents(here)
-    monkeypatch.setattr("omnisim.simulation.simulate", None)
+    monkeypatch.setattr("omnisim.run.simulation.simulate", None)
     refused(command(*arguments), *parts)
     assert contents(here) == before
 
 
 def test_a_library_that_is_not_there_is_told_before_the_run(here, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    monkeypatch.setattr("omnisim.simulation.simulate", None)
+    monkeypatch.setattr("omnisim.run.simulation.simulate", None)
     refused(command("run", "scene.toml", "-o", "out.parquet"), "pyarrow", "pip install 'omnisim-engine[parquet]'")
 
 
@@ -403,9 +403,9 @@ def test_a_reader_that_is_not_there(shell, code, message, here):
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
 def test_a_command_that_is_ended_leaves_nothing_behind(number, here):
-    waiting = "import omnisim.simulation, time, signal\nsignal.signal(signal.SIGINT, signal.SIG_DFL)\n"
+    waiting = "import omnisim.run.simulation, time, signal\nsignal.signal(signal.SIGINT, signal.SIG_DFL)\n"
     waiting += "signal.signal(signal.SIGHUP, signal.SIG_DFL)\n"
-    waiting += "omnisim.simulation.simulate = lambda *_: (print('ready', flush=True), time.sleep(60))\n" + ENTRY
+    waiting += "omnisim.run.simulation.simulate = lambda *_: (print('ready', flush=True), time.sleep(60))\n" + ENTRY
     before = contents(here)
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     child = subprocess.Popen([sys.executable, "-c", waiting, "run", "scene.toml"], **pipes)

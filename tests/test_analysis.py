@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from synthetic import synthetic_attributes, synthetic_data, synthetic_trajectory
 
-from omnisim.analysis import compare, divergence, energy_error
-from omnisim.trajectory import Trajectory
+from omnisim.results.comparison import compare, divergence, energy_error
+from omnisim.results.trajectory import Trajectory
 
 ROLLER = "wheels/wheel/contact_roller"
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from omnisim.angle import cos_sin
+from omnisim.base.trigonometry import cos_sin
 
 pytestmark = pytest.mark.short
 

@@ -26,9 +26,9 @@ from common import Claim, bare_wheel, claims_table, ready, table
 from peers import c_loop
 
 import omnisim
-from omnisim.loop import Loop
-from omnisim.packing import bodies
-from omnisim.precision import converged
+from omnisim.dynamics.packing import bodies
+from omnisim.run.loop import Loop
+from omnisim.run.work_precision import converged
 
 CASES = {
     "straight rollers": (c_loop.WHEEL, bare_wheel(1e-3, 0.5)),

@@ -149,7 +149,7 @@ def test_a_file_that_cannot_be_written_is_one_line(broken, monkeypatch, folder):
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("omnisim.storage.write_whole" if broken == "write" else "omnisim.files.os.link", full)
+    monkeypatch.setattr("omnisim.results.hdf5.write_whole" if broken == "write" else "omnisim.base.files.os.link", full)
     result = command("run", SCENE)
     assert result.exit_code == 1
     last = result.stderr.splitlines()[-1]
@@ -233,7 +233,7 @@ def test_a_folder_that_may_not_be_written_is_found_before_the_run(folder):
 
 
 def test_a_bug_is_one_line(monkeypatch):
-    monkeypatch.setattr("omnisim.simulation.simulate", lambda *_: 1 / 0)
+    monkeypatch.setattr("omnisim.run.simulation.simulate", lambda *_: 1 / 0)
     result = command("run", SCENE)
     assert result.exit_code == 1
     assert result.stderr.startswith("Error: a bug in omnisim: ZeroDivisionError")

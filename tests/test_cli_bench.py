@@ -9,9 +9,9 @@ import sys
 import pytest
 from commands import command, settings
 
-from omnisim.config import FRICTION_KEYS
-from omnisim.tableau import METHODS
-from omnisim.text import WIDTH
+from omnisim.base.formatting import WIDTH
+from omnisim.base.methods import METHODS
+from omnisim.scene.schema import FRICTION_KEYS
 from omnisim_cli import bench
 from omnisim_cli.bench_report import FILES
 

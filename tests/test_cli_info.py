@@ -11,8 +11,8 @@ from commands import SCENE, command, settings
 from machines import toml
 
 import omnisim
-from omnisim.scene import packaged_scenes
-from omnisim.text import WIDTH
+from omnisim.base.formatting import WIDTH
+from omnisim.scene.scene import packaged_scenes
 
 pytestmark = pytest.mark.usefixtures("folder")
 

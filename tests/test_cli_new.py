@@ -11,12 +11,12 @@ from click.testing import CliRunner
 from commands import command
 
 import omnisim
-from omnisim.design import KINDS, Controller, DesignError, Motor, Robot, part
-from omnisim.estimates import estimates
-from omnisim.first_scene import scene_text
-from omnisim.scene import parse
-from omnisim.solids import gap, hub_radius
-from omnisim.toml_text import show_path
+from omnisim.scene.design import KINDS, Controller, DesignError, Motor, Robot, part
+from omnisim.scene.estimates import estimates
+from omnisim.scene.first_scene import scene_text
+from omnisim.scene.scene import parse
+from omnisim.scene.solids import gap, hub_radius
+from omnisim.scene.toml_text import show_path
 from omnisim_cli.main import cli
 from omnisim_cli.new import MOTORS, PLACES, Quantity
 

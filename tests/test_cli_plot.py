@@ -26,7 +26,7 @@ def folder(folder):
 
 
 def test_views_of_the_command_are_those_of_the_package():
-    plots = pytest.importorskip("omnisim.plots")
+    plots = pytest.importorskip("omnisim.pictures.plots")
     assert tuple(plots.VIEWS) == plot.VIEWS
 
 

@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import pytest
 from commands import command
 
-from omnisim.scene import packaged_scenes
+from omnisim.scene.scene import packaged_scenes
 
 pytestmark = pytest.mark.usefixtures("folder")
 
@@ -44,7 +44,7 @@ def test_without_matplotlib_a_drawing_says_what_to_install(folder, monkeypatch):
     original = builtins.__import__
 
     def absent(name, *arguments, **options):
-        if name.startswith(("matplotlib", "omnisim.wheel_drawing")):
+        if name.startswith(("matplotlib", "omnisim.cad.drawing")):
             raise ImportError(name)
         return original(name, *arguments, **options)
 

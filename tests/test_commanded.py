@@ -7,8 +7,8 @@ import pytest
 from machines import machine, scene
 from synthetic import synthetic_trajectory
 
-from omnisim.commanded import Table, integral, path, target_rates
-from omnisim.ideal import wheel_rows
+from omnisim.results.commanded import Table, integral, path, target_rates
+from omnisim.scene.ideal_kinematics import wheel_rows
 
 pytestmark = pytest.mark.short
 START = (0.3, -0.2, 0.7)

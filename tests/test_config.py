@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 from scene_text import assert_one_line, message, replaced
 
-from omnisim.config import Config, unused_keys
-from omnisim.drives import voltage_limit
-from omnisim.problems import ConfigError
-from omnisim.scene import parse
-from omnisim.validation import validate
+from omnisim.scene.drives import voltage_limit
+from omnisim.scene.problems import ConfigError
+from omnisim.scene.scene import parse
+from omnisim.scene.schema import Config, unused_keys
+from omnisim.scene.validation import validate
 
 pytestmark = pytest.mark.short
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from omnisim.contact.coulomb import contact_forces, slip_direction, sticking_force
 from omnisim.contact.kinematics import Slip
-from omnisim.parameters import RESTING
+from omnisim.contact.set_valued import contact_forces, slip_direction, sticking_force
+from omnisim.dynamics.parameters import RESTING
 
 pytestmark = pytest.mark.short
 

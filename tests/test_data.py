@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from numpy.polynomial.legendre import leggauss
 
-from omnisim.config import unused_keys
-from omnisim.ideal import inverse, rms_distance, wheel_rows
-from omnisim.scene import load, packaged_scenes
+from omnisim.scene.ideal_kinematics import inverse, rms_distance, wheel_rows
+from omnisim.scene.scene import load, packaged_scenes
+from omnisim.scene.schema import unused_keys
 
 pytestmark = pytest.mark.short
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scenes import packed, reference_scene, standing
 
-from omnisim.dynamics import rhs
-from omnisim.observables import datasets
-from omnisim.start import blank_rows
-from omnisim.state import YAW, places_of
-from omnisim.stepper import write_row
+from omnisim.dynamics.right_hand_side import rhs
+from omnisim.dynamics.state import YAW, places_of
+from omnisim.march.initial_state import blank_rows
+from omnisim.march.march import write_row
+from omnisim.results.observables import datasets
 
 pytestmark = pytest.mark.short
 

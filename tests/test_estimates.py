@@ -10,12 +10,12 @@ from scene_text import message, replaced
 from vehicles import VEHICLE
 
 import omnisim
-from omnisim.estimates import estimates
-from omnisim.packing import pack
-from omnisim.roller import axial_coordinate, profile_radius
-from omnisim.scene import parse
-from omnisim.solids import Outline, bored_end, outline, profile, solid
-from omnisim.toml_text import show_path
+from omnisim.contact.roller_profile import axial_coordinate, profile_radius
+from omnisim.dynamics.packing import pack
+from omnisim.scene.estimates import estimates
+from omnisim.scene.scene import parse
+from omnisim.scene.solids import Outline, bored_end, outline, profile, solid
+from omnisim.scene.toml_text import show_path
 
 pytestmark = pytest.mark.short
 
@@ -143,7 +143,7 @@ def test_what_is_missing_and_what_could_be_given_instead_is_one_line(old, new, k
 
 
 def test_shapes_beside_the_numbers_that_they_would_give_are_said_to_be_unused(folder):
-    from omnisim.config import unused_keys
+    from omnisim.scene.schema import unused_keys
 
     overrides = [
         "wheel_types.mecanum.roller.mass=0.1",

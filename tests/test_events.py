@@ -8,7 +8,7 @@ import pytest
 from scenes import reference_scene, simulate, standing
 
 import omnisim
-from omnisim.exchange import touching
+from omnisim.march.roller_exchange import touching
 
 STILL = ("initial.velocity=[0, 0]", "initial.yaw_rate=0", "wheels.wheel.roller_rates=0")
 EDGE = "wheels.wheel.spin_angle_deg=45"  # the common edge of rollers 0 and 1 of the four-roller wheel

@@ -14,8 +14,9 @@ from commands import command
 from synthetic import synthetic_attributes, synthetic_data, synthetic_trajectory
 
 import omnisim
-from omnisim.export import ExportError, field_names, write
-from omnisim.trajectory import LABELS, Trajectory, layout
+from omnisim.results.layout import LABELS, layout
+from omnisim.results.tables import ExportError, field_names, write
+from omnisim.results.trajectory import Trajectory
 
 WHEELS, ROLLERS = ("front-left", "rear"), (6, 8)
 

@@ -7,14 +7,14 @@ import time
 
 import pytest
 
-from omnisim import files
-from omnisim.files import read_small, reserved, write_whole
+from omnisim.base import files
+from omnisim.base.files import read_small, reserved, write_whole
 
 pytestmark = [pytest.mark.short, pytest.mark.skipif(os.name != "posix", reason="locks and pipes of POSIX")]
 HOLDING = """
 import sys
 from pathlib import Path
-from omnisim.files import reserved
+from omnisim.base.files import reserved
 with reserved(Path(sys.argv[1])):
     print("held", flush=True)
     sys.stdin.read()

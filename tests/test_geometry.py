@@ -7,8 +7,8 @@ import pytest
 from scenes import wheel_record
 
 import omnisim
-from omnisim import mesh
-from omnisim.geometry import (
+from omnisim.cad import mesh
+from omnisim.cad.geometry import (
     SHORTFALL,
     few_spheres,
     gap,
@@ -22,8 +22,8 @@ from omnisim.geometry import (
     solid,
     support,
 )
-from omnisim.packing import pack
-from omnisim.roller import length, profile_radius
+from omnisim.contact.roller_profile import length, profile_radius
+from omnisim.dynamics.packing import pack
 
 pytestmark = pytest.mark.short
 SCENES = ("youbot", "kiwi", "six_rollers", "thirty_two_rollers")

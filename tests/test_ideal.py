@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from vehicles import VEHICLE
 
-from omnisim.ideal import inverse, rms_distance, undetermined, wheel_rows
-from omnisim.scene import parse
+from omnisim.scene.ideal_kinematics import inverse, rms_distance, undetermined, wheel_rows
+from omnisim.scene.scene import parse
 
 pytestmark = pytest.mark.short
 

@@ -3,6 +3,8 @@
 import ast
 import subprocess
 import sys
+import tomllib
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -11,80 +13,33 @@ import omnisim
 
 pytestmark = pytest.mark.short
 PACKAGE = Path(omnisim.__file__).parent
-# from the scene file down to the trajectory: a module imports only from rows above its own, or from its own row
-LAYERS = (
-    ("kernel", "direct", "toml_text", "text", "records", "files", "arguments", "copying", "version"),
-    ("angle", "vector", "state", "tableau", "status", "config"),
-    ("roller", "contact.tracking", "problems", "trajectory", "ideal", "solids", "drives"),
-    ("rules", "machine_rules", "estimates"),
-    ("validation", "plausibility", "design", "first_scene", "storage"),
-    ("scene",),
-    ("contact.kinematics", "export", "report", "commanded"),
-    ("contact.reaction", "contact.coulomb", "contact.contensou"),
-    ("parameters",),
-    ("packing", "constraints"),
-    ("geometry",),
-    ("mesh", "viewer"),
-    ("wheel_drawing", "robot_description"),
-    ("mjcf", "urdf"),
-    ("robot_files",),
-    ("wheel", "actuation"),
-    ("rigid", "body"),
-    ("articulated", "joints", "bearings"),
-    ("loads", "impulse"),
-    ("coupled", "wheel_dynamics"),
-    ("chassis",),
-    ("multibody",),
-    ("dynamics",),
-    ("runge_kutta", "checks", "tracking_alone"),
-    ("implicit",),
-    ("grip",),
-    ("exchange",),
-    ("events", "extremes"),
-    ("onset",),
-    ("stepper",),
-    ("statics", "model"),
-    ("slopes",),
-    ("stiffness",),
-    ("start",),
-    ("observables",),
-    ("collect",),
-    ("inputs", "sensors"),
-    ("loop", "analysis", "ripple"),
-    ("plots.style", "plots.asked"),
-    ("plots.marks", "plots.outline"),
-    ("plots.panels",),
-    ("plots.drive",),
-    ("plots.floor", "plots.motion", "plots.bearing_loads", "plots.roller_maps", "plots.spectra", "plots.paper"),
-    ("plots.overview",),
-    ("target",),
-    ("simulation",),
-    ("timing",),
-    ("precision",),
-)
+# A room imports from itself and from rooms above it in this list: data flows down, from the scene file to the pictures.
+ROOMS = ("base", "scene", "contact", "dynamics", "march", "results", "run", "cad", "pictures")
 ONLY = {
-    "h5py": {"storage"},
-    "pydantic": {"config", "problems", "validation"},
-    "numba": {"kernel", "direct"},
-    "tomlkit": {"toml_text"},
-    "pandas": {"trajectory", "export"},
-    "xarray": {"trajectory", "export"},
-    "pyarrow": {"export"},
-    "scipy": {"export"},
-    "matplotlib": {
-        "trajectory",
-        "wheel_drawing",
-        "plots.style",
-        "plots.outline",
-        "plots.panels",
-        "plots.drive",
-        "plots.floor",
-        "plots.motion",
-        "plots.bearing_loads",
-        "plots.roller_maps",
-        "plots.spectra",
-        "plots.paper",
-        "plots.overview",
+    "h5py": {"results.hdf5", "base.trajectory_file"},
+    "pydantic": {"scene.schema", "scene.problems", "scene.validation"},
+    "numba": {"base.kernel", "base.calls"},
+    "tomlkit": {"scene.toml_text"},
+    "pandas": {"results.trajectory", "results.tables"},
+    "xarray": {"results.trajectory", "results.tables"},
+    "pyarrow": {"results.tables"},
+    "scipy": {"results.tables"},
+    "matplotlib": {"results.trajectory", "cad.drawing"}
+    | {
+        f"pictures.plots.{name}"
+        for name in (
+            "style",
+            "outline",
+            "panels",
+            "drive",
+            "floor",
+            "motion",
+            "bearing_loads",
+            "roller_maps",
+            "spectra",
+            "paper",
+            "overview",
+        )
     },
 }
 
@@ -106,22 +61,31 @@ def imported(path):
             yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
 
-def layer(name):
-    return next(number for number, names in enumerate(LAYERS) if name in names)
+MODULES = dict(modules())
+ARROWS = {
+    name: {target.removeprefix("omnisim.") for target in imported(path)} & set(MODULES) - {name}
+    for name, path in MODULES.items()
+}
 
 
-def test_every_module_has_its_place():
-    assert {name for name, _ in modules()} == {name for names in LAYERS for name in names}
+def room(name):
+    return ROOMS.index(name.partition(".")[0])
 
 
-@pytest.mark.parametrize("name", [name for name, _ in modules()])
-def test_a_module_imports_nothing_from_further_down(name):
-    path = PACKAGE / (name.replace(".", "/") + ".py")
-    known = {known for names in LAYERS for known in names}
-    for target in imported(path):
-        target = target.removeprefix("omnisim.")
-        if target in known and name != "trajectory":  # its methods lead to storage and export
-            assert layer(target) <= layer(name), f"{name} imports {target}"
+def test_every_module_is_in_a_room_and_every_room_is_installed():
+    assert {name.partition(".")[0] for name in MODULES} == set(ROOMS)
+    packages = tomllib.loads((PACKAGE.parent / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
+    folders = {path.parent for path in MODULES.values()}
+    assert {"omnisim." + ".".join(folder.relative_to(PACKAGE).parts) for folder in folders} <= set(packages)
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_a_module_imports_only_from_its_room_and_those_before(name):
+    assert not [target for target in ARROWS[name] if room(target) > room(name)]
+
+
+def test_no_modules_import_each_other_in_a_circle():
+    TopologicalSorter(ARROWS).prepare()  # CycleError names a circle
 
 
 @pytest.mark.parametrize("package", ONLY)

@@ -13,12 +13,13 @@ import pytest
 from test_imports import imported
 
 import omnisim
-from omnisim import kernel
+from omnisim.base import kernel
 
 PACKAGE = Path(omnisim.__file__).parent
+IMPORT = "from omnisim.base.kernel import kernel\n"
 PROGRAM = """
 from omnisim.contact.kinematics import Slip
-from omnisim.kernel import kernel, CACHE_DIRECTORY
+from omnisim.base.kernel import kernel, CACHE_DIRECTORY
 from omnisim import caller
 print(caller.outer(2.0), CACHE_DIRECTORY.name)
 """
@@ -29,10 +30,9 @@ def package(tmp_path):
     """A copy of the package with two kernels in two files, the one calling the other."""
     copy = tmp_path / "omnisim"
     shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    (copy / "callee.py").write_text("from omnisim.kernel import kernel\n@kernel\ndef inner(x):\n    return 3.0 * x\n")
+    (copy / "callee.py").write_text(f"{IMPORT}@kernel\ndef inner(x):\n    return 3.0 * x\n")
     (copy / "caller.py").write_text(
-        "from omnisim.kernel import kernel\nfrom omnisim.callee import inner\n"
-        "@kernel\ndef outer(x):\n    return inner(x) + 1.0\n"
+        f"{IMPORT}from omnisim.callee import inner\n@kernel\ndef outer(x):\n    return inner(x) + 1.0\n"
     )
     return copy
 
@@ -58,7 +58,7 @@ def test_the_same_sources_share_one_cache_and_others_do_not(package, tmp_path):
     first, again = run(package, **cache)[1], run(package, **cache)[1]
     assert first == again
     assert list((tmp_path / "cache" / "omnisim" / first).rglob("*.nbc")), "the kernels are on disk"
-    (package / "status.py").write_text((package / "status.py").read_text() + "# edited\n")
+    (package / "base/status.py").write_text((package / "base/status.py").read_text() + "# edited\n")
     assert run(package, **cache)[1] != first
 
 
@@ -74,14 +74,14 @@ def test_every_module_that_defines_a_kernel_counts(kernel_modules):
     names = [found.name for found in pkgutil.walk_packages([str(PACKAGE)], "omnisim.")]
     values = [value for name in names for value in vars(import_module(name)).values()]
     homes = {value.__module__ for value in values if hasattr(value, "py_func")}
-    assert numba.config.DISABLE_JIT or "omnisim.stepper" in homes
+    assert numba.config.DISABLE_JIT or "omnisim.march.march" in homes
     assert homes <= set(kernel_modules)
 
 
 def test_whatever_these_import_counts(kernel_modules):
     every = {found.name for found in pkgutil.walk_packages([str(PACKAGE)], "omnisim.")}
     needed = {name for path in kernel_modules.values() for name in imported(PACKAGE.parent / path)}
-    assert {"omnisim.tableau", "omnisim.parameters"} <= needed & every <= set(kernel_modules)
+    assert {"omnisim.base.methods", "omnisim.dynamics.parameters"} <= needed & every <= set(kernel_modules)
 
 
 def test_an_edit_counts_if_a_kernel_may_see_it(package, kernel_modules):
@@ -94,8 +94,18 @@ def test_an_edit_counts_if_a_kernel_may_see_it(package, kernel_modules):
 
 
 def test_plots_and_files_do_not_count(kernel_modules):
-    for name in ("plots.motion", "plots.style", "export", "storage", "report", "viewer", "mesh", "mjcf", "urdf"):
-        assert f"omnisim.{name}" not in kernel_modules
+    away = (
+        "pictures.plots.motion",
+        "pictures.plots.style",
+        "results.tables",
+        "results.hdf5",
+        "results.report",
+        "pictures.viewer",
+        "cad.mesh",
+        "cad.mjcf",
+        "cad.urdf",
+    )
+    assert not {f"omnisim.{name}" for name in away} & set(kernel_modules)
 
 
 @pytest.mark.parametrize("statement", [
@@ -105,16 +115,16 @@ def test_plots_and_files_do_not_count(kernel_modules):
     "import math, omnisim.constants",
     "from .constants import MASS",
     "from . import constants",
-    "from omnisim import (  # two (of them)\n    angle,\n    constants,\n)",
+    "from omnisim import (  # two (of them)\n    base,\n    constants,\n)",
     "from omnisim.constants \\\n    import MASS",
     "def late():\n    from omnisim.constants import MASS",
     "if True: from omnisim.constants import MASS",
-    "from omnisim.records import *; from omnisim.constants import *",
+    "from omnisim.base.records import *; from omnisim.constants import *",
 ])  # fmt: skip
 def test_an_import_counts_however_it_is_written(statement, package):
     (package / "constants.py").write_text("MASS = 1.0\n")
     assert package / "constants.py" not in kernel.kernel_sources(package)
-    (package / "callee.py").write_text(f"from omnisim.kernel import kernel\n{statement}\n")
+    (package / "callee.py").write_text(f"{IMPORT}{statement}\n")
     assert package / "constants.py" in kernel.kernel_sources(package)
 
 
@@ -149,7 +159,7 @@ def test_a_full_disk_costs_the_kept_kernels_but_not_the_result(package, tmp_path
 def test_signatures_compiled_by_two_processes_at_once_get_files_of_their_own(package, tmp_path):
     """Each process starts before the other has written anything, and Numba's own cache would number both files 1."""
     environment = {**os.environ, "PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-    (package / "callee.py").write_text("from omnisim.kernel import kernel\n@kernel\ndef inner(x):\n    return x / 2\n")
+    (package / "callee.py").write_text(f"{IMPORT}@kernel\ndef inner(x):\n    return x / 2\n")
     program = "from omnisim import callee; print('ready', flush=True); input(); print(callee.inner({}))"
 
     def start(argument):

@@ -6,8 +6,8 @@ from scenes import packed, reference_scene, standing
 
 from omnisim.contact.kinematics import Motion, inverse_mass, joint_rate, slip_acceleration, slip_velocity
 from omnisim.contact.tracking import explicit_contact, roller_axis
-from omnisim.state import places_in
-from omnisim.wheel import body_motion, contact_state, external_wrench
+from omnisim.dynamics.state import places_in
+from omnisim.dynamics.wheel import body_motion, contact_state, external_wrench
 
 pytestmark = pytest.mark.short
 

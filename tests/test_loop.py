@@ -5,7 +5,7 @@ import pytest
 from scenes import reference_scene
 
 import omnisim
-from omnisim.scene import parse
+from omnisim.scene.scene import parse
 
 MACHINE = ("time.end=0.4", "time.step=5e-4", "time.output_interval=0.01")
 

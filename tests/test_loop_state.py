@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import omnisim
-from omnisim import inputs
-from omnisim import loop as loop_module
-from omnisim.inputs import table
-from omnisim.parameters import DRIVE
+from omnisim.dynamics.parameters import DRIVE
+from omnisim.run import inputs
+from omnisim.run import loop as loop_module
+from omnisim.run.inputs import table
 
 MACHINE = {"time.end": 0.2, "time.step": 5e-4, "time.output_interval": 0.01}
 COMMAND = {"command.times": [0.0, 0.1], "command.twist": [[0.4, 0.2, 0.5], [0.3, 0.1, 0.4]]}  # slips at once

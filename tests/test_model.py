@@ -4,10 +4,10 @@ import pytest
 from scenes import packed, reference_scene
 from vehicles import FOLLOWING, VEHICLE
 
-from omnisim.model import describe
-from omnisim.packing import pack
-from omnisim.scene import load, packaged_scenes
-from omnisim.text import WIDTH
+from omnisim.base.formatting import WIDTH
+from omnisim.dynamics.description import describe
+from omnisim.dynamics.packing import pack
+from omnisim.scene.scene import load, packaged_scenes
 
 pytestmark = pytest.mark.short
 

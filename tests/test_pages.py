@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import omnisim
-from omnisim.config import Config
+from omnisim.scene.schema import Config
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "docs"))
 import file_reference

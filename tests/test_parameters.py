@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scenes import packed, reference_scene
 
-from omnisim.packing import lines
-from omnisim.parameters import DRIVE, FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE
+from omnisim.dynamics.packing import lines
+from omnisim.dynamics.parameters import DRIVE, FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE
 
 pytestmark = pytest.mark.short
 

@@ -11,9 +11,9 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1] / "bench"))
 from peers import drake_peer, mujoco_peer, mujoco_platform, wheel_scene
 
-from omnisim.geometry import roller_frames
-from omnisim.packing import bodies, pack
-from omnisim.roller import axial_coordinate, profile_radius
+from omnisim.cad.geometry import roller_frames
+from omnisim.contact.roller_profile import axial_coordinate, profile_radius
+from omnisim.dynamics.packing import bodies, pack
 
 KIND = wheel_scene.wheel_type()
 ALPHA = math.pi / KIND.roller_count

@@ -10,8 +10,8 @@ from commands import command, settings
 from scenes import REFERENCE
 
 import omnisim
-from omnisim import plausibility
-from omnisim.scene import packaged_scenes, parse
+from omnisim.scene import plausibility
+from omnisim.scene.scene import packaged_scenes, parse
 
 WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
 MECANUM, OMNI = "wheel_types.mecanum", "wheel_types.omni"

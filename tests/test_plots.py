@@ -5,17 +5,17 @@ import pytest
 from synthetic import synthetic_attributes, synthetic_data, synthetic_trajectory
 
 import omnisim
-import omnisim.commanded
-from omnisim.status import EVENT_KINDS
-from omnisim.trajectory import Trajectory
+from omnisim.base.status import EVENT_KINDS
+from omnisim.results import commanded as commands_of
+from omnisim.results.trajectory import Trajectory
 
 matplotlib = pytest.importorskip("matplotlib", reason="needs matplotlib")
 matplotlib.use("agg")
 
 from matplotlib import pyplot  # noqa: E402
 
-from omnisim import plots  # noqa: E402
-from omnisim.plots.marks import ordinal  # noqa: E402
+from omnisim.pictures import plots  # noqa: E402
+from omnisim.pictures.plots.marks import ordinal  # noqa: E402
 
 MACHINE = ("left", "back", "right")
 
@@ -278,7 +278,7 @@ def test_extremes_of_bearing_loads_and_of_odometry_are_bands(kiwi):
 def test_beside_the_path_stand_the_commanded_one_and_that_of_the_odometry(kiwi):
     figure = plots.path(kiwi)
     found = lines(figure, "y, m")
-    commanded = omnisim.commanded.path(omnisim.scene.parse(kiwi.attributes["scene"]).config, kiwi.time)
+    commanded = commands_of.path(omnisim.load_text(kiwi.attributes["scene"]).config, kiwi.time)
     np.testing.assert_array_equal(found["commanded"], commanded[:, :2].T)
     np.testing.assert_array_equal(found["odometry"], kiwi["odometry/position"].T)
     distances = lines(figure, "distance, m")
@@ -355,7 +355,7 @@ def test_bearings_show_what_info_sums_up(kiwi):
 
 
 def test_ripple_shows_the_spectrum(wheel):
-    from omnisim.ripple import of_wheel
+    from omnisim.results.ripple import of_wheel
 
     (shown,) = lines(plots.ripple(wheel), "forward speed, m/s").values()
     velocity, yaw = wheel["body/velocity"], wheel["body/yaw"]

@@ -5,8 +5,8 @@ import math
 import pytest
 
 import omnisim
-from omnisim import precision
-from omnisim.precision import Interrupted, Row, Setting, measure
+from omnisim.run import work_precision as precision
+from omnisim.run.work_precision import Interrupted, Row, Setting, measure
 
 TINY = ("time.end=0.2",)
 STEPS = (5e-4, 2e-4)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scenes import packed, reference_scene
 
+from omnisim.contact.friction import friction_factor
 from omnisim.contact.kinematics import Slip
-from omnisim.contact.reaction import friction_factor
 
 pytestmark = pytest.mark.short
 

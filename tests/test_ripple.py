@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from omnisim.ripple import RippleError, longest_way, spectrum
+from omnisim.results.ripple import RippleError, longest_way, spectrum
 
 ROLLERS = 6
 PITCH = 2.0 * np.pi / ROLLERS

@@ -8,13 +8,13 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import omnisim
-from omnisim import mesh
-from omnisim.ideal import wheel_rows
-from omnisim.mjcf import mjcf
-from omnisim.packing import bodies, pack
-from omnisim.robot_description import text
-from omnisim.robot_files import robot_files
-from omnisim.urdf import urdf
+from omnisim.cad import mesh
+from omnisim.cad.mjcf import mjcf
+from omnisim.cad.robot_description import text
+from omnisim.cad.robot_files import robot_files
+from omnisim.cad.urdf import urdf
+from omnisim.dynamics.packing import bodies, pack
+from omnisim.scene.ideal_kinematics import wheel_rows
 
 SCENES = ("youbot", "kiwi", "mixed", "six_rollers", "authors_vehicle")
 

@@ -11,9 +11,9 @@ from robot_readers import by_urdf_parser_py, by_xml, by_yourdfpy, poses, yourdfp
 from scipy.spatial.transform import Rotation
 
 import omnisim
-from omnisim.files import write_whole
-from omnisim.geometry import few_spheres, of_type
-from omnisim.robot_files import robot_files
+from omnisim.base.files import write_whole
+from omnisim.cad.geometry import few_spheres, of_type
+from omnisim.cad.robot_files import robot_files
 
 READERS = (by_yourdfpy, by_urdf_parser_py)
 SCENES = ("skew", "youbot", "kiwi", "six_rollers")

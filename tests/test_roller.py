@@ -6,8 +6,15 @@ import numpy as np
 import pytest
 from scenes import wheel_record
 
-from omnisim.roller import axial_coordinate, length, profile_radius, support_parameter, support_point, tip_radius
-from omnisim.vector import Vec3
+from omnisim.base.vector import Vec3
+from omnisim.contact.roller_profile import (
+    axial_coordinate,
+    length,
+    profile_radius,
+    support_parameter,
+    support_point,
+    tip_radius,
+)
 
 pytestmark = pytest.mark.short
 

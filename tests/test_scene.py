@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 from vehicles import VEHICLE
 
-from omnisim.scene import Scene, SceneError, load, packaged_scenes, parse
-from omnisim.text import visible
+from omnisim.base.formatting import visible
+from omnisim.scene.scene import Scene, SceneError, load, packaged_scenes, parse
 
 pytestmark = pytest.mark.short
 
@@ -60,8 +60,8 @@ def test_every_packaged_scene_loads_by_name_and_keeps_its_name():
 
 def test_a_file_goes_before_a_packaged_scene_and_a_folder_does_not(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("omnisim.scene.packaged_scenes", lambda: ["packed", "folder"])
-    monkeypatch.setattr("omnisim.scene._packaged", lambda name: FILE)
+    monkeypatch.setattr("omnisim.scene.scene.packaged_scenes", lambda: ["packed", "folder"])
+    monkeypatch.setattr("omnisim.scene.scene._packaged", lambda name: FILE)
     Path("packed").write_text(TEXT.replace("Testbench", "Mine"))
     Path("folder").mkdir()
     assert load("packed").config.title.startswith("Mine")
@@ -69,7 +69,7 @@ def test_a_file_goes_before_a_packaged_scene_and_a_folder_does_not(tmp_path, mon
 
 
 def test_an_unknown_name_lists_the_packaged_scenes_and_the_nearest(monkeypatch):
-    monkeypatch.setattr("omnisim.scene.packaged_scenes", lambda: ["authors_testbench", "sliding_wheel"])
+    monkeypatch.setattr("omnisim.scene.scene.packaged_scenes", lambda: ["authors_testbench", "sliding_wheel"])
     assert message("slidingwheel").startswith("slidingwheel: no file and no packaged scene has this name;")
     assert "did you mean 'sliding_wheel'? Packaged scenes: authors_testbench, sliding" in message("slidingwheel")
     assert message("x") == (
@@ -290,7 +290,7 @@ def test_set_defects_come_first_and_lines_are_those_of_the_original_file():
 
 
 def test_importing_the_scene_module_loads_no_heavy_library():
-    code = "import omnisim.scene, sys; print(*sys.modules)"
+    code = "import omnisim.scene.scene, sys; print(*sys.modules)"
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert not {"numba", "h5py", "matplotlib", "scipy", "tomlkit"} & set(result.stdout.split())
 

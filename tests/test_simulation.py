@@ -43,7 +43,7 @@ def test_a_run_stopped_from_outside_keeps_what_was_computed():
 
 def test_the_scene_text_of_a_trajectory_repeats_the_run():
     run = simulate("testbench_psi0", "time.step=5e-4", "friction.law=saturated")
-    from omnisim.scene import parse
+    from omnisim.scene.scene import parse
 
     again = omnisim.simulate(parse(run.attributes["scene"]))
     assert np.array_equal(run["body/position"], again["body/position"])

@@ -7,8 +7,8 @@ import pytest
 from machines import BOX, CHASSIS, machine, scene, tables
 
 import omnisim
-from omnisim.packing import bodies, pack
-from omnisim.slopes import steepest
+from omnisim.dynamics.packing import bodies, pack
+from omnisim.dynamics.slopes import steepest
 
 MU, G = 0.5, 9.81
 COULOMB = {"law": "coulomb", "coefficient": MU}

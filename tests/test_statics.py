@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import omnisim
-from omnisim.packing import bodies, pack
-from omnisim.scene import load
-from omnisim.statics import static_loads
+from omnisim.dynamics.packing import bodies, pack
+from omnisim.dynamics.static_loads import static_loads
+from omnisim.scene.scene import load
 
 pytestmark = pytest.mark.short
 

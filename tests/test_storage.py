@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from synthetic import SCENE, synthetic_attributes, synthetic_trajectory
 
-from omnisim import storage
-from omnisim.storage import TrajectoryError
+from omnisim.base.trajectory_file import TrajectoryError
+from omnisim.results.trajectory import open_trajectory
 
 # The contract, written out by hand on purpose: path, axes, units of a bare wheel called "wheel".
 SCALES = {
@@ -147,7 +147,7 @@ def test_a_trajectory_comes_back_bit_for_bit(tmp_path, rows, events):
     wheels = ("front_left", "rear-right")
     written = synthetic_trajectory(rows=rows, rollers=(6, 8), events=events, wheels=wheels)
     written.save(tmp_path / "run.h5")
-    back = storage.read(tmp_path / "run.h5")
+    back = open_trajectory(tmp_path / "run.h5")
     assert back.attributes == written.attributes
     assert list(back.data) == list(written.data)
     for path, array in written.data.items():
@@ -159,14 +159,14 @@ def test_a_trajectory_comes_back_bit_for_bit(tmp_path, rows, events):
 def test_a_scene_of_a_megabyte_is_kept_whole(tmp_path):
     scene = "# µ\n" * 250_000  # HDF5 keeps attributes below 64 kB, except variable-length strings
     synthetic_trajectory(scene=scene).save(tmp_path / "run.h5")
-    assert storage.read(tmp_path / "run.h5").attributes["scene"] == scene
+    assert open_trajectory(tmp_path / "run.h5").attributes["scene"] == scene
 
 
 def test_what_a_later_version_adds_is_left_alone(saved):
     with h5py.File(saved, "r+") as file:
         file["body/temperature"] = np.zeros(11)
         file.attrs["colour"] = "red"
-    assert "body/temperature" not in storage.read(saved)
+    assert "body/temperature" not in open_trajectory(saved)
 
 
 # Checksums
@@ -212,14 +212,14 @@ def test_so_is_one_in_a_text(saved, text, name):
         flipped[place] ^= 1
         saved.write_bytes(flipped)
         try:
-            storage.read(saved)
+            open_trajectory(saved)
         except TrajectoryError as error:
             names.append(str(error))
     assert any(f"{name}: it does not match its checksum" in message for message in names), names
 
 
 def test_of_a_thousand_flipped_bits_none_changes_a_number_or_the_scene_in_silence(saved):
-    written, whole = storage.read(saved), saved.read_bytes()
+    written, whole = open_trajectory(saved), saved.read_bytes()
     places = np.random.default_rng(5).integers(8 * len(whole), size=1000).tolist()
     seen = 0
     for place in places:
@@ -227,7 +227,7 @@ def test_of_a_thousand_flipped_bits_none_changes_a_number_or_the_scene_in_silenc
         flipped[place // 8] ^= 1 << place % 8
         saved.write_bytes(flipped)
         try:
-            back = storage.read(saved)
+            back = open_trajectory(saved)
         except TrajectoryError:
             seen += 1
         else:
@@ -244,7 +244,7 @@ def test_a_large_dataset_is_in_chunks_of_rows_and_a_file_hardly_larger(tmp_path)
         assert file["wheels/wheel/rollers/center_position"].chunks == (6667, 6, 3)  # 0.96 MB
     data = sum(array.nbytes for array in trajectory.data.values() if array.dtype.kind != "U")
     assert os.path.getsize(tmp_path / "run.h5") - data < 130_000  # 118 kB: the rest of the file and what fills chunks
-    assert all(np.array_equal(storage.read(tmp_path / "run.h5")[path], trajectory[path]) for path in trajectory)
+    assert all(np.array_equal(open_trajectory(tmp_path / "run.h5")[path], trajectory[path]) for path in trajectory)
 
 
 def test_files_written_before_there_were_checksums_are_read(saved):
@@ -256,7 +256,7 @@ def test_files_written_before_there_were_checksums_are_read(saved):
         for path in ("body/yaw", "energy/kinetic", "wheels/wheel/contact_roller"):
             del file[path]
             file[path] = written[path]
-    back = storage.read(saved)
+    back = open_trajectory(saved)
     assert all(np.array_equal(back[path], written[path]) for path in written)
 
 
@@ -364,7 +364,7 @@ def test_a_second_write_replaces_the_first_only_if_told(saved):
         synthetic_trajectory(rows=5).save(saved)
     assert untouched(saved.parent, before)
     synthetic_trajectory(rows=5).save(saved, overwrite=True)
-    assert len(storage.read(saved).time) == 5
+    assert len(open_trajectory(saved).time) == 5
     assert [path.name for path in saved.parent.iterdir()] == [saved.name]
 
 
@@ -373,7 +373,7 @@ def test_writing_to_a_link_replaces_the_file_behind_it(saved, tmp_path):
     link.symlink_to(saved)
     synthetic_trajectory(rows=5).save(link, overwrite=True)
     assert link.is_symlink()
-    assert len(storage.read(saved).time) == 5
+    assert len(open_trajectory(saved).time) == 5
 
 
 @pytest.mark.parametrize(("name", "reason"), [("missing/run.h5", "No such file"), (".", "not a regular file")])
@@ -405,7 +405,7 @@ def test_a_read_only_folder_is_one_line_with_the_path(tmp_path):
 def refusal(path):
     """The one line that read() refuses a file with, without the path it starts with."""
     with pytest.raises(TrajectoryError) as caught:
-        storage.read(path)
+        open_trajectory(path)
     line = str(caught.value)
     assert "\n" not in line
     assert line.startswith(f"{path}: ")
@@ -474,7 +474,7 @@ def test_a_dataset_of_the_wrong_type_is_refused(saved):
 def test_what_a_search_adds_is_kept_and_may_be_absent(tmp_path):
     for added in ({}, {"error_target": 1e-6}, {"error_target": 1e-6, "error_estimate": 2.5e-7}):
         synthetic_trajectory(**added).save(tmp_path / "run.h5", overwrite=True)
-        back = storage.read(tmp_path / "run.h5").attributes
+        back = open_trajectory(tmp_path / "run.h5").attributes
         assert {name: value for name, value in back.items() if name.startswith("error")} == added
         with h5py.File(tmp_path / "run.h5", "r") as file:
             assert set(file.attrs) == STORED | added.keys()

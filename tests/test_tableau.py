@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from omnisim.tableau import TABLEAUX, rooted_trees, tableau
+from omnisim.base.methods import TABLEAUX, rooted_trees, tableau
 
 pytestmark = pytest.mark.short
 

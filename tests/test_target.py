@@ -8,9 +8,9 @@ import pytest
 from scenes import final_reference, final_state, reference_scene
 
 import omnisim
-from omnisim.analysis import distance
-from omnisim.scene import parse
-from omnisim.target import LEAST, SLOWEST, candidates, estimate
+from omnisim.results.comparison import distance
+from omnisim.run.step_search import LEAST, SLOWEST, candidates, estimate
+from omnisim.scene.scene import parse
 
 LIFTED = ("wrench.times=[0, 1]", "wrench.force=[[0, 0, 0], [0, 0, 20]]")
 
@@ -136,7 +136,7 @@ def test_a_target_below_rounding_ends_the_search_and_is_not_claimed():
 
 
 def test_a_search_ends_at_the_most_steps(monkeypatch):
-    monkeypatch.setattr("omnisim.target.MOST_STEPS", 1000)
+    monkeypatch.setattr("omnisim.run.step_search.MOST_STEPS", 1000)
     run = omnisim.simulate(omnisim.load("coulomb_wheel", ["solver.error=1e-9"]))
     assert run.complete and run.attributes["steps"] == 1000
     assert run.attributes["error_estimate"] > 1e-9

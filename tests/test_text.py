@@ -2,7 +2,7 @@
 
 import pytest
 
-from omnisim.text import WIDTH, aligned, columns, hanging, visible
+from omnisim.base.formatting import WIDTH, aligned, columns, hanging, visible
 
 pytestmark = pytest.mark.short
 

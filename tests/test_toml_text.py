@@ -4,7 +4,7 @@ import tomllib
 
 import pytest
 
-from omnisim.toml_text import (
+from omnisim.scene.toml_text import (
     MISSING,
     assign,
     is_deeper,

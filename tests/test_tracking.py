@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from scenes import wheel_record
 
+from omnisim.base.vector import Vec3
+from omnisim.contact.roller_profile import support_point
 from omnisim.contact.tracking import (
     Heading,
     explicit_contact,
@@ -16,8 +18,6 @@ from omnisim.contact.tracking import (
     roller_axis,
     world_axis,
 )
-from omnisim.roller import support_point
-from omnisim.vector import Vec3
 
 pytestmark = pytest.mark.short
 

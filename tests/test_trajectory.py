@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from synthetic import synthetic_attributes, synthetic_data, synthetic_trajectory
 
-from omnisim.report import summary
-from omnisim.trajectory import Trajectory, layout
+from omnisim.results.layout import layout
+from omnisim.results.report import summary
+from omnisim.results.trajectory import Trajectory
 
 pytestmark = pytest.mark.short
 
@@ -182,5 +183,5 @@ def test_a_run_that_stops_at_once_is_a_trajectory_too(rows, events):
 
 
 def test_importing_trajectory_brings_neither_h5py_nor_numba():
-    code = "import sys, omnisim.trajectory; sys.exit('h5py' in sys.modules or 'numba' in sys.modules)"
+    code = "import sys, omnisim.results.trajectory; sys.exit('h5py' in sys.modules or 'numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -5,7 +5,7 @@ import pytest
 from scene_text import assert_one_line, message, replaced
 from vehicles import FOLLOWING, VEHICLE
 
-from omnisim.scene import parse
+from omnisim.scene.scene import parse
 
 pytestmark = pytest.mark.short
 

@@ -11,11 +11,21 @@ from click.testing import CliRunner
 from synthetic import synthetic_data, synthetic_trajectory
 
 import omnisim
-from omnisim.packing import pack
-from omnisim.roller import axial_coordinate, profile_radius
-from omnisim.scene import packaged_scenes
-from omnisim.trajectory import Trajectory
-from omnisim.viewer import BODY, BODY_MORE, PROFILE_POINTS, WHEEL, NothingToShow, kept_rows, machine, motion, page
+from omnisim.contact.roller_profile import axial_coordinate, profile_radius
+from omnisim.dynamics.packing import pack
+from omnisim.pictures.viewer import (
+    BODY,
+    BODY_MORE,
+    PROFILE_POINTS,
+    WHEEL,
+    NothingToShow,
+    kept_rows,
+    machine,
+    motion,
+    page,
+)
+from omnisim.results.trajectory import Trajectory
+from omnisim.scene.scene import packaged_scenes
 from omnisim_cli.main import cli
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)

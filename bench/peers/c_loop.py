@@ -18,8 +18,8 @@ import numpy as np
 from common import Claim, March, bare_wheel, interleaved, median_ratio, ready, table
 from machine_scenes import slipping_platform
 
-from omnisim.scene import Scene
-from omnisim.state import YAW, X, Y, places_of
+from omnisim.dynamics.state import YAW, X, Y, places_of
+from omnisim.scene.scene import Scene
 
 AGREEMENT = 1e-11  # of all states and rows, relative to the largest value of each state (at least 1); C sums plainly
 PLAIN = "gcc -O3"

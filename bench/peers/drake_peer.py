@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from common import Claim, table
 
-from omnisim.geometry import roller_frames
+from omnisim.cad.geometry import roller_frames
 from peers import wheel_scene
 from peers.wheel_scene import BEST, CELLS, FAILED, FASTEST, LEVEL, NOTES, SMOOTH
 

@@ -10,7 +10,7 @@ import numpy as np
 from common import March
 from scipy.integrate import ODEintWarning, odeint, solve_ivp
 
-from omnisim.stepper import march as go_on
+from omnisim.march.march import march as go_on
 from peers.equations import (
     SPIN,
     SPIN_RATE,

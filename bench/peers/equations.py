@@ -17,10 +17,10 @@ import numpy as np
 from common import March
 from numba.experimental import structref
 
-from omnisim.exchange import release_rollers, take_rollers
-from omnisim.parameters import DRIVE
-from omnisim.runge_kutta import evaluate
-from omnisim.state import places, places_in
+from omnisim.dynamics.parameters import DRIVE
+from omnisim.dynamics.state import places, places_in
+from omnisim.march.roller_exchange import release_rollers, take_rollers
+from omnisim.march.runge_kutta import evaluate
 
 YAW, SPIN, YAW_RATE, SPIN_RATE, ROLLER = 2, 3, 6, 7, 8  # places of a bare wheel; spin angles begin there in all
 PASSED = 1e-12  # rad: so far beyond its end a roller is left, and the next one has surely begun

@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 from common import Claim, table
 
-from omnisim.config import WheelType
-from omnisim.geometry import roller_frames
-from omnisim.robot_description import numbers
+from omnisim.cad.geometry import roller_frames
+from omnisim.cad.robot_description import numbers
+from omnisim.scene.schema import WheelType
 from peers import wheel_scene
 from peers.wheel_scene import BEST, CAPSULE, CELLS, FASTEST, LEVEL, NOTES, SMOOTH, Shape
 

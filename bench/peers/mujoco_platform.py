@@ -16,10 +16,10 @@ from machine_scenes import END, RAMP, platform
 from whole_machines import reference
 
 import omnisim
-from omnisim.packing import pack
-from omnisim.robot_description import numbers
-from omnisim.scene import Scene
-from omnisim.trajectory import Trajectory
+from omnisim.cad.robot_description import numbers
+from omnisim.dynamics.packing import pack
+from omnisim.results.trajectory import Trajectory
+from omnisim.scene.scene import Scene
 from peers import wheel_scene
 from peers.mujoco_peer import CONTACTS, MISSING, geometry, mujoco, roller_bodies
 from peers.wheel_scene import LEVEL, LOST, SMOOTH

@@ -22,7 +22,7 @@ from common import Claim, bare_wheel, interleaved, median_ratio, ready, table
 from machine_scenes import platform
 
 import omnisim
-from omnisim.scene import Scene, parse
+from omnisim.scene.scene import Scene, parse
 from peers.driver import Stalled, integrate
 from peers.equations import motion
 

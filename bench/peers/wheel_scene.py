@@ -29,11 +29,11 @@ import numpy as np
 from common import Claim, interleaved, median_ratio, ready, simulation, table
 
 import omnisim
-from omnisim.config import WheelType
-from omnisim.mesh import roller
-from omnisim.packing import pack
-from omnisim.roller import length
-from omnisim.scene import Scene
+from omnisim.cad.mesh import roller
+from omnisim.contact.roller_profile import length
+from omnisim.dynamics.packing import pack
+from omnisim.scene.scene import Scene
+from omnisim.scene.schema import WheelType
 
 SCENE = "coulomb_wheel"
 REFERENCE = Path(__file__).parents[2] / "tests/reference/coulomb_wheel.json"

@@ -14,7 +14,7 @@ over all lines that meet the patch: every line for a centre inside (s < 1), wher
 
 import math
 
-from omnisim.kernel import kernel
+from omnisim.base.kernel import kernel
 
 SPINNING_TORQUE = 3.0 * math.pi / 16.0  # Psi without sliding
 # for a faint spin k = 1 / s the closed form cancels, by 0.7 / k^4; below this bound Psi = k/5 2F1(1/2, 1/2; 7/2; k^2)

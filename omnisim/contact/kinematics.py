@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from omnisim.kernel import kernel
+from omnisim.base.kernel import kernel
 
 
 class Slip(NamedTuple):

@@ -16,8 +16,8 @@ misprints mended: the contact point needs "- R j1" where the paper prints "- R1 
 
 from typing import NamedTuple
 
-from omnisim.kernel import kernel
-from omnisim.vector import Vec3, combine, cross, dot
+from omnisim.base.kernel import kernel
+from omnisim.base.vector import Vec3, combine, cross, dot
 
 EXPLICIT, IMPLICIT = 0, 1
 EDGE = 1e-12  # rounding allowed when two rollers touch at once

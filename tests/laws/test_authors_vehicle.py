@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import omnisim
-from omnisim.analysis import energy_error
+from omnisim.results.comparison import energy_error
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "bench"))
 import vehicle

@@ -5,7 +5,7 @@ import pytest
 from scenes import packed, reference_scene
 
 import omnisim
-from omnisim.stiffness import explanation
+from omnisim.march.stiffness import explanation
 
 STILL = (
     "friction.law=none", "initial.velocity=[0, 0]", "initial.yaw_rate=0", "wheels.wheel.spin_rate=0",

@@ -5,15 +5,15 @@ import pytest
 from scenes import final_reference, final_state, packed, reference_data, reference_scene, simulate
 
 import omnisim
-from omnisim.contact.coulomb import SLIP, STICK
-from omnisim.events import EVENT
-from omnisim.grip import slip_rate
-from omnisim.start import blank_rows
-from omnisim.state import places
-from omnisim.status import COMPLETE, RUNNING
-from omnisim.stepper import march
-from omnisim.tableau import METHODS
-from omnisim.wheel import body_motion, contact_state
+from omnisim.base.methods import METHODS
+from omnisim.base.status import COMPLETE, RUNNING
+from omnisim.contact.set_valued import SLIP, STICK
+from omnisim.dynamics.state import places
+from omnisim.dynamics.wheel import body_motion, contact_state
+from omnisim.march.events import EVENT
+from omnisim.march.friction_modes import slip_rate
+from omnisim.march.initial_state import blank_rows
+from omnisim.march.march import march
 
 CASE = "coulomb_wheel"
 STILL = ("initial.velocity=[0, 0]", "wheels.wheel.spin_rate=0")

@@ -13,7 +13,7 @@ from machines import TYPES, machine, mirrored, scene
 from scenes import REFERENCE, final_state, reference_scene
 
 import omnisim
-from omnisim.analysis import divergence
+from omnisim.results.comparison import divergence
 
 FORMULATIONS = ("reduced", "multibody")
 EDGE_START = REFERENCE / "edge_start.toml"

@@ -10,7 +10,7 @@ from machines import run as simulate
 from oracle.cases import REFERENCE
 
 import omnisim
-from omnisim.analysis import distance, divergence, energy_error
+from omnisim.results.comparison import distance, divergence, energy_error
 
 FORMULATIONS = ("reduced", "multibody")
 COULOMB = "friction={law='coulomb', coefficient=0.5}"

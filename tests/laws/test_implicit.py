@@ -5,8 +5,8 @@ import pytest
 from scenes import final_state, packed, reference_data, reference_scene
 
 import omnisim
-from omnisim.stiffness import explanation
-from omnisim.tableau import RADAU, collocation
+from omnisim.base.methods import RADAU, collocation
+from omnisim.march.stiffness import explanation
 
 LIGHT = "wheel_types.omni.roller={mass=0.02, inertia_axial=1e-9, inertia_transverse=2.3e-6}"
 # Wheels whose friction lets go, slips slowly and reverses, driven and free; bounds: slope of the error in slip_speed

@@ -6,11 +6,11 @@ from machines import axle_inertia, machine, run, scene, tables, wheel_mass
 from scenes import final_state, of_wheels, reference_scene
 
 import omnisim
-from omnisim.contact.coulomb import CREEP, SLIP, STICK
-from omnisim.ideal import wheel_rows
-from omnisim.impulse import align_slip
-from omnisim.state import places_in
-from omnisim.wheel import body_motion, contact_state
+from omnisim.contact.set_valued import CREEP, SLIP, STICK
+from omnisim.dynamics.impulses import align_slip
+from omnisim.dynamics.state import places_in
+from omnisim.dynamics.wheel import body_motion, contact_state
+from omnisim.scene.ideal_kinematics import wheel_rows
 
 COULOMB = {"law": "coulomb", "coefficient": 0.5}
 MASS = 6.0 + 4 * wheel_mass("mecanum")

@@ -10,11 +10,11 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 import omnisim
-from omnisim.drives import drive_law
-from omnisim.packing import pack
-from omnisim.precision import ladder
-from omnisim.stiffness import explanation
-from omnisim.target import candidates
+from omnisim.dynamics.packing import pack
+from omnisim.march.stiffness import explanation
+from omnisim.run.step_search import candidates
+from omnisim.run.work_precision import ladder
+from omnisim.scene.drives import drive_law
 
 GEAR, RESISTANCE = 14.0, 1.2
 K, B = GEAR * 0.015, 2e-3  # V s/rad, N m s

@@ -8,7 +8,7 @@ import pytest
 from scenes import final_state, reference_scene
 
 import omnisim
-from omnisim.tableau import TABLEAUX
+from omnisim.base.methods import TABLEAUX
 
 STEPS = {"heun": (4e-4, 2e-4, 1e-4), "rk4": (8e-4, 4e-4, 2e-4), "dopri5": (1e-3, 5e-4, 2.5e-4)}
 DRIVEN = (

@@ -12,8 +12,8 @@ from machines import BOX, CHASSIS, TYPES, axle_inertia, machine, run, scene, tab
 from scenes import of_wheels, reference_scene, simulate
 
 import omnisim
-from omnisim.packing import bodies, pack
-from omnisim.statics import static_loads
+from omnisim.dynamics.packing import bodies, pack
+from omnisim.dynamics.static_loads import static_loads
 
 G, LOCKED = 9.81, 1e4
 MU = 0.5

@@ -8,7 +8,7 @@ import pytest
 from scenes import REFERENCE
 
 import omnisim
-from omnisim.scene import load
+from omnisim.scene.scene import load
 from oracle.multibody import simulate as multibody
 
 BASE = REFERENCE / "testbench_psi30.toml"

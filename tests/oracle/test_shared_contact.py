@@ -12,7 +12,7 @@ import pytest
 from scenes import REFERENCE, reference_data
 
 import omnisim
-from omnisim.scene import load
+from omnisim.scene.scene import load
 from oracle.shared_contact import limit, simulate
 
 BASE = REFERENCE / "testbench_psi30.toml"

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 import omnisim
-from omnisim.constraints import matrices
-from omnisim.contact.coulomb import STICK
-from omnisim.loop import Loop
-from omnisim.runge_kutta import evaluate
-from omnisim.state import BODY_STATES, places_in
+from omnisim.contact.set_valued import STICK
+from omnisim.dynamics.multibody.residuals import matrices
+from omnisim.dynamics.state import BODY_STATES, places_in
+from omnisim.march.runge_kutta import evaluate
+from omnisim.run.loop import Loop
 from oracle.cases import REFERENCE
 from oracle.machine import AXIS, OMEGA, UP, VELOCITY, Machine
 

@@ -1,0 +1,1 @@
+"""Wheels and machines for workshops and other simulators: profiles, meshes, drawings, MJCF, URDF."""

@@ -1,0 +1,107 @@
+"""A scene as the bodies of other simulators: MJCF (of MuJoCo) and URDF are both written from these.
+
+Masses, inertias, friction and bearings are those of the scene. Disks and chassis touch nothing: a plain cylinder and a
+box are drawn for them, the box of the chassis' size where the scene has it. x is forward, y left, z up; wheels turn
+about y, rollers about their own z, and the position of a joint is the angle that omnisim has for it: 0 is spin angle 0,
+whatever the scene starts with.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Comment, Element
+
+from omnisim.cad.geometry import hub_radius, of_type, roller_frames
+from omnisim.cad.mesh import hub_half_width
+from omnisim.scene.drives import drive_law
+from omnisim.scene.schema import Config, Wheel
+
+LAID = (-0.5 * math.pi, 0.0, 0.0)  # roll, pitch, yaw of a cylinder along the axle
+COLOURS = {"rubber": "0.25 0.25 0.28 1", "stand_in": "0.5 0.65 0.8 0.4"}
+
+
+class Body(NamedTuple):
+    """A rigid body on a hinge about `hinge` of its own frame: the chassis, a disk, a roller.
+
+    place, angles: of its frame in that of its parent, m and roll, pitch, yaw (rad, about fixed x, y, z). centre: of
+    mass, in its own frame; inertia: about it, along the axes of the frame. shape: roller (wheel type), cylinder
+    (radius, length) or box (x, y, z), m.
+    """
+
+    name: str
+    parent: str | None
+    hinge: str
+    place: tuple[float, ...]
+    angles: tuple[float, float, float]
+    mass: float
+    centre: tuple[float, ...]
+    inertia: tuple[float, float, float]
+    shape: tuple[str, str | tuple[float, ...]]
+    damping: float = 0.0  # of the hinge, N m s
+    friction: float = 0.0  # of the hinge, N m
+    armature: float = 0.0  # at the hinge, kg m^2
+
+    @property
+    def joint(self) -> str:
+        """Its name: not that of the body, since simulators that read SDF want every name once."""
+        return f"{self.name}_joint"
+
+
+def note(config: Config) -> str:
+    """What whoever programs the controller has to know."""
+    radii = {wheel.type: config.type_of(wheel).radius for wheel in config.wheels}
+    return "rolling radius for the controller: " + ", ".join(f"{r:g} m ({name})" for name, r in radii.items())
+
+
+def bodies(config: Config) -> Iterator[Body]:
+    """Parents before what they carry."""
+    if config.chassis is not None:
+        chassis, still = config.chassis, (0.0, 0.0, 0.0)
+        box = ("box", chassis.size if chassis.size[0] > 0.0 else box_between(config))
+        yield Body("chassis", None, "", still, still, chassis.mass, chassis.center_of_mass, chassis.inertia, box)
+    for wheel in config.wheels:
+        yield from wheel_bodies(config, wheel)
+
+
+def box_between(config: Config) -> tuple[float, float, float]:
+    """A plain box that reaches towards the wheels, half as high as the smallest, m."""
+    low = 0.5 * min(config.type_of(wheel).radius for wheel in config.wheels)
+    x, y = (max(low, 1.4 * max(abs(wheel.position[axis]) for wheel in config.wheels)) for axis in (0, 1))
+    return x, y, low
+
+
+def wheel_bodies(config: Config, wheel: Wheel) -> Iterator[Body]:
+    kind, name, centre = config.type_of(wheel), f"{wheel.name}_wheel", (0.0, 0.0, 0.0)
+    disk, roller, across = kind.disk, kind.roller, kind.disk.inertia_diameter
+    yield Body(
+        name, "chassis" if config.chassis else None, "0 1 0",
+        (*wheel.position, kind.radius), (0.0, 0.0, math.radians(wheel.heading_deg)),
+        disk.mass, centre, (across, disk.inertia_axle, across),
+        ("cylinder", (hub_radius(of_type(kind)), 2.0 * hub_half_width(kind))),
+        armature=drive_law(wheel.drive).rotor_inertia,
+    )  # fmt: skip
+    inertia = (roller.inertia_transverse, roller.inertia_transverse, roller.inertia_axial)
+    frames = roller_frames(kind, wheel.mirrored, math.radians(wheel.phase_deg))
+    for number, (place, (x, y, z)) in enumerate(frames):
+        yield Body(
+            f"{wheel.name}_roller_{number}", name, "0 0 1",
+            tuple(place), (0.0, math.atan2(math.hypot(x, y), z), math.atan2(y, x)),
+            roller.mass, centre, inertia, ("roller", wheel.type), roller.bearing_viscosity, roller.bearing_torque,
+        )  # fmt: skip
+
+
+def text(root: Element) -> str:
+    """No encoding is declared: readers of a str refuse one, and those of bytes take UTF-8."""
+    ElementTree.indent(root)
+    return '<?xml version="1.0"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
+
+
+def numbers(*values: float) -> str:
+    """To the last bit: every number of a description is written here, since repr of a NumPy number has its type."""
+    return " ".join(repr(float(value)) for value in values)
+
+
+def headed(root: Element, config: Config) -> Element:
+    root.append(Comment(f" {note(config).replace('--', '-')} "))  # two hyphens would end the comment
+    return root

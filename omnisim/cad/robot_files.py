@@ -1,0 +1,48 @@
+"""A machine as files for other simulators: its description, by the suffix of the path, and meshes beside it.
+
+Every roller of a wheel type has the same mesh; MJCF and URDF of one machine draw the same ones.
+"""
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+from omnisim.cad.mesh import DRAWN, FINE, controller_note, roller, stl
+from omnisim.cad.mjcf import mjcf
+from omnisim.cad.robot_description import text
+from omnisim.cad.urdf import urdf
+from omnisim.scene.schema import Config, WheelType
+
+
+def robot_files(config: Config, path: Path, prefix: str = "") -> dict[Path, bytes]:
+    """What each file is to hold, the description first: .urdf, or else MJCF, of the name that `path` has.
+
+    prefix: of the names of meshes in a URDF, such as package://NAME/.
+    """
+    used = {wheel.type: config.type_of(wheel) for wheel in config.wheels}
+    drawn = {name: path.with_name(f"{path.stem}_{name}_roller.stl") for name in used}
+    images = {drawn[name]: mesh_image(name, kind, DRAWN) for name, kind in used.items()}
+    if path.suffix.lower() == ".urdf":
+        root = urdf(config, path.stem, {name: prefix + file.name for name, file in drawn.items()})
+    else:
+        touching = {name: path.with_name(f"{path.stem}_{name}_contact.stl") for name in used}
+        images |= {touching[name]: mesh_image(name, kind, FINE) for name, kind in used.items()}
+        names = ({name: file.name for name, file in files.items()} for files in (drawn, touching))
+        root = mjcf(config, path.stem, *names)
+    return {path: text(root).encode()} | images
+
+
+def mesh_image(name: str, kind: WheelType, resolution: tuple[int, int]) -> bytes:
+    return stl(roller(kind, *resolution), controller_note(name, kind))
+
+
+def package_folder(path: Path, package: str) -> Path | None:
+    """The nearest folder above the file that is the ROS package: by its own name or by that in its package.xml."""
+    return next((folder for folder in path.resolve().parents if is_package(folder, package)), None)
+
+
+def is_package(folder: Path, package: str) -> bool:
+    try:
+        named = (ElementTree.parse(folder / "package.xml").findtext("name") or "").strip()
+    except (OSError, ElementTree.ParseError):
+        named = folder.name
+    return named == package

@@ -1,0 +1,212 @@
+"""Contacts whose force must be sought: those that creep, and wheels that rest on two rollers.
+
+Every other force is linear in the unknowns of normal_forces.py; these are found by solving that system again and again.
+
+A creeping contact slips so slowly that its slip has the direction u of its slip acceleration, v' = kappa u under
+F = -mu N u. It is linear like any sliding friction once u is known, and u is found by Newton's method.
+
+A wheel at a common edge of two rollers rests on both if each of them alone would turn it back: phi' = 0, and the load
+N is split into sigma N on the roller ahead (q = +alpha) and (1 - sigma) N on the one behind such that phi'' = 0. It is
+the limit of ever shorter swings about the edge, sigma the part of the time that they spend on the roller ahead; so a
+force that does not depend on N, viscous friction, is shared as well.
+
+    turning(sigma) = tau - theta' G_h - sum (R F_h + s Ia p') = 0    turning(0) > 0 > turning(1)
+
+With the loads given its forces at rest obey Gauss' principle, a convex problem: wheel by wheel they are taken from the
+contact equations of the one wheel, while the body's acceleration follows at once, until nothing changes.
+"""
+
+from omnisim.base.kernel import kernel, merged, outlined
+from omnisim.contact.kinematics import Slip
+from omnisim.contact.set_valued import TINY, contact_forces, slip_direction, turned
+from omnisim.dynamics.normal_forces import place_load, solve
+from omnisim.dynamics.planar_body import Acceleration, free_rate, push_of, yielding
+
+MOST_ITERATIONS = 100  # for a share
+MOST_SWEEPS = 500  # over the wheels
+MOST_ROUNDS = 100  # of loads
+SETTLED = 1e-15  # change of forces and loads, relative to the largest, and of a share
+STEADY = 1e-12  # correction of a direction by Newton's method: the next would be lost in rounding
+LOST = 1e-12  # of the load times the radius, a torque that is lost in rounding
+ROUNDING = 1e-11  # a change below which, if it no longer falls, is rounding
+
+
+@outlined
+def settle_forces(machine, wheels, room, load, plane, pushing):
+    """Find the sought forces of an instant and all loads; returns what `solve` does."""
+    acceleration, regular, last = Acceleration(0.0, 0.0, 0.0), 1.0, 1e300
+    for _ in range(MOST_ROUNDS):
+        acceleration, mobility, regular = solve(machine, room, load, plane, pushing)
+        change = settle_shared(machine, wheels, room, mobility, acceleration)
+        for w in range(len(wheels)):
+            part = room.parts[w]
+            if part.sought and part.contacts == 1:
+                correction = turn_creep(machine, wheels[w], room, w, mobility, acceleration)
+                change = max(change, correction if correction > STEADY else 0.0)
+        if settled(change, last):
+            break
+        last = change
+    return acceleration, regular
+
+
+@kernel
+def settled(change, last):
+    """Whether a change, relative to what changes, is none, or rounding."""
+    return change <= SETTLED or (change <= ROUNDING and change >= last)
+
+
+@merged
+def settle_shared(machine, wheels, room, mobility, acceleration):
+    """Forces of all wheels on two rollers under the loads in the room: the largest change, relative, of the first
+    sweep over them."""
+    first, last = 0.0, 1e300
+    for sweep in range(MOST_SWEEPS):
+        change, size, count = 0.0, TINY, 0
+        for w in range(len(wheels)):
+            part, ahead, behind = room.parts[w], room.contacts[2 * w], room.contacts[2 * w + 1]
+            if not (part.sought and part.contacts == 2):
+                continue
+            count += 1
+            h_0, k_0, h_1, k_1 = ahead.force[0], ahead.force[1], behind.force[0], behind.force[1]
+            acceleration = pushed(machine, acceleration, mobility, room, w, -1.0)
+            set_resting(machine, wheels[w], room, w, mobility, acceleration)
+            share_load(machine, wheels[w], room, w)
+            acceleration = pushed(machine, acceleration, mobility, room, w, 1.0)
+            change = max(change, max(abs(ahead.force[0] - h_0), abs(ahead.force[1] - k_0)))
+            change = max(change, max(abs(behind.force[0] - h_1), abs(behind.force[1] - k_1)))
+            size = max(size, max(abs(ahead.force[0]), abs(ahead.force[1])))
+            size = max(size, max(abs(behind.force[0]), abs(behind.force[1])))
+        change /= size
+        if sweep == 0:
+            first = change
+        if count < 2 or settled(change, last):
+            break
+        last = change
+    return first
+
+
+@kernel
+def pushed(machine, acceleration, mobility, room, w, sign):
+    """The Acceleration with the forces of wheel w added or, sign -1, taken away."""
+    x, y, yaw = 0.0, 0.0, 0.0
+    for c in range(2 * w, 2 * w + room.parts[w].contacts):
+        contact = room.contacts[c]
+        push_x, push_y, push_yaw = push_of(machine, contact, contact.force[0], contact.force[1], contact.torque)
+        x, y, yaw = x + push_x, y + push_y, yaw + push_yaw
+    more = yielding(mobility, x, y, yaw)
+    return Acceleration(
+        acceleration.x + sign * more.x, acceleration.y + sign * more.y, acceleration.yaw + sign * more.yaw
+    )
+
+
+@merged
+def set_resting(machine, wheel, room, w, mobility, acceleration):
+    """The contact equations of wheel w on two rollers into `resting` and `mobility` of the room; its spin is held."""
+    for side in range(2):
+        contact, resting = room.contacts[2 * w + side], room.resting[side]
+        resting.rest, lever = contact.rest, contact.lever
+        resting.force[0], resting.force[1] = contact.force[0], contact.force[1]  # where the search begins
+        resting.bias[0], resting.bias[1] = free_rate(contact, acceleration)
+        for other in range(2):
+            source = room.contacts[2 * w + other]
+            for j in range(2):
+                by = yielding(mobility, source.lever[0, j], source.lever[1, j], source.lever[2, j])
+                for i in range(2):
+                    entry = lever[0, i] * by.x + lever[1, i] * by.y + lever[2, i] * by.yaw
+                    if side == other:
+                        entry += contact.arm[i] * contact.arm[j] * wheel.axial_mobility
+                    room.loads.mobility[side, other, i, j] = entry
+
+
+@merged
+def turn_creep(machine, wheel, room, w, mobility, acceleration):
+    """Turn the direction of a creeping contact by one Newton correction: its size, rad."""
+    contact, limit = room.contacts[2 * w], machine.friction * max(room.parts[w].normal_force, 0.0)
+    (hh, hk, kk), (rate_h, rate_k) = contact_mobility(wheel, contact, mobility), free_rate(contact, acceleration)
+    if contact.creep[0] == 0.0 and contact.creep[1] == 0.0:
+        u = slip_direction((hh, hk, kk), Slip(rate_h, rate_k), limit)  # no force was in the balance yet
+        u_h, u_k, correction = u.h, u.k, 1.0
+    else:
+        u_h, u_k = contact.creep[0], contact.creep[1]
+        spin = (contact.spin[0] * u_h + contact.spin[1] * u_k) * limit * wheel.spin_mobility
+        roller = (contact.arm[0] * u_h + contact.arm[1] * u_k) * limit * wheel.axial_mobility
+        rate_h -= contact.spin[0] * spin + contact.arm[0] * roller
+        rate_k -= contact.spin[1] * spin + contact.arm[1] * roller
+        across = limit * (hh * u_k * u_k - 2.0 * hk * u_h * u_k + kk * u_h * u_h)
+        along = rate_h * u_h + rate_k * u_k
+        u_h, u_k, correction = turned(u_h, u_k, rate_h, rate_k, across, along, contact.turned)
+        contact.turned = correction
+    contact.creep[0], contact.creep[1] = u_h, u_k
+    contact.unit[0], contact.unit[1] = -machine.friction * u_h, -machine.friction * u_k
+    return abs(correction)
+
+
+@kernel
+def contact_mobility(wheel, contact, mobility):
+    """Slip acceleration (hh, hk, kk) by the force of a contact that carries its wheel alone, 1/kg."""
+    lever, spin, roller = contact.lever, wheel.spin_mobility, wheel.axial_mobility
+    h = yielding(mobility, lever[0, 0], lever[1, 0], lever[2, 0])
+    k = yielding(mobility, lever[0, 1], lever[1, 1], lever[2, 1])
+    return (
+        lever[0, 0] * h.x + lever[1, 0] * h.y + lever[2, 0] * h.yaw
+        + spin * contact.spin[0] * contact.spin[0] + roller * contact.arm[0] * contact.arm[0],
+        lever[0, 0] * k.x + lever[1, 0] * k.y + lever[2, 0] * k.yaw
+        + spin * contact.spin[0] * contact.spin[1] + roller * contact.arm[0] * contact.arm[1],
+        lever[0, 1] * k.x + lever[1, 1] * k.y + lever[2, 1] * k.yaw
+        + spin * contact.spin[1] * contact.spin[1] + roller * contact.arm[1] * contact.arm[1],
+    )  # fmt: skip
+
+
+@merged
+def share_load(machine, wheel, room, w):
+    """Split the load of wheel w between its two rollers: their forces and shares, and how firmly it rests on both."""
+    part = room.parts[w]
+    t_low, t_high = turning(machine, room, w, 0.0), turning(machine, room, w, 1.0)
+    low, high = 0.0, 1.0
+    part.share_margin = min(t_low, -t_high)
+    lost = LOST * abs(part.normal_force) * wheel.radius
+    share = 0.5
+    if t_low - t_high > lost:
+        share = min(max(t_low / (t_low - t_high), 0.0), 1.0)
+    elif min(t_low, t_high) > lost or max(t_low, t_high) < -lost:  # one of them will carry on, by the sense of both
+        share = 1.0 if t_low > 0.0 else 0.0
+    if (room.resting[0].rest or room.resting[1].rest) and t_low > 0.0 > t_high:
+        side = 0
+        for _ in range(MOST_ITERATIONS):  # regula falsi, Illinois variant
+            t = turning(machine, room, w, share)
+            if t > 0.0:
+                low, t_low = share, t
+                t_high *= 0.5 if side == 1 else 1.0
+                side = 1
+            else:
+                high, t_high = share, t
+                t_low *= 0.5 if side == -1 else 1.0
+                side = -1
+            last, share = share, (low * t_high - high * t_low) / (t_high - t_low)
+            if t == 0.0 or abs(share - last) <= SETTLED:
+                break
+    turning(machine, room, w, share)
+    place_load(wheel, room, w)
+
+
+@kernel
+def turning(machine, room, w, share):
+    """J_k phi'' of wheel w, N m, if its rollers carry `share` and the rest; leaves their forces in the room."""
+    part = room.parts[w]
+    normal, total = max(part.normal_force, 0.0), part.free_spin
+    for side in range(2):
+        contact, resting = room.contacts[2 * w + side], room.resting[side]
+        contact.share = share if side == 0 else 1.0 - share
+        contact.torque = contact.share * normal * contact.unit_torque
+        resting.limit = contact.share * machine.friction * normal
+        if not resting.rest:
+            for i in range(2):
+                resting.force[i] = contact.share * (contact.constant[i] + contact.unit[i] * normal)
+        total -= contact.axis[1] * contact.axis[2] * contact.torque
+    contact_forces(room.resting, room.loads.mobility)
+    for side in range(2):
+        contact, resting = room.contacts[2 * w + side], room.resting[side]
+        for i in range(2):
+            contact.force[i] = resting.force[i]
+            total += contact.spin[i] * contact.force[i]
+    return total

@@ -1,0 +1,312 @@
+"""What of the physics a scene asks for, and what is left out, each with its reason."""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from math import isfinite, radians, sin
+from typing import NamedTuple
+
+from omnisim.base.formatting import hanging
+from omnisim.base.records import plain
+from omnisim.dynamics.parameters import CONTACTS, MULTIBODY, Parameters
+from omnisim.dynamics.state import places_in
+from omnisim.scene.drives import drive_law
+from omnisim.scene.ideal_kinematics import rms_distance, undetermined, wheel_rows
+from omnisim.scene.schema import Config, Drive, Friction, Roller, Wheel, unused_keys
+
+
+class Part(NamedTuple):
+    """A part of the model: how many states it has (0: algebra only), and why it is there or not."""
+
+    name: str
+    modelled: bool
+    states: int
+    why: str
+
+
+class Model(NamedTuple):
+    """The parts of a model; `line` and `text` are what people read."""
+
+    parts: tuple[Part, ...]
+    unused: tuple[str, ...]
+
+    @property
+    def states(self) -> int:
+        return sum(part.states for part in self.parts)
+
+    @property
+    def line(self) -> str:
+        """One line: the parts with their states, then those that are algebra only."""
+        counted = ", ".join(f"{part.name} {part.states}" for part in self.parts if part.states)
+        others = ", ".join(part.name for part in self.parts if part.modelled and not part.states)
+        return f"{self.states} states ({counted}); {others}"
+
+    @property
+    def text(self) -> str:
+        """Aligned lines: modelled, left out, keys that this scene does not use."""
+        width = max(len(part.name) for part in self.parts)
+        lines: dict[bool, list[str]] = {True: [f"modelled: {self.states} states"], False: ["left out:"]}
+        for part in self.parts:
+            states = (part.states or "-") if part.modelled else ""
+            lines[part.modelled].append(hanging(f"  {part.name:<{width}}  {states:>3}  ", part.why))
+        unused = [hanging("not used by this scene: ", ", ".join(self.unused))] if self.unused else []
+        return "\n".join(lines[True] + lines[False] + unused)
+
+
+def describe(config: Config, parameters: Parameters) -> Model:
+    """The model of a validated scene and its Parameters."""
+    parameters = parameters._replace(machine=plain(parameters.machine))
+    parts = (*integrated(config, parameters), *algebraic(config, parameters))
+    return Model(parts, unused_keys(config))
+
+
+def integrated(config: Config, parameters: Parameters) -> Iterator[Part]:
+    """What has states, or would have."""
+    machine, at, (wheels, most) = parameters.machine, places_in(parameters), parameters.sector.shape[:2]
+    bearings, implicit = bool(machine.bearings), config.solver.tracking == "implicit"
+    multibody, count = machine.formulation == MULTIBODY, at.integral - at.roller_rate
+    every = bearings or multibody
+    yield Part("plane motion", True, 6, motion_reason(config))
+    yield Part("spin", True, 2 * wheels, wheels_reason(config))
+    yield Part("rollers in contact", True, 0 if every else count, contacts_reason(config))
+    if every:
+        why = "bearings have friction" if bearings else "they are bodies"
+        yield Part("roller rates", True, count, f"all, since {why}; {most} states a wheel")
+    else:
+        yield Part("rollers in the air", False, 0, air_reason(config))
+    if any(wheel.drive.controlled for wheel in config.wheels):
+        why = "integrated errors of the spin rates" if machine.integrals else integral_reason(config.wheels)
+        yield Part("drive integrals", bool(machine.integrals), at.current - at.integral, why)
+    if machine.motors:
+        currents, settled = at.friction_loss - at.current, "currents follow their voltages at once"
+        why = inductance_reason(config.wheels) if machine.currents else settled
+        yield Part("motor inductance", bool(machine.currents), currents, why)
+    why = "losses, drive and wrench work, integrated for the energy balance"
+    yield Part("works", True, at.odometry - at.friction_loss, why)
+    if config.chassis:
+        yield Part("odometry", bool(machine.odometry), at.rho - at.odometry, odometry_reason(config, machine.odometry))
+    why = "implicit tracking integrates the unit vector of each roller"
+    why = why if implicit else "explicit tracking has the contact point in closed form"
+    yield Part("rho", implicit, 3 * most * wheels * implicit, why)
+    why = "formulation 'multibody' has chassis, disks and rollers in space, and multipliers of joints and floor"
+    if not multibody:
+        why = "formulation 'reduced' has eliminated the joints; 'multibody' keeps every body, for ten times the time"
+    yield Part("rigid bodies", multibody, (at.drift + 2 - at.bodies) * multibody, why)
+
+
+def algebraic(config: Config, parameters: Parameters) -> Iterator[Part]:
+    """What adds no state."""
+    chassis, carried, friction = config.chassis, parameters.machine.upright == CONTACTS, config.friction
+    yield Part("normal forces" if chassis else "normal force", True, 0, load_reason(config, carried))
+    yield Part("servo", not carried, 0, servo_reason(config, carried))
+    yield Part("friction", friction.law != "none", 0, friction_reason(friction))
+    yield from drives(config.wheels)
+    if chassis:
+        yield Part("command", config.command is not None, 0, command_reason(config))
+    yield Part("slope", bool(parameters.machine.inclined), 0, slope_reason(config))
+    yield Part("wrench", bool(config.wrench.times), 0, wrench_reason(config))
+    yield Part("chassis", chassis is not None, 0, chassis_reason(config))
+    if chassis:
+        yield Part("other inertia", False, 0, "Ixx, Iyy play no part upright; products are taken as zero")
+    takes = (
+        "the floor takes them away, which gives the normal forces"
+        if carried
+        else "the floor and the servo take them away"
+    )
+    yield Part("heave, roll and pitch", False, 0, takes)
+    yield Part("compliance", False, 0, "bodies and floor are rigid: no suspension, no rolling resistance")
+    loads, why = config.bearing_loads, "force and moment of every bearing, from the accelerations of a row"
+    yield Part("bearing loads", loads, 0, why if loads else "output.bearing_loads = true writes them")
+    yield Part("contact torque", friction.contact_torque != "none", 0, patch_reason(friction))
+    yield Part("bearing friction", bool(parameters.machine.bearings), 0, bearing_reason(config))
+
+
+def drives(wheels: Sequence[Wheel]) -> Iterator[Part]:
+    """One part for each kind of drive in use, and what is left out of them."""
+    kinds = dict.fromkeys(wheel.drive.kind for wheel in wheels)
+    for kind in sorted(kinds, key=lambda kind: kind == "free"):
+        having: dict[str, list[Wheel]] = {}
+        for wheel in wheels:
+            if wheel.drive.kind == kind:
+                having.setdefault(drive_reason(wheel.drive), []).append(wheel)
+        why = "; ".join(f"{names(some, wheels)}{text}" for text, some in having.items())
+        yield Part("drive" if kind == "free" else f"{kind} drive", kind != "free", 0, why)
+    if any(wheel.drive.rotor_inertia > 0.0 for wheel in wheels):
+        yield Part("rotor gyroscopy", False, 0, "a yawing machine does not feel its spinning rotors")
+
+
+def names(some: Sequence[Wheel], wheels: Sequence[Wheel]) -> str:
+    """Which wheels, to begin a sentence with; empty for the only one."""
+    if len(wheels) == 1:
+        return ""
+    return "all wheels: " if len(some) == len(wheels) else f"{', '.join(wheel.name for wheel in some)}: "
+
+
+def motion_reason(config: Config) -> str:
+    if config.chassis:
+        return "x, y of the common centre of mass, and yaw; upright on the plane floor"
+    return "x, y and yaw of the wheel; the servo holds it upright on the plane floor"
+
+
+def wheels_reason(config: Config) -> str:
+    kinds = Counter(wheel.type for wheel in config.wheels)
+    sizes = {name: f"of type '{name}': R = {config.wheel_types[name].radius:g} m" for name in kinds}
+    if not config.chassis:
+        return f"wheel '{config.wheels[0].name}' {sizes[config.wheels[0].type]}"
+    return "; ".join(f"{count} wheel{'s' * (count > 1)} {sizes[name]}" for name, count in kinds.items())
+
+
+def contacts_reason(config: Config) -> str:
+    shape = "exact profile, rigid contact"
+    if config.chassis:
+        return f"of each wheel one or, on an edge, two; {shape}"
+    wheel, kind = config.wheels[0], config.type_of(config.wheels[0])
+    psi = -kind.roller_angle_deg if wheel.mirrored else kind.roller_angle_deg
+    return f"one of {kind.roller_count} or, on an edge, two; psi = {psi:g} deg: {shape}"
+
+
+def air_reason(config: Config) -> str:
+    count = sum(config.type_of(wheel).roller_count for wheel in config.wheels)
+    return f"{count - len(config.wheels)} of {count} keep their axial rates exactly: frictionless bearings"
+
+
+def odometry_reason(config: Config, told: bool) -> str:
+    if told:
+        return "x, y as ideal wheels without slip report them; yaw follows from spin angles"
+    motions = undetermined(wheel_rows(config), rms_distance(config))
+    return f"spin rates do not tell the motion; they leave open: {', '.join(motions)}"
+
+
+def load_reason(config: Config, carried: bool) -> str:
+    weight = "the weight less the vertical force"
+    if config.floor.slope_deg:
+        weight = "what of weight and external force is normal to the floor"
+    if not config.chassis:
+        return f"multiplier of the floor: {weight}"
+    if not carried:
+        return f"multipliers of the floor: {weight}, in equal shares"
+    how = ", exactly" if len(config.wheels) == 3 else ": chassis on equal springs"
+    return f"from heave, roll, pitch{how}; lift-off, touch-down are events"
+
+
+def servo_reason(config: Config, carried: bool) -> str:
+    if carried:
+        return "the wheels carry roll and pitch"
+    return f"torque about {'chassis x and y' if config.chassis else 'h'}, multiplier of the upright constraint"
+
+
+def patch_reason(friction: Friction) -> str:
+    if friction.contact_torque == "none":
+        return "zero about the normal, as in the paper"
+    return f"Contensou's law for Hertz pressure on a patch of radius {friction.patch_radius:g} m"
+
+
+def bearing_reason(config: Config) -> str:
+    kinds = {wheel.type: config.type_of(wheel).roller for wheel in config.wheels}
+    having = {name: bearing_law(roller) for name, roller in kinds.items() if roller.has_bearing_friction}
+    if len(kinds) == 1 and having:
+        return next(iter(having.values()))
+    return "; ".join(f"type '{name}': {law}" for name, law in having.items()) or "the scene asks for none"
+
+
+def bearing_law(roller: Roller) -> str:
+    viscous, coulomb = f"{roller.bearing_viscosity:g} N m s", f"{roller.bearing_torque:g} N m"
+    return f"viscous {viscous}, Coulomb {coulomb} changing its sign over {roller.bearing_rate:g} rad/s"
+
+
+def friction_reason(friction: Friction) -> str:
+    mu, slip_speed = f"{friction.coefficient:g}", f"{friction.slip_speed:g} m/s"
+    return {
+        "coulomb": f"F = -{mu} N v / |v| slipping, a multiplier sticking; every change is an event",
+        "regularized": f"F = -{mu} N v / sqrt(|v|^2 + eps^2), eps = {slip_speed}",
+        "saturated": f"F = -{mu} N v / max(|v|, eps), eps = {slip_speed}; the kink is an event",
+        "viscous": f"F = -b v, b = {friction.viscosity:g} N s/m, whatever the normal force",
+        "none": "the law is none: no tangential force",
+    }[friction.law]
+
+
+def drive_reason(drive: Drive) -> str:
+    if drive.kind == "free":
+        return "spinning freely"
+    if drive.kind == "torque":
+        return f"torque {given(drive, 'N m')}"
+    return rate_reason(drive) if drive.kind == "rate" else motor_reason(drive)
+
+
+def rate_reason(drive: Drive) -> str:
+    target = "of the command" if drive.follows_command else given(drive, "rad/s")
+    integral = f" and {drive.integral:g} N m/rad" if drive.integral else ""
+    limit = f", limit {drive.torque_limit:g} N m (reaching it is an event)" if isfinite(drive.torque_limit) else ""
+    return f"rate {target}, gain {drive.proportional:g} N m s/rad{integral}{limit}"
+
+
+def motor_reason(drive: Drive) -> str:
+    law = drive_law(drive)
+    windings = f"{law.motor.resistance:.4g} ohm, {law.motor.constant / drive.gear_ratio:.4g} N m/A"
+    sheet = " (from its data sheet)" if drive.nominal_voltage else ""
+    rotor = f", rotor {drive.rotor_inertia:g} kg m^2" if drive.rotor_inertia else ""
+    viscous = f", viscous friction {law.motor.viscosity:.4g} N m s" if law.motor.viscosity else ""
+    coulomb = f", Coulomb friction {law.motor.friction_torque:.4g} N m" if law.motor.friction_torque else ""
+    limits = ((law.limit, "V"), (drive.current_limit, "A"))
+    within = " and ".join(f"{limit:g} {unit}" for limit, unit in limits if isfinite(limit))
+    limit = f", within {within} (reaching a limit is an event)" if within else ""
+    asked = controller_reason(drive) if drive.controlled else f"voltage {given(drive, 'V')}"
+    return f"{asked}{limit}; {windings}{sheet}, gear {drive.gear_ratio:g}{rotor}{viscous}{coulomb}"
+
+
+def controller_reason(drive: Drive) -> str:
+    target = "of the command" if drive.follows_command else given(drive, "rad/s")
+    gains = ((drive.proportional, "V s/rad"), (drive.integral, "V/rad"), (drive.derivative, "V s^2/rad"))
+    told = ", ".join(f"{gain:g} {unit}" for gain, unit in gains if gain)
+    sampled = f", sampled every {drive.sample_time:g} s" if drive.sample_time else ""
+    return f"rate {target}, gains {told}{sampled}"
+
+
+def integral_reason(wheels: Sequence[Wheel]) -> str:
+    if any(wheel.drive.controlled and wheel.drive.integral for wheel in wheels):
+        return "sampled controllers add up their errors"
+    return "no drive has an integral gain"
+
+
+def inductance_reason(wheels: Sequence[Wheel]) -> str:
+    """Time constants L / R_a of the currents."""
+    motors = [drive_law(wheel.drive).motor for wheel in wheels]
+    settle = dict.fromkeys(motor.inductance / motor.resistance for motor in motors if motor and motor.inductance)
+    return f"currents settle in {', '.join(f'{time:.3g} s' for time in settle)} (L / R_a)"
+
+
+def given(drive: Drive, unit: str) -> str:
+    """The input of a drive: a number or a table."""
+    times, values = drive.table
+    return f"{values[0]:g} {unit}" if len(times) == 1 else f"by table of {len(times)} points (knots are step ends)"
+
+
+def command_reason(config: Config) -> str:
+    if not config.command:
+        return "the scene has none"
+    points = len(config.command.times)
+    twist = f"twist table of {points} points" if points > 1 else "constant twist"
+    return f"{twist}; ideal wheels give drives their target rates"
+
+
+def slope_reason(config: Config) -> str:
+    floor, along = config.floor, config.world.gravity * sin(radians(config.floor.slope_deg))
+    if not along:
+        return "the floor is level" if config.world.gravity else "there is no gravity"
+    uphill = f"{floor.slope_deg:g} deg, uphill at {floor.uphill_deg:g} deg from x"
+    return f"{uphill}: gravity along the floor {along:.4g} m/s^2"
+
+
+def wrench_reason(config: Config) -> str:
+    wrench = config.wrench
+    if not wrench.times:
+        return "no external force"
+    where = "at the chassis' centre of mass" if config.chassis else "at the wheel centre"
+    what = f"table of {len(wrench.times)} points" if len(wrench.times) > 1 else "constant"
+    return f"{what} in the {wrench.frame} frame, {where}"
+
+
+def chassis_reason(config: Config) -> str:
+    if not config.chassis:
+        return "the scene has none"
+    mass, inertia = f"{config.chassis.mass:g} kg", f"Izz = {config.chassis.inertia[2]:g} kg m^2"
+    return f"{mass}, {inertia}; what drives a wheel acts back on it"

@@ -1,0 +1,80 @@
+"""Impulses at the contacts that give slip the value it has come to: what is left of it when it ends is taken away."""
+
+from omnisim.base.kernel import outlined
+from omnisim.contact.kinematics import Slip, inverse_mass, slip_jacobian
+from omnisim.contact.set_valued import CREEP, SLIP
+from omnisim.dynamics.planar_body import (
+    free_plane,
+    held_plane,
+    holding_force,
+    inverse,
+    set_contact,
+    set_hold,
+    set_lever,
+    yielding,
+)
+from omnisim.dynamics.state import places, rate_place
+from omnisim.dynamics.wheel import body_motion, contact_state, world_heading
+
+
+@outlined
+def align_slip(parameters, run):
+    """Change the speeds by the impulses that leave no slip to sticking contacts, and none across their direction to
+    creeping ones, all at once.
+
+    The equations of planar_body.py for sticking contacts, with that slip in the place of the slip acceleration.
+    """
+    machine, room, y, at = parameters.machine, parameters.room, run.y, places(parameters)
+    body = body_motion(parameters, run.y)
+    plane = free_plane(machine, 0.0, 0.0, 0.0)
+    for w in range(len(run.mode)):
+        contact, mode, wheel = room.contacts[2 * w], run.mode[w], parameters.wheels[w]
+        if mode.grip[0] != SLIP and not mode.shared:
+            state = contact_state(parameters, mode, w, 0, body, y)
+            slip, u = state.slip, mode.creep
+            along = slip.h * u[0] + slip.k * u[1] if mode.grip[0] == CREEP else 0.0
+            j = slip_jacobian(wheel, state.axis, state.contact)
+            set_contact(contact, state, j, False)
+            set_lever(wheel, contact, state.axis, j)
+            rest = Slip(slip.h - along * u[0], slip.k - along * u[1])
+            contact.bias[0], contact.bias[1] = rest.h, rest.k
+            set_hold(machine, wheel, contact, state.axis, j, rest)
+            plane = held_plane(contact, plane)
+    change = yielding(inverse(machine, plane), plane.x, plane.y, plane.yaw)
+    for w in range(len(run.mode)):
+        if run.mode[w].grip[0] != SLIP and not run.mode[w].shared:
+            wheel, contact = parameters.wheels[w], room.contacts[2 * w]
+            impulse_h, impulse_k = holding_force(contact, change)
+            mean_h, mean_k = contact.slip[0] - 0.5 * contact.bias[0], contact.slip[1] - 0.5 * contact.bias[1]
+            y[at.friction_loss] -= impulse_h * mean_h + impulse_k * mean_k
+            spin = contact.spin[0] * impulse_h + contact.spin[1] * impulse_k
+            roller = contact.arm[0] * impulse_h + contact.arm[1] * impulse_k
+            y[at.spin_rate + w] += spin * wheel.spin_mobility
+            y[rate_place(parameters, run.mode[w].roller, w, 0)] += roller * wheel.axial_mobility
+    y[at.velocity] += change.x * body.cos - change.y * body.sin
+    y[at.velocity + 1] += change.x * body.sin + change.y * body.cos
+    y[at.yaw_rate] += change.yaw
+
+
+@outlined
+def change_slip(parameters, run, w, side, slip):
+    """Change the speeds by the one impulse at a contact of wheel w that gives it the slip velocity `slip`."""
+    machine, wheel, mode, at, y = parameters.machine, parameters.wheels[w], run.mode[w], places(parameters), run.y
+    body = body_motion(parameters, y)
+    state = contact_state(parameters, mode, w, side, body, y)
+    hh, hk, kk = inverse_mass(machine, wheel, state.axis, state.contact, mode.shared)
+    change_h, change_k = slip.h - state.slip.h, slip.k - state.slip.k
+    determinant = hh * kk - hk * hk
+    impulse_h, impulse_k = (kk * change_h - hk * change_k) / determinant, (hh * change_k - hk * change_h) / determinant
+    j = slip_jacobian(wheel, state.axis, state.contact)
+    heading = world_heading(wheel, body)
+    y[at.velocity] += (impulse_h * heading.cos - impulse_k * heading.sin) * machine.mobility
+    y[at.velocity + 1] += (impulse_h * heading.sin + impulse_k * heading.cos) * machine.mobility
+    if not mode.shared:
+        y[at.spin_rate + w] += (j.spin_h * impulse_h + j.spin_k * impulse_k) * wheel.spin_mobility
+    y[at.yaw_rate] += (j.yaw_h * impulse_h + j.yaw_k * impulse_k) * machine.yaw_mobility
+    y[rate_place(parameters, mode.roller, w, side)] += (
+        j.roller_h * impulse_h + j.roller_k * impulse_k
+    ) * wheel.axial_mobility
+    mean_h, mean_k = 0.5 * (slip.h + state.slip.h), 0.5 * (slip.k + state.slip.k)
+    y[at.friction_loss] -= impulse_h * mean_h + impulse_k * mean_k

@@ -1,0 +1,1 @@
+"""The multibody formulation: every body, every joint, every multiplier."""

@@ -1,0 +1,100 @@
+"""What every bearing carries, recovered from a motion that is known: inverse dynamics, from the rollers inwards.
+
+Positions and rates are in a row, accelerations in its derivative, and the forces of the floor in the room. Newton and
+Euler for each roller give the force and the moment of its bearing, and for each disk, which the
+rollers load, those of the axle. Axes of the results are fixed in what carries the bearing:
+
+    roller    radial d (outwards), lateral a x d, axial a          axle    h, k, n of the wheel
+"""
+
+from omnisim.base.kernel import kernel, merged, outlined
+from omnisim.base.trigonometry import cos_sin
+from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
+from omnisim.dynamics.multibody.rigid_body import against_gravity, needed_wrench
+from omnisim.dynamics.state import places
+from omnisim.dynamics.wheel import azimuth, body_motion, centre_acceleration, world_heading
+
+RADIAL, LATERAL, AXIAL = range(3)
+
+
+@kernel
+def mounting(wheel, heading, i, spin_angle):
+    """Directions d, a x d and a of roller i (Vec3, world)."""
+    cos_q, sin_q = cos_sin(azimuth(wheel, i, spin_angle))
+    d = Vec3(sin_q * heading.cos, sin_q * heading.sin, -cos_q)
+    k = Vec3(-heading.sin, heading.cos, 0.0)
+    axis = plus(times(wheel.cos_psi, cross(k, d)), times(wheel.sin_psi, k))
+    return d, cross(axis, d), axis
+
+
+@outlined
+def recover(parameters, mode, w, y, dy, rates):
+    """Force and moment of the joints of wheel w, from its motion and the floor's forces, into the room; rates (N,):
+    absolute axial rates of its rollers, rad/s."""
+    machine, wheel, room, at = parameters.machine, parameters.wheels[w], parameters.room, places(parameters)
+    body, part, up = body_motion(parameters, y), parameters.room.parts[w], Vec3(0.0, 0.0, 1.0)
+    heading, spin_rate, yaw_rate = world_heading(wheel, body), y[at.spin_rate + w], body.yaw_rate
+    h, k = Vec3(heading.cos, heading.sin, 0.0), Vec3(-heading.sin, heading.cos, 0.0)
+    rate = plus(times(spin_rate, k), times(yaw_rate, up))
+    bent = plus(times(dy[at.spin_rate + w], k), times(dy[at.yaw_rate], up))
+    bent = minus(bent, times(yaw_rate * spin_rate, h))  # k' = -theta' h
+    x, y_rate = dy[at.velocity], dy[at.velocity + 1]
+    forward, left = x * body.cos + y_rate * body.sin, y_rate * body.cos - x * body.sin
+    along = centre_acceleration(wheel, body, forward, left, dy[at.yaw_rate])
+    centre = plus(plus(times(along.h, h), times(along.k, k)), against_gravity(machine))  # with the weight
+    across, axle = wheel.disk_inertia[0], wheel.disk_inertia[1]
+    force, moment = needed_wrench(wheel.disk_mass, across, axle, k, rate, centre, bent)
+    here, normal = mode.roller % wheel.rollers, max(part.normal_force, 0.0) if part.loaded else 0.0
+    for i in range(wheel.rollers):
+        d, _, axis = mounting(wheel, heading, i, y[at.spin_angle + w])
+        rho = times(wheel.roller_distance, d)
+        joint, rolling = rates[i] - dot(rate, axis), dy[wheel.rates + i] if machine.every_rate else 0.0
+        pressed, twisted = Vec3(0.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.0)
+        for side in range(part.contacts):
+            if (i + side - here) % wheel.rollers == 0:
+                contact = room.contacts[2 * w + side]
+                floor = plus(times(contact.force[0], h), times(contact.force[1], k))
+                floor = plus(floor, times(contact.share * normal, up))
+                arm = minus(plus(times(contact.l, k), times(-wheel.radius, up)), rho)
+                pressed, twisted = floor, plus(cross(arm, floor), times(contact.torque, up))
+                if not machine.every_rate:
+                    rolling = dy[wheel.rates + side]
+        acceleration = plus(centre, plus(cross(bent, rho), cross(rate, cross(rate, rho))))
+        carried = plus(bent, times(joint, cross(rate, axis)))
+        angular = plus(carried, times(rolling - dot(carried, axis), axis))
+        rolling_rate = plus(rate, times(joint, axis))
+        pull, turn = needed_wrench(
+            wheel.roller_mass, wheel.transverse_inertia, wheel.axial_inertia, axis, rolling_rate, acceleration, angular
+        )
+        pull, turn = minus(pull, pressed), minus(turn, twisted)
+        keep_joint(room.joints[w, i + 1], turn, pull)
+        force, moment = plus(force, pull), plus(moment, plus(turn, cross(rho, pull)))
+    keep_joint(room.joints[w, 0], moment, force)
+
+
+@kernel
+def keep_joint(record, moment, force):
+    """The moment (Vec3, N m) and the force (N) of a joint into a record JOINT."""
+    record.moment[0], record.moment[1], record.moment[2] = moment.x, moment.y, moment.z
+    record.force[0], record.force[1], record.force[2] = force.x, force.y, force.z
+
+
+@merged
+def resolve_joints(parameters, w, y, found):
+    """The joints of wheel w in the room along their own axes: found (N + 1, 2, 3), force (N) and moment (N m)."""
+    wheel, at, joints = parameters.wheels[w], places(parameters), parameters.room.joints
+    heading = world_heading(wheel, body_motion(parameters, y))
+    h, k, up = Vec3(heading.cos, heading.sin, 0.0), Vec3(-heading.sin, heading.cos, 0.0), Vec3(0.0, 0.0, 1.0)
+    resolve(joints[w, 0], h, k, up, found[0])
+    for i in range(wheel.rollers):
+        d, lateral, axis = mounting(wheel, heading, i, y[at.spin_angle + w])
+        resolve(joints[w, i + 1], d, lateral, axis, found[i + 1])
+
+
+@kernel
+def resolve(joint, first, second, third, found):
+    """A record JOINT along three directions."""
+    force = Vec3(joint.force[0], joint.force[1], joint.force[2])
+    moment = Vec3(joint.moment[0], joint.moment[1], joint.moment[2])
+    found[0, 0], found[0, 1], found[0, 2] = dot(force, first), dot(force, second), dot(force, third)
+    found[1, 0], found[1, 1], found[1, 2] = dot(moment, first), dot(moment, second), dot(moment, third)

@@ -1,0 +1,320 @@
+"""The right-hand side of the multibody formulation: every body, every joint, every multiplier.
+
+What the elimination along the tree (elimination.py) leaves are the equations of the chassis: its acceleration, and what
+the floor carries. They have the form of those of planar_body.py and normal_forces.py, with numbers that follow from
+the bodies as they stand and move, and so the same reaction stage finds loads and friction. Then the accelerations go
+back along the tree, and with them the force and the moment of every joint.
+"""
+
+from typing import NamedTuple
+
+from omnisim.base.kernel import kernel, merged, outlined
+from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
+from omnisim.contact.friction import VISCOUS
+from omnisim.contact.kinematics import Jacobian, Slip
+from omnisim.contact.set_valued import CREEP
+from omnisim.contact.tracking import IMPLICIT, Axis, Heading, explicit_contact, implicit_contact
+from omnisim.dynamics.actuation import actuate, rest_motors
+from omnisim.dynamics.contact_forces import settle_forces
+from omnisim.dynamics.multibody.chassis import (
+    Balance,
+    chassis_balance,
+    chassis_of,
+    find_servo,
+    joined,
+    plane_of,
+    resisting,
+    set_tilt_rows,
+)
+from omnisim.dynamics.multibody.elimination import (
+    UP,
+    Articulated,
+    Inertia,
+    Wrench3,
+    across_axis,
+    articulate,
+    handed_on,
+    resistance,
+    transmitted,
+)
+from omnisim.dynamics.multibody.joint_forces import keep_joint
+from omnisim.dynamics.multibody.rigid_body import (
+    against_gravity,
+    body_place,
+    needed_wrench,
+    rate_states,
+    rigid_body,
+    second_axis,
+    store_vector,
+    third_axis,
+    vector_at,
+)
+from omnisim.dynamics.normal_forces import TILT_X, TILT_Y, held_body, place_load, solve
+from omnisim.dynamics.parameters import CONTACTS
+from omnisim.dynamics.planar_body import holds, set_contact
+from omnisim.dynamics.state import YAW, X, Y, places
+from omnisim.dynamics.wheel import Body, ContactState, bearing_torque, external_wrench, rho_of
+from omnisim.dynamics.wheel_forces import find_friction, react, tell_loads
+
+
+class Place(NamedTuple):
+    """A contact: its roller's axis and centre from O, where it is from the roller's centre, and h, k of its wheel."""
+
+    axis: Vec3
+    rho: Vec3
+    arm: Vec3
+    h: Vec3
+    k: Vec3
+
+
+@outlined
+def multibody_rhs(parameters, mode, piece, t, y, dy, watch, kept):
+    """Write y' into `dy`, and with `kept` what events and observers want to know, as `dynamics.rhs` does."""
+    machine, wheels, room, at = parameters.machine, parameters.wheels, parameters.room, places(parameters)
+    carrier = chassis_of(parameters, y)
+    rate = carrier.body.rate
+    body = Body(carrier.x.x, carrier.x.y, dot(carrier.velocity, carrier.x), dot(carrier.velocity, carrier.y), rate.z)
+    wrench = external_wrench(parameters, piece, t, body)
+    dy[X], dy[Y], dy[YAW] = carrier.velocity.x, carrier.velocity.y, rate.z
+    if machine.motors:
+        rest_motors(parameters, dy)
+    balance = chassis_balance(machine, carrier, wrench)
+    heat, power, sought, bearing_loss = 0.0, 0.0, 0, 0.0
+    for w in range(len(wheels)):
+        own, work, loss = join_wheel(parameters, mode[w], piece, t, w, carrier, y, dy)
+        balance, power, bearing_loss = joined(balance, own), power + work, bearing_loss + loss
+    load, plane = -balance.known.z, plane_of(balance)
+    set_tilt_rows(balance, room.loads.tilt)
+    pushing = machine.upright != CONTACTS or machine.law == VISCOUS
+    for w in range(len(wheels)):
+        part = room.parts[w]
+        part.normal_force = load / len(wheels)
+        for side in range(part.contacts):
+            meet(parameters, mode[w], w, side, carrier, body, y)
+        place_load(wheels[w], room, w)
+        sought += part.sought
+        pushing = pushing or mode[w].shared == 1
+        if holds(part, room.contacts[2 * w]):
+            plane = held_body(machine, room.loads, room.contacts[2 * w], plane)
+    if sought:
+        acceleration, regular = settle_forces(machine, wheels, room, load, plane, pushing)
+    else:
+        acceleration, _, regular = solve(machine, room, load, plane, pushing)
+    angular = times(acceleration.yaw, UP)
+    linear = plus(times(acceleration.x, carrier.x), times(acceleration.y, carrier.y))
+    for w in range(len(wheels)):
+        part = room.parts[w]
+        for side in range(part.contacts):
+            contact = room.contacts[2 * w + side]
+            react(machine, mode[w], part, contact, side, acceleration, watch[w], kept)
+            heat -= contact.force[0] * contact.slip[0] + contact.force[1] * contact.slip[1]
+            heat -= contact.torque * contact.turn
+        if kept:
+            watch[w].regular = regular
+            watch[w].share, watch[w].share_margin = 1.0, 0.0
+            watch[w].demand = part.demand
+            tell_loads(mode[w], part, room.contacts[2 * w], watch[w])
+        move_bodies(parameters, mode[w], w, carrier, linear, angular, y, dy)
+    reference = plus(linear, plus(cross(angular, carrier.arm), cross(rate, cross(rate, carrier.arm))))
+    rate_states(dy, body_place(parameters, -1, 0), carrier.body, reference, angular)
+    dy[at.drift], dy[at.drift + 1] = 0.0, 0.0
+    dy[at.velocity], dy[at.velocity + 1], dy[at.yaw_rate] = linear.x, linear.y, acceleration.yaw
+    dy[at.friction_loss], dy[at.drive_work] = heat, power
+    dy[at.wrench_work] = wrench.x * body.x + wrench.y * body.y + wrench.yaw * rate.z
+    if machine.bearings:
+        dy[at.bearing_loss] = bearing_loss
+    if kept:
+        find_servo(machine, room, balance, acceleration)
+
+
+@merged
+def join_wheel(parameters, mode, piece, t, w, carrier, y, dy):
+    """A wheel eliminated onto the chassis, without its contacts: the Balance that the chassis feels of it, power of its
+    drive and loss of its bearings (W)."""
+    room, at = parameters.room, places(parameters)
+    art, loss = articulate(parameters, w, y)
+    disk = rigid_body(y, body_place(parameters, w, 0))
+    arm, held = minus(disk.position, carrier.centre), mode.shared == 1
+    spin_rate = dot(minus(disk.rate, carrier.body.rate), art.axle)
+    demand, drive = actuate(parameters, mode, piece, t, w, spin_rate, y, dy)
+    dy[at.spin_angle + w] = spin_rate
+    nothing = Vec3(0.0, 0.0, 0.0)
+    _, along_x = transmitted(art, resistance(art, nothing, carrier.x), 0.0, held)
+    _, along_y = transmitted(art, resistance(art, nothing, carrier.y), 0.0, held)
+    _, turning = transmitted(art, resistance(art, UP, cross(UP, arm)), 0.0, held)
+    needed = moving(art, carrier.body.rate, spin_rate, arm, nothing, nothing)
+    _, free = transmitted(art, needed, drive, held)
+    part = room.parts[w]
+    part.slides, part.contacts, part.loaded = 0, 1 + mode.shared, mode.loaded
+    part.sought = mode.loaded and (mode.shared or mode.grip[0] == CREEP)
+    part.demand, part.drive_torque, part.free_spin = demand, drive, drive - dot(art.axle, needed.moment)
+    part.tilt[0], part.tilt[1] = 0.0, 0.0  # it is in the rows of all
+    keep_articulated(room.articulated[w], art, drive)
+    balance = Balance(
+        resisting(carrier, arm, along_x),
+        resisting(carrier, arm, along_y),
+        resisting(carrier, arm, turning),
+        resisting(carrier, arm, free),
+    )
+    return balance, drive * spin_rate, loss
+
+
+@kernel
+def moving(art, rate, spin_rate, arm, angular, linear):
+    """The Wrench3 that a wheel needs as it moves, without an acceleration of its spin: rate, angular and linear
+    acceleration of the chassis (of C) in world axes; arm: O from C."""
+    bent = plus(angular, times(spin_rate, cross(rate, art.axle)))
+    centre = plus(linear, plus(cross(angular, arm), cross(rate, cross(rate, arm))))
+    needed = resistance(art, bent, centre)
+    return Wrench3(plus(needed.moment, art.torque), plus(needed.force, art.force))
+
+
+@merged
+def keep_articulated(record, art, drive):
+    """An Articulated and the torque of the drive into a record, for the way back along the tree."""
+    store_vector(record.axle, 0, art.axle)
+    store_vector(record.lift, 0, art.lift)
+    store_vector(record.torque, 0, art.torque)
+    store_vector(record.force, 0, art.force)
+    inertia, tensor = record.inertia, art.inertia
+    inertia[0], inertia[1], inertia[2] = tensor.xx, tensor.xy, tensor.xz
+    inertia[3], inertia[4], inertia[5] = tensor.yy, tensor.yz, tensor.zz
+    record.mass, record.spin_inertia, record.drive = art.mass, art.spin_inertia, drive
+
+
+@kernel
+def kept_articulated(record):
+    """The Articulated of a record."""
+    i = record.inertia
+    return Articulated(
+        vector_at(record.axle, 0),
+        Inertia(i[0], i[1], i[2], i[3], i[4], i[5]),
+        vector_at(record.lift, 0),
+        record.mass,
+        record.spin_inertia,
+        vector_at(record.torque, 0),
+        vector_at(record.force, 0),
+    )
+
+
+@kernel
+def place_of(parameters, mode, w, side, y, l):
+    """The Place of a contact of wheel w that is l (m) along the axle from the foot of its centre."""
+    wheel, index = parameters.wheels[w], (mode.roller - side) % parameters.wheels[w].rollers
+    disk = rigid_body(y, body_place(parameters, w, 0))
+    roller = rigid_body(y, body_place(parameters, w, index + 1))
+    k = second_axis(disk.rotation)
+    rho, h = minus(roller.position, disk.position), cross(k, UP)
+    arm = minus(plus(times(l, k), times(-wheel.radius, UP)), rho)
+    return Place(third_axis(roller.rotation), rho, arm, h, k)
+
+
+@merged
+def meet(parameters, mode, w, side, carrier, body, y):
+    """A contact of wheel w from the bodies as they stand, and its friction by the load, into the room."""
+    machine, wheel, room = parameters.machine, parameters.wheels[w], parameters.room
+    index = (mode.roller - side) % wheel.rollers
+    disk = rigid_body(y, body_place(parameters, w, 0))
+    roller = rigid_body(y, body_place(parameters, w, index + 1))
+    at_centre = place_of(parameters, mode, w, side, y, 0.0)
+    h, k, a, rho = at_centre.h, at_centre.k, at_centre.axis, at_centre.rho
+    cos_q, sin_q = -rho.z / wheel.roller_distance, dot(rho, h) / wheel.roller_distance
+    axis = Axis(dot(a, h), dot(a, k), a.z)
+    if machine.tracking == IMPLICIT:
+        touch = implicit_contact(wheel, Heading(h.x, h.y), axis, rho_of(parameters, y, w, index))
+    else:
+        touch = explicit_contact(wheel, cos_q, sin_q)
+    point = place_of(parameters, mode, w, side, y, touch.l)
+    moved = plus(roller.velocity, cross(roller.rate, point.arm))
+    joint, spin_rate = dot(minus(roller.rate, disk.rate), a), dot(minus(disk.rate, carrier.body.rate), k)
+    state = ContactState(
+        axis,
+        touch,
+        cos_q,
+        sin_q,
+        Slip(dot(disk.velocity, h), dot(disk.velocity, k)),
+        joint,
+        Slip(dot(moved, h), dot(moved, k)),
+        roller.rate.z,
+        spin_rate,
+        body.yaw_rate,
+    )
+    art, held, nothing = kept_articulated(room.articulated[w]), mode.shared == 1, Vec3(0.0, 0.0, 0.0)
+    arm = minus(disk.position, carrier.centre)
+    by_h = handed_on(a, rho, point.arm, h, nothing)
+    by_k = handed_on(a, rho, point.arm, k, nothing)
+    by_n = handed_on(a, rho, point.arm, nothing, UP)
+    j = Jacobian(
+        dot(k, by_h.moment), dot(k, by_k.moment), 0.0, 0.0,
+        dot(a, cross(point.arm, h)), dot(a, cross(point.arm, k)),
+    )  # fmt: skip
+    contact = room.contacts[2 * w + side]
+    set_contact(contact, state, j, mode.shared)
+    set_lever_column(contact.lever, 0, floor_rows(carrier, arm, art, by_h, held))
+    set_lever_column(contact.lever, 1, floor_rows(carrier, arm, art, by_k, held))
+    rows, twist = floor_rows(carrier, arm, art, by_n, held), contact.twist
+    twist[2], twist[TILT_Y], twist[TILT_X] = rows.yaw, rows.tilt_y, rows.tilt_x
+    find_friction(parameters, mode, w, side, body, state, j)
+
+
+@kernel
+def set_lever_column(lever, i, rows):
+    lever[0, i], lever[1, i], lever[2, i] = rows.x, rows.y, rows.yaw
+    lever[TILT_Y, i], lever[TILT_X, i] = rows.tilt_y, rows.tilt_x
+
+
+@kernel
+def floor_rows(carrier, arm, art, given, held):
+    """The Rows in which the chassis feels a Wrench3 that the floor gives to a wheel."""
+    _, through = transmitted(art, Wrench3(times(-1.0, given.moment), times(-1.0, given.force)), 0.0, held)
+    return resisting(carrier, arm, through)
+
+
+@merged
+def move_bodies(parameters, mode, w, carrier, linear, angular, y, dy):
+    """Accelerations of the bodies of a wheel, and what its joints carry, from those of the chassis (of C)."""
+    machine, wheel, room, at = parameters.machine, parameters.wheels[w], parameters.room, places(parameters)
+    part, art, rate = room.parts[w], kept_articulated(room.articulated[w]), carrier.body.rate
+    disk = rigid_body(y, body_place(parameters, w, 0))
+    arm, spin_rate = minus(disk.position, carrier.centre), dot(minus(disk.rate, rate), art.axle)
+    needed = moving(art, rate, spin_rate, arm, angular, linear)
+    for side in range(part.contacts):
+        point, force, torque = floor_force(parameters, mode, w, side, y)
+        given = handed_on(point.axis, point.rho, point.arm, force, torque)
+        needed = Wrench3(minus(needed.moment, given.moment), minus(needed.force, given.force))
+    spin, axle = transmitted(art, needed, room.articulated[w].drive, mode.shared == 1)
+    dy[at.spin_rate + w] = spin
+    bent = plus(angular, plus(times(spin_rate, cross(rate, art.axle)), times(spin, art.axle)))
+    centre = plus(linear, plus(cross(angular, arm), cross(rate, cross(rate, arm))))
+    rate_states(dy, body_place(parameters, w, 0), disk, centre, bent)
+    keep_joint(room.joints[w, 0], axle.moment, axle.force)
+    across, along, here = wheel.transverse_inertia, wheel.axial_inertia, mode.roller % wheel.rollers
+    for i in range(wheel.rollers):
+        first = body_place(parameters, w, i + 1)
+        roller = rigid_body(y, first)
+        axis, rho = third_axis(roller.rotation), minus(roller.position, disk.position)
+        joint = dot(minus(roller.rate, disk.rate), axis)
+        pressed, twisted = Vec3(0.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.0)
+        for side in range(part.contacts):
+            if (i + side - here) % wheel.rollers == 0:
+                point, pressed, torque = floor_force(parameters, mode, w, side, y)
+                twisted = plus(cross(point.arm, pressed), torque)
+        acceleration = plus(centre, plus(cross(bent, rho), cross(disk.rate, cross(disk.rate, rho))))
+        rolling = (dot(axis, twisted) + bearing_torque(wheel, joint)) * wheel.axial_mobility
+        carried = across_axis(plus(bent, times(joint, cross(disk.rate, axis))), axis)
+        turned = plus(carried, times(rolling, axis))
+        rate_states(dy, first, roller, acceleration, turned)
+        dy[wheel.rates + i] = rolling
+        lifted = plus(acceleration, against_gravity(machine))
+        force, moment = needed_wrench(wheel.roller_mass, across, along, axis, roller.rate, lifted, turned)
+        keep_joint(room.joints[w, i + 1], minus(moment, twisted), minus(force, pressed))
+
+
+@kernel
+def floor_force(parameters, mode, w, side, y):
+    """The Place of a contact, and force and torque (Vec3) of the floor on its roller."""
+    contact, part = parameters.room.contacts[2 * w + side], parameters.room.parts[w]
+    point = place_of(parameters, mode, w, side, y, contact.l)
+    normal = contact.share * max(part.normal_force, 0.0) if part.loaded else 0.0
+    along = plus(times(contact.force[0], point.h), times(contact.force[1], point.k))
+    return point, plus(along, times(normal, UP)), times(contact.torque, UP)

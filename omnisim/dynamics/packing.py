@@ -1,0 +1,328 @@
+"""From a scene to the numbers that kernels know: `pack` is the only place where that happens."""
+
+import math
+from collections.abc import Iterator, Sequence
+from operator import mul
+from typing import NamedTuple
+
+import numpy as np
+
+from omnisim.base.records import blank, records
+from omnisim.contact.friction import LAWS
+from omnisim.contact.tracking import TRACKINGS
+from omnisim.dynamics.parameters import (
+    ARTICULATED,
+    CONTACT,
+    CONTACTS,
+    DRIVE,
+    FORCE_X,
+    FORCE_Y,
+    FORCE_Z,
+    FORMULATIONS,
+    JOINT,
+    LOADS,
+    MACHINE,
+    MULTIBODY,
+    PART,
+    RESTING,
+    SERVO,
+    WHEEL,
+    YAW_TORQUE,
+    Parameters,
+    Room,
+)
+from omnisim.dynamics.state import places_of
+from omnisim.scene.drives import DriveLaw, Motor, drive_law
+from omnisim.scene.ideal_kinematics import inverse, rms_distance, wheel_rows
+from omnisim.scene.schema import Config, Friction, Roller, Wheel, WheelType
+
+SHORTEST = 1e-14  # relative: pieces of tables that are no longer than rounding are left out
+UPRIGHT = {"servo": SERVO, "contacts": CONTACTS}
+WRENCH = [FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE]
+
+
+def pack(config: Config) -> Parameters:
+    """Parameters of a validated scene."""
+    types, rows = [config.type_of(wheel) for wheel in config.wheels], wheel_rows(config)
+    machine, twists = machine_values(config, types), None
+    place = machine["centre"], config.time.step
+    wheels = [wheel_values(*pair, *place) for pair in zip(types, config.wheels, strict=True)]
+    if config.chassis is not None:
+        twists = inverse(rows, rms_distance(config))
+    machine["odometry"] = twists is not None
+    if twists is not None:
+        starts = np.radians([wheel.spin_angle_deg for wheel in config.wheels])
+        wheels = [wheel | {"odometry": tuple(column)} for wheel, column in zip(wheels, twists.T, strict=True)]
+        machine["odometry_yaw"] = math.radians(config.initial.yaw_deg) - twists[2] @ starts
+    most = max(kind.roller_count for kind in types)
+    machine["places"] = places_of(
+        len(wheels),
+        machine["slots"],
+        *(int(machine[flag]) for flag in ("integrals", "currents", "bearings", "motors", "odometry")),
+        rhos=len(wheels) * most if config.solver.tracking == "implicit" else 0,
+        bodies=1 + len(wheels) * (1 + most) if machine["formulation"] == MULTIBODY else 0,
+    )
+    wheels = [wheel | {"rates": machine["places"].roller_rate + machine["slots"] * w} for w, wheel in enumerate(wheels)]
+    machine["slip_mobility"] = max(slip_mobility_bound(machine, wheel) for wheel in wheels)
+    packed, starts_inputs = records(WHEEL, wheels), merge_tables(config, rows)
+    constants = records(MACHINE, [machine])[0], packed, sectors(packed.rollers)
+    return Parameters(*constants, *starts_inputs, room(len(types), most))
+
+
+def room(wheels: int, rollers: int) -> Room:
+    return Room(
+        blank(CONTACT, 2 * wheels), blank(PART, wheels), blank(LOADS, 1)[0], blank(RESTING, 2),
+        blank(ARTICULATED, wheels), blank(JOINT, wheels, rollers + 1),
+    )  # fmt: skip
+
+
+class Bodies(NamedTuple):
+    """What the bodies of a machine make up: M, the common centre of mass (x, y, z), I_z and S about it, SI."""
+
+    mass: float
+    centre: np.ndarray
+    yaw_inertia: float
+    moment: np.ndarray
+
+
+def bodies(config: Config) -> Bodies:
+    """The chassis, and each wheel with its rollers as one body at the wheel centre; chassis axes."""
+    types = [config.type_of(wheel) for wheel in config.wheels]
+    masses = [kind.disk.mass + kind.roller_count * kind.roller.mass for kind in types]
+    points = [(*wheel.position, kind.radius) for wheel, kind in zip(config.wheels, types, strict=True)]
+    inertias = [diameter_inertia(kind) for kind in types]
+    if config.chassis is not None:
+        masses.append(config.chassis.mass)
+        points.append(config.chassis.center_of_mass)
+        inertias.append(config.chassis.inertia[2])
+    whole = math.fsum(masses)
+    x_centre, y_centre, height = (moment / whole for moment in exact_moments(masses, points))
+    planar = [(x - x_centre, y - y_centre) for x, y, _ in points]
+    yaw_inertia = math.fsum(inertias) + math.fsum(m * (x * x + y * y) for m, (x, y) in zip(masses, planar, strict=True))
+    lifted = [m * z for m, (_, _, z) in zip(masses, points, strict=True)]
+    moment = np.array(exact_moments(lifted, planar))
+    return Bodies(whole, np.array([x_centre, y_centre, height]), yaw_inertia, moment)
+
+
+def exact_moments(masses: Sequence[float], points: Sequence[Sequence[float]]) -> list[float]:
+    """Sum of m p, rounded once: what cancels in a symmetric machine cancels to the last bit."""
+    return [math.fsum(map(mul, masses, column)) for column in zip(*points, strict=True)]
+
+
+def machine_values(config: Config, types: list[WheelType]) -> dict:
+    """Values of the MACHINE record, but those that take all wheels to know."""
+    friction, whole = config.friction, bodies(config)
+    bearings = any(kind.roller.has_bearing_friction for kind in types)
+    formulation = FORMULATIONS[config.solver.formulation]
+    every_rate = bearings or formulation == MULTIBODY
+    along, normal = gravity(config)
+    laws = [drive_law(wheel.drive) for wheel in config.wheels]
+    motors = [law.motor for law in laws if law.motor]
+    pushed = whole.centre if config.chassis is None else np.array(config.chassis.center_of_mass)
+    return {
+        "gravity": normal,
+        "downhill": along,
+        "inclined": any(along),
+        "mass": whole.mass,
+        "mobility": 1.0 / whole.mass,
+        "yaw_inertia": whole.yaw_inertia,
+        "yaw_mobility": 1.0 / whole.yaw_inertia,
+        "height": whole.centre[2],
+        "moment": whole.moment,
+        "centre": whole.centre[:2],
+        "lever": pushed - whole.centre,
+        "upright": UPRIGHT[config.upright],
+        "law": LAWS[friction.law],
+        "friction": friction.coefficient,
+        "slip_speed": friction.slip_speed,
+        "viscosity": friction.viscosity,
+        "slip_floor": slip_floor(friction, whole.mass * normal),
+        "tracking": TRACKINGS[config.solver.tracking],
+        "patch_radius": friction.patch_radius if friction.contact_torque != "none" else 0.0,
+        "formulation": formulation,
+        "chassis_mass": config.chassis.mass if config.chassis else 0.0,
+        "chassis_inertia": config.chassis.inertia if config.chassis else (0.0, 0.0, 0.0),
+        "bearings": bearings,
+        "every_rate": every_rate,
+        "bearing_relaxation": max(bearing_relaxation(kind.roller) for kind in types),
+        "slots": max(kind.roller_count for kind in types) if every_rate else 2,
+        "integrals": any(law.integrates for law in laws),
+        "motors": bool(motors),
+        "currents": any(motor.inductance > 0.0 for motor in motors),
+        "current_relaxation": max((m.resistance / m.inductance for m in motors if m.inductance > 0.0), default=0.0),
+        "sampled": any(law.sample_time > 0.0 for law in laws),
+        "odometry_yaw": 0.0,
+        "pushed": any(any(force) or torque for force, torque in zip(*config.wrench.table[1:], strict=True)),
+        "body_frame": config.wrench.frame == "body",
+    }
+
+
+def gravity(config: Config) -> tuple[tuple[float, float], float]:
+    """What of gravity lies along the floor, world x and y, and what is normal to it, downwards; m/s^2."""
+    slope, size = math.radians(config.floor.slope_deg), config.world.gravity
+    cos, sin = exact_cos_sin(config.floor.uphill_deg)
+    downhill = size * math.sin(slope)
+    return (-downhill * cos + 0.0, -downhill * sin + 0.0), size * math.cos(slope)
+
+
+def slip_floor(friction: Friction, weight: float) -> float:
+    """Slip over which friction changes near zero slip, m/s: of viscous friction that at which it carries the weight."""
+    if friction.law == "viscous" and friction.viscosity > 0.0:
+        return weight / friction.viscosity
+    return {"coulomb": 0.0, "regularized": friction.slip_speed, "saturated": friction.slip_speed}.get(friction.law, 1.0)
+
+
+def bearing_relaxation(roller: Roller) -> float:
+    return (roller.bearing_viscosity + roller.bearing_torque / roller.bearing_rate) / roller.inertia_axial
+
+
+def wheel_values(kind: WheelType, wheel: Wheel, centre: np.ndarray, step: float | None = None) -> dict:
+    """Values of a WHEEL record; centre: of the machine's mass, chassis axes, m; step: s, None where nothing marches."""
+    law = drive_law(wheel.drive)
+    cos, sin = exact_cos_sin(wheel.heading_deg)
+    psi = math.radians(-kind.roller_angle_deg if wheel.mirrored else kind.roller_angle_deg)
+    alpha, axle = math.pi / kind.roller_count, axle_inertia(kind, math.sin(psi))
+    from_centre = np.array(wheel.position) - centre
+    return {
+        "cos_heading": cos,
+        "sin_heading": sin,
+        "offset": (from_centre @ (cos, sin), from_centre @ (-sin, cos)),
+        "radius": kind.radius,
+        "roller_distance": kind.roller_distance,
+        "rollers": kind.roller_count,
+        "alpha": alpha,
+        "sin_alpha": math.sin(alpha),
+        "cos_alpha": math.cos(alpha),
+        "cos_psi": math.cos(psi),
+        "sin_psi": math.sin(psi),
+        "tan_psi": math.tan(psi),
+        "phase": math.radians(wheel.phase_deg),
+        "axle_inertia": axle,
+        "rotor_inertia": law.rotor_inertia,
+        "disk_mass": kind.disk.mass,
+        "disk_inertia": (kind.disk.inertia_diameter, kind.disk.inertia_axle),
+        "roller_mass": kind.roller.mass,
+        "transverse_inertia": kind.roller.inertia_transverse,
+        "axial_inertia": kind.roller.inertia_axial,
+        "spin_mobility": 1.0 / (axle + law.rotor_inertia),
+        "axial_mobility": 1.0 / kind.roller.inertia_axial,
+        "bearing_viscosity": kind.roller.bearing_viscosity,
+        "bearing_torque": kind.roller.bearing_torque,
+        "bearing_rate": kind.roller.bearing_rate,
+        "odometry": (0.0, 0.0, 0.0),
+        **drive_values(law, step),
+    }
+
+
+def drive_values(law: DriveLaw, step: float | None) -> dict:
+    """Values of a WHEEL record that tell its drive; step: None if it is not known yet."""
+    motor = law.motor or Motor(0.0, 1.0, 0.0, math.inf, 0.0, 0.0, 1.0)
+    return {
+        "drive_gain": law.gain,
+        "drive_damping": law.damping,
+        "drive_integral": law.integral,
+        "drive_derivative": law.derivative,
+        "drive_limit": law.limit,
+        "sample_time": law.sample_time,
+        "sample_steps": round(law.sample_time / step) if step else 0,
+        "motor": law.motor is not None,
+        "motor_constant": motor.constant,
+        "resistance": motor.resistance,
+        "inductance": motor.inductance,
+        "current_limit": motor.current_limit,
+        "drive_viscosity": motor.viscosity,
+        "drive_friction": motor.friction_torque,
+        "drive_friction_rate": motor.friction_rate,
+    }
+
+
+def exact_cos_sin(degrees: float) -> tuple[float, float]:
+    """Cosine and sine, exact at multiples of 90 deg, so that symmetric machines are symmetric to the last bit."""
+    turns, rest = divmod(degrees, 90.0)
+    cos, sin = math.cos(math.radians(rest)), math.sin(math.radians(rest))
+    for _ in range(int(turns) % 4):
+        cos, sin = -sin, cos
+    return cos, sin
+
+
+def axle_inertia(kind: WheelType, sin_psi: float) -> float:
+    """J_k = I_axle + N_r m_r R1^2 + N_r It (1 - s^2): the wheel about its axle, without the rollers' own Ia."""
+    count, roller = kind.roller_count, kind.roller
+    across = roller.inertia_transverse * (1.0 - sin_psi**2)
+    return kind.disk.inertia_axle + count * (roller.mass * kind.roller_distance**2 + across)
+
+
+def diameter_inertia(kind: WheelType) -> float:
+    """J_t = I_diameter + N_r m_r R1^2 / 2 + N_r It (1 - c^2 / 2): the wheel about a vertical diameter."""
+    count, roller = kind.roller_count, kind.roller
+    cos_psi = math.cos(math.radians(kind.roller_angle_deg))
+    across = roller.inertia_transverse * (1.0 - 0.5 * cos_psi**2)
+    return kind.disk.inertia_diameter + count * (0.5 * roller.mass * kind.roller_distance**2 + across)
+
+
+def slip_mobility_bound(machine: dict, wheel: dict) -> float:
+    """Upper bound of the trace of `kinematics.inverse_mass` over the whole roller, 1/kg.
+
+    Each entry of the Jacobian is bounded by its largest magnitude on [-alpha, alpha].
+    """
+    radius, distance = wheel["radius"], wheel["roller_distance"]
+    h_0, c, s = radius - distance, wheel["cos_psi"], abs(wheel["sin_psi"])
+    l = distance * math.tan(wheel["alpha"]) * abs(wheel["tan_psi"])
+    spin = (radius + s * s * h_0) ** 2 + (s * c * h_0) ** 2
+    e_h, e_k = map(abs, wheel["offset"])
+    yaw = (e_k + l + c * wheel["sin_alpha"] * s * h_0) ** 2 + (e_h + c * c * wheel["sin_alpha"] * h_0) ** 2
+    roller = h_0**2 * wheel["axial_mobility"]
+    return 2.0 / machine["mass"] + spin * wheel["spin_mobility"] + yaw / machine["yaw_inertia"] + roller
+
+
+def sectors(rollers: np.ndarray) -> np.ndarray:
+    """Cosine and sine of 2 pi i / N_r, (W, N, 2)."""
+    angle = 2.0 * np.pi * np.arange(rollers.max()) / rollers[:, None]
+    sector = np.empty((*angle.shape, 2))
+    sector[..., 0], sector[..., 1] = np.cos(angle), np.sin(angle)
+    return sector
+
+
+def merge_tables(config: Config, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """All tables of a scene on the union of their knots: starts (S,) and inputs (S, channels, 2).
+
+    Between two knots every input is linear, so one number, the current piece, tells all of them; a jump is two
+    equal knots, between which no piece lies. rows: of the ideal machine.
+    """
+    merged = list(tables(config, rows))
+    knots = sorted({time for _, times, _ in merged for time in times if time > 0.0})
+    edges = np.array([0.0, *knots, math.inf])
+    lasting = edges[1:] - edges[:-1] > SHORTEST * (1.0 + edges[:-1])  # knots that rounding cannot part are a jump
+    starts = edges[:-1][lasting]
+    inputs = np.zeros((len(starts), DRIVE + len(config.wheels), 2))
+    for channels, times, values in merged:
+        if len(times) == 1:
+            inputs[:, channels, 0] = values
+        else:
+            inputs[:, channels, 0], inputs[:, channels, 1] = lines(np.array(times), np.array(values), starts)
+    starts[0] = 0.0
+    return starts, inputs
+
+
+def tables(config: Config, rows: np.ndarray) -> Iterator[tuple[list[int], Sequence[float], Sequence[Sequence[float]]]]:
+    """Channels, times and the values of these channels (K, C) of every table."""
+    times, forces, yaw_torques = config.wrench.table
+    yield WRENCH, times, [(*force, torque) for force, torque in zip(forces, yaw_torques, strict=True)]
+    drives = [wheel.drive for wheel in config.wheels]
+    if followers := [w for w, drive in enumerate(drives) if drive.follows_command]:
+        twists = np.array(config.command.twist)
+        rates = [[rows[w] @ twist for w in followers] for twist in twists]  # of an ideal machine
+        yield [DRIVE + w for w in followers], config.command.times, rates
+    for w, drive in enumerate(drives):
+        if not drive.follows_command:
+            times, values = drive.table
+            yield [DRIVE + w], times, [[value] for value in values]
+
+
+def lines(times: np.ndarray, values: np.ndarray, starts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Values of a table (K, C) at each of `starts` and slopes from there to its next knot (S, C); held outside."""
+    after = times.searchsorted(starts, side="right")  # first knot beyond each start
+    last, first = np.maximum(after - 1, 0), np.minimum(after, len(times) - 1)
+    rise, length = values[first] - values[last], (times[first] - times[last])[:, None]
+    slopes = np.divide(rise, length, out=np.zeros(rise.shape), where=length > 0.0)
+    return values[last] + slopes * (starts - times[last])[:, None], slopes

@@ -1,0 +1,204 @@
+"""The machine as one body in the plane: Newton and Euler for its acceleration.
+
+    M A = sum F + f + M g_t                A_x, A_y of C along chassis axes; g_t: gravity along the floor
+    I_z theta'' = sum lever . F + ...
+
+All forces are linear in the acceleration X = (A_x, A_y, theta''): sliding friction does not know it, and a sticking
+contact gives as far as its spin and roller do, F = -E (b + J X). What the floor carries is normal_forces.py.
+"""
+
+from typing import NamedTuple
+
+from omnisim.base.kernel import kernel
+from omnisim.contact.kinematics import holding_mass
+from omnisim.dynamics.parameters import CONTACTS
+
+
+class Acceleration(NamedTuple):
+    """Of C along the chassis axes (m/s^2) and of the yaw (rad/s^2)."""
+
+    x: float
+    y: float
+    yaw: float
+
+
+class Plane(NamedTuple):
+    """The plane rows: what resists the acceleration, a symmetric matrix over (x, y, yaw), and what drives it; SI."""
+
+    xx: float
+    xy: float
+    xw: float
+    yy: float
+    yw: float
+    ww: float
+    x: float
+    y: float
+    yaw: float
+
+
+class Mobility(NamedTuple):
+    """The inverse of that matrix: acceleration by forces and a moment on the body."""
+
+    coupled: bool  # or diagonal
+    xx: float
+    xy: float
+    xw: float
+    yy: float
+    yw: float
+    ww: float
+
+
+@kernel
+def set_contact(contact, state, j, spin_held):
+    """Kinematics of a contact from its ContactState and Jacobian."""
+    axis, slip = state.axis, state.slip
+    contact.axis[0], contact.axis[1], contact.axis[2] = axis.h, axis.k, axis.n
+    contact.l, contact.turn, contact.share = state.contact.l, state.turn, 0.5 if spin_held else 1.0
+    contact.slip[0], contact.slip[1] = slip.h, slip.k
+    contact.arm[0], contact.arm[1] = j.roller_h, j.roller_k
+    contact.spin[0], contact.spin[1] = j.spin_h, j.spin_k
+
+
+@kernel
+def set_lever(wheel, contact, axis, j):
+    """The levers of a contact in the rows x, y and yaw."""
+    lever, cos, sin = contact.lever, wheel.cos_heading, wheel.sin_heading
+    lever[0, 0], lever[0, 1], lever[1, 0], lever[1, 1] = cos, -sin, sin, cos
+    lever[2, 0], lever[2, 1] = j.yaw_h, j.yaw_k
+    contact.twist[2] = 1.0 - axis.n * axis.n
+
+
+@kernel
+def set_hold(machine, wheel, contact, axis, j, bias):
+    """The force of a sticking contact, from its levers; bias (Slip): its slip acceleration without it, or its slip."""
+    lever, hold = contact.lever, contact.hold
+    hh, hk, kk = holding_mass(machine, wheel, axis, j)
+    for i in range(3):
+        hold[0, i] = -hh * lever[i, 0] - hk * lever[i, 1]
+        hold[1, i] = -hk * lever[i, 0] - kk * lever[i, 1]
+    hold[0, 3], hold[1, 3] = -hh * bias.h - hk * bias.k, -hk * bias.h - kk * bias.k
+
+
+@kernel
+def free_rate(contact, motion):
+    """Slip acceleration (h, k) of a contact without its own force, m/s^2: b + J X; motion: X, the Acceleration."""
+    lever, bias = contact.lever, contact.bias
+    return (
+        bias[0] + lever[0, 0] * motion.x + lever[1, 0] * motion.y + lever[2, 0] * motion.yaw,
+        bias[1] + lever[0, 1] * motion.x + lever[1, 1] * motion.y + lever[2, 1] * motion.yaw,
+    )
+
+
+@kernel
+def holding_force(contact, motion):
+    """F = -E (b + J X) along h and k of a sticking contact, N."""
+    hold = contact.hold
+    return (
+        hold[0, 3] + hold[0, 0] * motion.x + hold[0, 1] * motion.y + hold[0, 2] * motion.yaw,
+        hold[1, 3] + hold[1, 0] * motion.x + hold[1, 1] * motion.y + hold[1, 2] * motion.yaw,
+    )
+
+
+@kernel
+def push_of(machine, contact, force_h, force_k, torque):
+    """A contact's force (N) and torque (N m) in the rows x, y and yaw."""
+    lever = contact.lever
+    x = lever[0, 0] * force_h + lever[0, 1] * force_k
+    y = lever[1, 0] * force_h + lever[1, 1] * force_k
+    yaw = lever[2, 0] * force_h + lever[2, 1] * force_k
+    if machine.patch_radius > 0.0:
+        yaw += contact.twist[2] * torque
+    return x, y, yaw
+
+
+@kernel
+def holds(part, contact):
+    """Whether a contact sticks and its force follows from the acceleration of the body."""
+    return contact.rest and not part.sought
+
+
+@kernel
+def free_plane(machine, x, y, yaw):
+    """The Plane of a machine under a force (x, y) and a moment alone."""
+    return Plane(machine.mass, 0.0, 0.0, machine.mass, 0.0, machine.yaw_inertia, x, y, yaw)
+
+
+@kernel
+def pushed_plane(plane, x, y, yaw):
+    """A Plane with one more force and moment."""
+    return Plane(plane.xx, plane.xy, plane.xw, plane.yy, plane.yw, plane.ww, plane.x + x, plane.y + y, plane.yaw + yaw)
+
+
+@kernel
+def inclined_plane(machine, body, plane):
+    """A Plane with the weight along an inclined floor, which acts at C."""
+    x, y = machine.mass * machine.downhill[0], machine.mass * machine.downhill[1]
+    return pushed_plane(plane, x * body.cos + y * body.sin, y * body.cos - x * body.sin, 0.0)
+
+
+@kernel
+def held_plane(contact, plane):
+    """A Plane with a sticking contact."""
+    lever, hold = contact.lever, contact.hold
+    x_h, x_k, y_h, y_k, w_h, w_k = lever[0, 0], lever[0, 1], lever[1, 0], lever[1, 1], lever[2, 0], lever[2, 1]
+    return Plane(
+        plane.xx - x_h * hold[0, 0] - x_k * hold[1, 0],
+        plane.xy - x_h * hold[0, 1] - x_k * hold[1, 1],
+        plane.xw - x_h * hold[0, 2] - x_k * hold[1, 2],
+        plane.yy - y_h * hold[0, 1] - y_k * hold[1, 1],
+        plane.yw - y_h * hold[0, 2] - y_k * hold[1, 2],
+        plane.ww - w_h * hold[0, 2] - w_k * hold[1, 2],
+        plane.x + x_h * hold[0, 3] + x_k * hold[1, 3],
+        plane.y + y_h * hold[0, 3] + y_k * hold[1, 3],
+        plane.yaw + w_h * hold[0, 3] + w_k * hold[1, 3],
+    )
+
+
+@kernel
+def plane_balance(machine, room, plane):
+    """A Plane with what contacts push that do not stick, by their loads where they are known."""
+    carried, x, y, yaw = machine.upright == CONTACTS, plane.x, plane.y, plane.yaw
+    for w in range(len(room.parts)):
+        part = room.parts[w]
+        if part.slides or not part.loaded:
+            continue
+        for c in range(2 * w, 2 * w + part.contacts):
+            contact = room.contacts[c]
+            if holds(part, contact):
+                continue
+            if part.contacts == 2:
+                force_h, force_k, torque = contact.force[0], contact.force[1], contact.torque
+            else:
+                normal = 0.0 if carried else part.normal_force
+                force_h = contact.constant[0] + contact.unit[0] * normal
+                force_k = contact.constant[1] + contact.unit[1] * normal
+                torque = contact.unit_torque * normal
+            push_x, push_y, push_yaw = push_of(machine, contact, force_h, force_k, torque)
+            x, y, yaw = x + push_x, y + push_y, yaw + push_yaw
+    return Plane(plane.xx, plane.xy, plane.xw, plane.yy, plane.yw, plane.ww, x, y, yaw)
+
+
+@kernel
+def inverse(machine, plane):
+    """The Mobility of a Plane; diagonal unless some contact holds the body."""
+    xx, xy, xw, yy, yw, ww = plane.xx, plane.xy, plane.xw, plane.yy, plane.yw, plane.ww
+    if plane.xx == machine.mass:
+        return Mobility(False, machine.mobility, 0.0, 0.0, machine.mobility, 0.0, machine.yaw_mobility)
+    c_xx, c_xy, c_xw = yy * ww - yw * yw, xw * yw - xy * ww, xy * yw - xw * yy
+    scale = 1.0 / (xx * c_xx + xy * c_xy + xw * c_xw)
+    return Mobility(
+        True, c_xx * scale, c_xy * scale, c_xw * scale,
+        (xx * ww - xw * xw) * scale, (xy * xw - xx * yw) * scale, (xx * yy - xy * xy) * scale,
+    )  # fmt: skip
+
+
+@kernel
+def yielding(mobility, x, y, yaw):
+    """Acceleration of the body by the force (x, y) and the moment yaw."""
+    if not mobility.coupled:
+        return Acceleration(mobility.xx * x, mobility.yy * y, mobility.ww * yaw)
+    return Acceleration(
+        mobility.xx * x + mobility.xy * y + mobility.xw * yaw,
+        mobility.xy * x + mobility.yy * y + mobility.yw * yaw,
+        mobility.xw * x + mobility.yw * y + mobility.ww * yaw,
+    )

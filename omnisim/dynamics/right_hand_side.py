@@ -1,0 +1,133 @@
+"""The right-hand side y' = f(t, y): the three contact stages for every wheel, then Newton and Euler.
+
+    M V' = sum F + f                                                           F = (F_h, F_k) on the roller
+    Ia p' = arm . F + M_n (a . n) + T                                          M_n contact torque, T bearing torque
+    (J_k + J_r) phi'' + sum Ia p' s + theta' G_h = tau - R F_h                 G = sum Ia p_i a_i, all rollers
+    I_z theta'' = sum (lever . F + M_n (1 - (a . n)^2) + phi' G_h) + yaw torque
+
+Friction of a sliding wheel is known but for its load (`slide_wheel`); what other wheels find at their contacts waits in
+the room (`observe_wheel`). Then loads and forces are found together (planar_body.py, normal_forces.py,
+contact_forces.py), and each wheel takes its share (`press_wheel`, `move_wheel`).
+"""
+
+import math
+
+from omnisim.base.kernel import kernel, merged
+from omnisim.base.trigonometry import cos_sin
+from omnisim.contact.friction import VISCOUS
+from omnisim.contact.set_valued import SLIP
+from omnisim.contact.tracking import IMPLICIT, rho_rate, roller_axis
+from omnisim.dynamics.actuation import rest_motors
+from omnisim.dynamics.contact_forces import settle_forces
+from omnisim.dynamics.multibody.right_hand_side import multibody_rhs
+from omnisim.dynamics.normal_forces import set_body_tilt, solve
+from omnisim.dynamics.parameters import CONTACTS, MULTIBODY
+from omnisim.dynamics.planar_body import Acceleration, free_plane, inclined_plane
+from omnisim.dynamics.state import YAW, X, Y, places
+from omnisim.dynamics.wheel import body_motion, external_wrench, rho_index, rho_of, world_heading
+from omnisim.dynamics.wheel_forces import move_wheel, observe_wheel, press_wheel, slide_wheel
+
+
+@kernel
+def rhs(parameters, mode, piece, t, y, dy, watch, kept):
+    """Write y' into `dy`; if `kept`, also what the events need to know of each wheel into `watch` and what else is of
+    interest into the room: inside a step nobody looks at them.
+    """
+    if parameters.machine.formulation == MULTIBODY:
+        multibody_rhs(parameters, mode, piece, t, y, dy, watch, kept)
+    else:
+        reduced_rhs(parameters, mode, piece, t, y, dy, watch, kept)
+    if parameters.machine.odometry:
+        odometry_rates(parameters, y, dy)
+    if parameters.machine.tracking == IMPLICIT:
+        rho_rates(parameters, body_motion(parameters, y), y, dy)
+
+
+@merged
+def reduced_rhs(parameters, mode, piece, t, y, dy, watch, kept):
+    """The same of the reduced formulation, without odometry and rho."""
+    machine, wheels, room, at = parameters.machine, parameters.wheels, parameters.room, places(parameters)
+    # Rates of positions first: the sine and cosine of the next stage can then start while the forces are computed.
+    dy[X], dy[Y], dy[YAW] = y[at.velocity], y[at.velocity + 1], y[at.yaw_rate]
+    body = body_motion(parameters, y)
+    wrench = external_wrench(parameters, piece, t, body)
+    if machine.upright == CONTACTS:
+        set_body_tilt(machine, room.loads, wrench, body.yaw_rate)
+    load, others, sought = machine.mass * machine.gravity - wrench.z, 0, 0
+    plane = free_plane(machine, wrench.x, wrench.y, wrench.yaw)
+    if machine.inclined:
+        plane = inclined_plane(machine, body, plane)
+    heat, power = 0.0, 0.0  # of friction and of the drives, W
+    if machine.bearings:
+        dy[at.bearing_loss] = 0.0
+    if machine.motors:
+        rest_motors(parameters, dy)
+    carried = machine.upright == CONTACTS
+    share = 1.0 if carried else load / len(wheels)  # of a wheel, unless the contacts carry roll and pitch
+    for w in range(len(wheels)):
+        part = room.parts[w]
+        part.slides = mode[w].grip[0] == SLIP and not mode[w].shared and not (carried and machine.law == VISCOUS)
+        if part.slides:
+            plane, loss, work = slide_wheel(parameters, mode[w], piece, t, w, body, share, plane, y, dy, watch[w], kept)
+            heat, power = heat + loss, power + work
+        else:
+            others += 1
+    pushing = not carried or machine.law == VISCOUS  # some contact, without waiting for its load
+    if others:
+        for w in range(len(wheels)):
+            part = room.parts[w]
+            if not part.slides:
+                plane, work = observe_wheel(parameters, mode[w], piece, t, w, body, share, plane, y, dy, watch[w], kept)
+                power, sought = power + work, sought + part.sought
+                pushing = pushing or mode[w].shared == 1
+    if others or carried:
+        regular = 1.0
+        if sought:
+            acceleration, regular = settle_forces(machine, wheels, room, load, plane, pushing)
+        else:
+            acceleration, _, regular = solve(machine, room, load, plane, pushing)
+        for w in range(len(wheels)):
+            if kept:
+                watch[w].regular = regular
+            if not room.parts[w].slides:
+                heat += move_wheel(parameters, mode[w], w, acceleration, y, dy, watch[w], kept)
+            elif carried:
+                heat += press_wheel(parameters, mode[w], w, dy, watch[w], kept)
+    else:
+        mobility = machine.mobility
+        acceleration = Acceleration(plane.x * mobility, plane.y * mobility, plane.yaw * machine.yaw_mobility)
+    dy[at.friction_loss], dy[at.drive_work] = heat, power
+    dy[at.velocity] = acceleration.x * body.cos - acceleration.y * body.sin
+    dy[at.velocity + 1] = acceleration.x * body.sin + acceleration.y * body.cos
+    dy[at.yaw_rate] = acceleration.yaw
+    dy[at.wrench_work] = wrench.x * body.x + wrench.y * body.y + wrench.yaw * body.yaw_rate
+
+
+@kernel
+def odometry_rates(parameters, y, dy):
+    """Velocity of the chassis origin as the ideal wheels tell it, in a world that their own yaw tells."""
+    at, yaw, x_rate, y_rate = places(parameters), parameters.machine.odometry_yaw, 0.0, 0.0
+    for w in range(len(parameters.wheels)):
+        twist = parameters.wheels[w].odometry
+        yaw += twist[2] * y[at.spin_angle + w]
+        x_rate += twist[0] * y[at.spin_rate + w]
+        y_rate += twist[1] * y[at.spin_rate + w]
+    cos, sin = cos_sin(yaw)
+    dy[at.odometry], dy[at.odometry + 1] = x_rate * cos - y_rate * sin, x_rate * sin + y_rate * cos
+
+
+@kernel
+def rho_rates(parameters, body, y, dy):
+    """rho' of every roller: the implicit tracking integrates it for those in the air as well."""
+    at = places(parameters)
+    for w in range(len(parameters.wheels)):
+        wheel = parameters.wheels[w]
+        heading = world_heading(wheel, body)
+        angle = wheel.phase - y[at.spin_angle + w]
+        cos_0, sin_0 = math.cos(angle), math.sin(angle)
+        for i in range(wheel.rollers):
+            cos_i, sin_i = parameters.sector[w, i, 0], parameters.sector[w, i, 1]
+            axis = roller_axis(wheel, cos_0 * cos_i - sin_0 * sin_i, sin_0 * cos_i + cos_0 * sin_i)
+            rate = rho_rate(heading, axis, y[at.spin_rate + w], y[at.yaw_rate], rho_of(parameters, y, w, i))
+            j = rho_index(parameters, w, i)
+            dy[j], dy[j + 1], dy[j + 2] = rate.x, rate.y, rate.z

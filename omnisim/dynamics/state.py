@@ -1,0 +1,226 @@
+"""The records of a march by lifetime: the state vector, the mode that is frozen within a step, the clock, the rows.
+
+    y = [ positions: x y yaw, spin_angle of each wheel | their rates, in the same order |
+          roller rates of each wheel | integrated rate error of each wheel's drive | current of each motor |
+          friction_loss drive_work wrench_work, with bearing friction bearing_loss,
+          with motors electrical heat motor_loss motor_work | x y of the wheels' odometry |
+          rho of every roller (implicit tracking) | r Q v w of every body, drift (formulation "multibody") ]
+
+x, y: of the common centre of mass C. Drive integrals, currents, energies of motors, bearing loss and odometry are there
+only if the scene has them.
+
+Roller rates are absolute axial rates p. A roller in the air keeps its own exactly, so only those of the rollers in
+contact are states: two slots for each wheel, the second in use while two rollers carry it; the others stand in
+`rates`. With bearing friction, and where rollers are bodies, every roller has its slot. The works are integrated with
+the motion. Bodies are held where these joint coordinates put them, at the end of every step; the drift is the largest
+distance (m or rad; m/s or rad/s) by which a step has taken a body from there so far.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from omnisim.base.kernel import kernel
+
+X, Y, YAW = range(3)
+BODY_STATES = 13  # of each rigid body: see rigid_body.py
+
+
+class Places(NamedTuple):
+    """Where each part of the state begins; of quantities that every wheel has, wheel w's stands w places further."""
+
+    spin_angle: int
+    velocity: int  # x, then y
+    yaw_rate: int
+    spin_rate: int
+    roller_rate: int  # wheel w's slots begin w * slots further
+    integral: int
+    current: int
+    friction_loss: int
+    drive_work: int
+    wrench_work: int
+    bearing_loss: int
+    electrical: int  # energy from the supply of all motors; then their heat, friction, and work at the wheels
+    heat: int
+    motor_loss: int
+    motor_work: int
+    odometry: int
+    rho: int
+    bodies: int
+    drift: int  # of positions, then of velocities
+
+
+# No index made of unsigned numbers can count from the end, so compiled code need not ask.
+PLACES = np.dtype([(name, np.uint32) for name in Places._fields])
+
+
+@kernel
+def places(parameters):
+    """The Places of the state of a machine, a record PLACES."""
+    return parameters.machine.places
+
+
+def places_in(parameters):
+    """The same outside kernels: Places."""
+    return Places(*map(int, parameters.machine.places))
+
+
+def places_of(wheels, slots, integrals, currents, bearings, motors, odometry, rhos=0, bodies=0):
+    """Places for so many wheels with so many slots of roller rates each, rollers with a rho, and bodies; the others: 1
+    if the scene has them."""
+    rates, rollers, integral = 3 + wheels, 6 + 2 * wheels, 6 + 2 * wheels + slots * wheels
+    current = integral + integrals * wheels
+    works = current + currents * wheels
+    energies = works + 3 + bearings
+    pose = energies + 4 * motors
+    rho = pose + 2 * odometry
+    first = rho + 3 * rhos
+    drift = first + BODY_STATES * bodies
+    works, energies = range(works, works + 4), range(energies, energies + 4)
+    drives = integral, current, *works, *energies
+    return Places(3, rates, rates + 2, rates + 3, rollers, *drives, pose, rho, first, drift)
+
+
+@kernel
+def rate_place(parameters, roller, w, side):
+    """Where the rate of a contact's roller stands in the state: `roller` is that of side 0, side 1 is behind it."""
+    first = parameters.wheels[w].rates
+    if parameters.machine.every_rate:
+        return np.uint32(first + (roller - side) % parameters.wheels[w].rollers)
+    return np.uint32(first + side)  # unsigned: nobody tests whether it counts from the end
+
+
+MODE = np.dtype(
+    [
+        ("roller", np.int64),  # of contact 0, counted on through every turn: its index is roller mod N_r
+        ("direction", np.int64),  # +1 or -1: sense in which the spin angle runs throughout a step
+        ("shared", np.int64),  # 1: the wheel rests on `roller` at q = +alpha and on the one behind it, contact 1
+        ("loaded", np.int64),  # 1: the floor carries the wheel
+        ("drive", np.int64),  # actuation.BY_LIMIT or BY_CURRENT by its sense: the limit it is at; FREE: at none
+        ("held", np.float64),  # demand of a sampled controller since its last sample, V
+        ("integral", np.float64),  # of its error until then, rad
+        ("winding", np.float64),  # what one sample adds to that by its time, rad/s
+        ("read_rate", np.float64),  # spin rate that it read then, rad/s
+        ("past_rate", np.float64),  # and one sample before
+        ("saturated", np.int64, (2,)),  # branch of the saturated friction law at each contact
+        ("grip", np.int64, (2,)),  # coulomb.SLIP, STICK or CREEP
+        ("creep", np.float64, (2,)),  # direction of creeping slip when it began; 0: not known yet
+        ("stopping", np.int64),  # 1: creeping slip is about to stop; 0: it has been released
+        ("stopped", np.int64, (2,)),  # 1: slip has just come to its end at this contact
+        ("freed", np.int64),  # how often creeping slip got a direction of its own in the grid step
+        ("freed_step", np.int64),  # where it last did so
+        ("air_cos", np.float64),  # sums over the rollers in the air, D_i = gamma_i - gamma_contact:
+        ("air_sin", np.float64),  # sum p_i cos D_i, sum p_i sin D_i and sum p_i, rad/s
+        ("air_sum", np.float64),
+    ]
+)
+WATCH = np.dtype(
+    [
+        ("normal_force", np.float64),  # of the whole wheel, N; below 0 of one that the floor does not carry
+        ("demand", np.float64),  # of the drive: torque (N m) or voltage (V) without its limits
+        ("regular", np.float64),  # determinant of the loads over that without friction, 1
+        ("share", np.float64),  # of contact 0 in it, 1
+        ("share_margin", np.float64),  # torque with which both contacts alone would push back to the edge, N m
+        ("slip_square", np.float64, (2,)),  # |v|^2 at each contact, m^2/s^2
+        ("margin", np.float64, (2,)),  # coulomb: mu N - |F| while sticking, v . u while creeping; 0 on two rollers
+        ("factor", np.float64, (2,)),  # g of the friction law F = -g v, N s/m
+    ]
+)
+EXTREME = np.dtype(
+    [
+        ("normal_force", np.float64, (2,)),  # of the whole wheel, least and most, N
+        ("drive_torque", np.float64, (2,)),  # N m
+        ("drive_power", np.float64, (2,)),  # W
+        ("voltage", np.float64, (2,)),  # of a motor, V
+        ("current", np.float64, (2,)),  # A
+        ("electrical_power", np.float64, (2,)),  # W
+        ("friction_square", np.float64),  # |F|^2 at any of its contacts, most, N^2
+        ("slip_square", np.float64),  # |v|^2, m^2/s^2
+    ]
+)
+CLOCK = np.dtype(
+    [
+        ("steps", np.int64),  # grid steps in all
+        ("steps_per_row", np.int64),
+        ("goal", np.int64),  # grid steps up to which the march goes
+        ("step", np.int64),  # grid steps done
+        ("row", np.int64),  # output rows written
+        ("piece", np.uint32),  # of the tables
+        ("events", np.int64),  # in the log
+        ("rhs", np.int64),  # right-hand sides evaluated
+        ("pause", np.int64),  # number of them at which the march returns to its caller
+        ("stiff", np.int64),  # surplus of steps too large for the rate at which slip relaxes
+        ("choice", np.int64),  # tableau.EXPLICIT, IMPLICIT or AUTO
+        ("implicit", np.int64),  # the step under way is implicit
+        ("converged", np.int64),  # the last trial step: an implicit one may fail
+        ("energy", np.float64),  # kinetic, at the start, J
+        ("potential", np.float64),  # of the weight on an inclined floor, at the start, J
+        ("turnover", np.float64),  # the largest sum of that and of the works so far, J
+        ("status", np.int64),
+        ("wheel", np.int64),  # that caused the status, or -1
+        ("dt", np.float64),  # s
+        ("fineness", np.float64),  # of sub-steps of slip: grip.fineness
+        ("aligned", np.float64),  # slip across its final direction that does not matter, m/s: grip.alignment
+        ("stopping", np.float64),  # twice the same along slip about to stop, m/s: grip.stopping_alignment
+        ("elapsed", np.float64),  # in the grid step under way, s
+        ("reach", np.float64),  # length of the last implicit step that converged, s
+        ("rate", np.float64),  # relaxation rate of slip when found too stiff, 1/s
+        ("stability_limit", np.float64),  # of the method on the negative real axis, 1
+    ],
+    align=True,
+)
+
+
+class Newton(NamedTuple):
+    """Room for the iteration of implicit steps on k coupled of n states; k = n = 0 when the method is explicit.
+
+    active (k,): those states, ascending; stages (7, n): increments z and derivatives of the three stages, and a
+    derivative beside the state for the Jacobian; real (2 k + 1, k) float, complex (k + 1, k): Jacobian, factors and
+    right side; pivots (2, k) of the real and the complex factors.
+    """
+
+    active: np.ndarray
+    stages: np.ndarray
+    real: np.ndarray
+    complex: np.ndarray
+    pivots: np.ndarray
+
+
+class Run(NamedTuple):
+    """The mutable part of a march, n states, W wheels, N rollers, s stages.
+
+    y, trial, stage, carry, increment (n,), the last two of compensated summation; slopes (s + 1, n): stage
+    derivatives, the first at the start of the step and the last at its end; rates (W, N): absolute axial rate of every
+    roller, rad/s (of the one in contact as of its last exchange); mode (W,): records MODE; watch, watch_end (W,):
+    records WATCH at the start and end of the step; clock: record CLOCK; newton: Newton.
+    """
+
+    y: np.ndarray
+    trial: np.ndarray
+    stage: np.ndarray
+    carry: np.ndarray
+    increment: np.ndarray
+    slopes: np.ndarray
+    rates: np.ndarray
+    mode: np.recarray
+    watch: np.recarray
+    watch_end: np.recarray
+    clock: np.record
+    newton: Newton
+
+
+class Rows(NamedTuple):
+    """What is recorded at the T output times, and of the interval that each of them ends; the next one is under way.
+
+    y (T, n): states; rates (T, W, N); mode (T, W); piece (T,); extremes (T, W): records EXTREME. bearing_extremes
+    (T, W, N + 1, 4): of axle and rollers as extremes.py counts them, odometry_extremes (T, 3): of the error of the
+    reported pose; no rows where a scene has none.
+    """
+
+    y: np.ndarray
+    rates: np.ndarray
+    mode: np.recarray
+    piece: np.ndarray
+    extremes: np.recarray
+    bearing_extremes: np.ndarray
+    odometry_extremes: np.ndarray

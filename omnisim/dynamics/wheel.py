@@ -1,0 +1,232 @@
+"""One wheel at an instant: where it touches and how fast, what its rollers do to it, and its motion without friction.
+
+    G = sum Ia p_i a_i    momentum of all rollers about their axes        T_i    bearing torque on roller i about a_i
+
+A roller in the air keeps its absolute axial rate p exactly as long as its bearing is frictionless. Together they act
+on the wheel through G, whose share from the air is fixed in the wheel and known from three sums, so a step costs the
+same whatever N_r is.
+"""
+
+import math
+from typing import NamedTuple
+
+from omnisim.base.kernel import kernel, outlined
+from omnisim.base.trigonometry import cos_sin
+from omnisim.base.vector import Vec3
+from omnisim.contact.kinematics import Slip, joint_rate, slip_velocity
+from omnisim.contact.tracking import (
+    IMPLICIT,
+    Axis,
+    Contact,
+    Heading,
+    explicit_contact,
+    implicit_contact,
+    roller_axis,
+)
+from omnisim.dynamics.parameters import FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE
+from omnisim.dynamics.state import YAW, places, rate_place
+
+
+class Body(NamedTuple):
+    """Motion of the body: cosine and sine of its yaw, velocity of C along its axes (m/s), yaw rate (rad/s)."""
+
+    cos: float
+    sin: float
+    x: float
+    y: float
+    yaw_rate: float
+
+
+class Wrench(NamedTuple):
+    """External force (body axes, N) and its torque about the vertical through C (N m)."""
+
+    x: float
+    y: float
+    z: float
+    yaw: float
+
+
+class ContactState(NamedTuple):
+    """Where a contact of a wheel is and how fast it moves."""
+
+    axis: Axis
+    contact: Contact
+    cos_q: float
+    sin_q: float
+    velocity: Slip  # of the wheel centre
+    joint: float  # chi', rad/s
+    slip: Slip
+    turn: float  # angular velocity of the roller about the normal, rad/s
+    spin_rate: float
+    yaw_rate: float
+
+
+class Rollers(NamedTuple):
+    """What all rollers of a wheel do to it, along h, k and n: G (N m s), and sum T_i a_i of their bearings (N m)."""
+
+    g_h: float
+    g_k: float
+    g_n: float
+    bearing_h: float
+    bearing_k: float
+    bearing_n: float
+    bearing_loss: float  # W
+
+
+class FreeWheel(NamedTuple):
+    """A wheel without the forces at its contacts; torques in N m."""
+
+    state: ContactState  # of contact 0
+    rollers: Rollers
+    demand: float  # of its drive, torque (N m) or voltage (V)
+    drive: float  # tau on the disk about k
+    spin: float  # J phi''
+    yaw_moment: float  # on the body about the vertical
+
+
+@kernel
+def body_motion(parameters, y):
+    """The Body in state y."""
+    at = places(parameters)
+    cos, sin = cos_sin(y[YAW])
+    velocity_x, velocity_y = y[at.velocity], y[at.velocity + 1]
+    return Body(cos, sin, velocity_x * cos + velocity_y * sin, velocity_y * cos - velocity_x * sin, y[at.yaw_rate])
+
+
+@kernel
+def world_heading(wheel, body):
+    """Heading of a wheel in the world."""
+    return Heading(
+        body.cos * wheel.cos_heading - body.sin * wheel.sin_heading,
+        body.sin * wheel.cos_heading + body.cos * wheel.sin_heading,
+    )
+
+
+@kernel
+def centre_velocity(wheel, body):
+    """Velocity of a wheel's centre (Slip: along its h and k, m/s)."""
+    return Slip(
+        body.x * wheel.cos_heading + body.y * wheel.sin_heading - body.yaw_rate * wheel.offset[1],
+        body.y * wheel.cos_heading - body.x * wheel.sin_heading + body.yaw_rate * wheel.offset[0],
+    )
+
+
+@kernel
+def centre_acceleration(wheel, body, x, y, yaw):
+    """Acceleration of a wheel's centre (Slip: along its h and k, m/s^2) from that of C along x, y, and of the yaw."""
+    turning = body.yaw_rate * body.yaw_rate
+    return Slip(
+        x * wheel.cos_heading + y * wheel.sin_heading - yaw * wheel.offset[1] - turning * wheel.offset[0],
+        y * wheel.cos_heading - x * wheel.sin_heading + yaw * wheel.offset[0] - turning * wheel.offset[1],
+    )
+
+
+@kernel
+def external_wrench(parameters, piece, t, body):
+    """The scene's wrench at time t on the current piece of the tables."""
+    if not parameters.machine.pushed:
+        return Wrench(0.0, 0.0, 0.0, 0.0)
+    elapsed, channels, lever = t - parameters.starts[piece], parameters.inputs[piece], parameters.machine.lever
+    x = channels[FORCE_X, 0] + channels[FORCE_X, 1] * elapsed
+    y = channels[FORCE_Y, 0] + channels[FORCE_Y, 1] * elapsed
+    z = channels[FORCE_Z, 0] + channels[FORCE_Z, 1] * elapsed
+    yaw = channels[YAW_TORQUE, 0] + channels[YAW_TORQUE, 1] * elapsed
+    if not parameters.machine.body_frame:
+        x, y = x * body.cos + y * body.sin, y * body.cos - x * body.sin
+    return Wrench(x, y, z, yaw + lever[0] * y - lever[1] * x)
+
+
+@kernel
+def azimuth(wheel, roller, spin_angle):
+    """q of a roller (counted on through every turn), rad."""
+    return wheel.phase + 2.0 * wheel.alpha * roller - spin_angle
+
+
+@kernel
+def roller_end(wheel, roller, direction):
+    """Spin angle at which a roller ends, for spin of the sense `direction`, rad: one number for both neighbours."""
+    return wheel.phase + wheel.alpha * (2 * roller + direction)
+
+
+@kernel
+def contact_state(parameters, mode, w, side, body, y):
+    """Tracking and kinematics of a contact of wheel w: a ContactState."""
+    machine, wheel, at, roller = parameters.machine, parameters.wheels[w], places(parameters), mode.roller - side
+    spin_rate, yaw_rate = y[at.spin_rate + w], body.yaw_rate
+    roller_rate = y[rate_place(parameters, mode.roller, w, side)]
+    q = azimuth(wheel, roller, y[at.spin_angle + w])
+    cos_q, sin_q = cos_sin(q)
+    axis = roller_axis(wheel, cos_q, sin_q)
+    if machine.tracking == IMPLICIT:
+        rho = rho_of(parameters, y, w, roller % wheel.rollers)
+        contact = implicit_contact(wheel, world_heading(wheel, body), axis, rho)
+    else:
+        contact = explicit_contact(wheel, cos_q, sin_q)
+    velocity = centre_velocity(wheel, body)
+    joint = joint_rate(axis, roller_rate, spin_rate, yaw_rate)
+    slip = slip_velocity(wheel, contact, velocity.h, velocity.k, spin_rate, yaw_rate, joint)
+    return ContactState(
+        axis, contact, cos_q, sin_q, velocity, joint, slip, yaw_rate + joint * axis.n, spin_rate, yaw_rate
+    )
+
+
+@kernel
+def all_rollers(parameters, mode, w, cos_q, sin_q, y):
+    """The Rollers of wheel w; cos_q, sin_q: of the azimuth of contact 0."""
+    machine, wheel = parameters.machine, parameters.wheels[w]
+    across = -wheel.cos_psi * wheel.axial_inertia
+    along = wheel.axial_inertia * wheel.sin_psi
+    if machine.bearings:
+        return bearing_rollers(parameters, mode, w, cos_q, sin_q, y)
+    rate = y[rate_place(parameters, mode.roller, w, 0)]
+    cos_sum, sin_sum, total = mode.air_cos + rate, mode.air_sin, mode.air_sum + rate
+    if mode.shared:  # contact 1 stands 2 alpha behind
+        rate, angle = y[rate_place(parameters, mode.roller, w, 1)], -2.0 * wheel.alpha
+        cos_sum, sin_sum, total = cos_sum + rate * math.cos(angle), sin_sum + rate * math.sin(angle), total + rate
+    g_h = across * (cos_q * cos_sum - sin_q * sin_sum)
+    g_n = across * (sin_q * cos_sum + cos_q * sin_sum)
+    return Rollers(g_h, along * total, g_n, 0.0, 0.0, 0.0, 0.0)
+
+
+@outlined
+def bearing_rollers(parameters, mode, w, cos_q, sin_q, y):
+    """The same when every roller's rate is a state, with the friction of their bearings."""
+    wheel, at, here = parameters.wheels[w], places(parameters), mode.roller % parameters.wheels[w].rollers
+    spin_rate, yaw_rate = y[at.spin_rate + w], y[at.yaw_rate]
+    g_h, g_k, g_n, bearing_h, bearing_k, bearing_n, loss = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(wheel.rollers):
+        sector = parameters.sector[w, (i - here) % wheel.rollers]
+        axis = roller_axis(wheel, cos_q * sector[0] - sin_q * sector[1], sin_q * sector[0] + cos_q * sector[1])
+        rate = y[wheel.rates + i]
+        momentum = wheel.axial_inertia * rate
+        g_h, g_k, g_n = g_h + momentum * axis.h, g_k + momentum * axis.k, g_n + momentum * axis.n
+        joint = joint_rate(axis, rate, spin_rate, yaw_rate)
+        torque = bearing_torque(wheel, joint)
+        bearing_h += torque * axis.h
+        bearing_k += torque * axis.k
+        bearing_n += torque * axis.n
+        loss -= torque * joint
+    return Rollers(g_h, g_k, g_n, bearing_h, bearing_k, bearing_n, loss)
+
+
+@kernel
+def bearing_torque(wheel, joint):
+    """T on a roller about its axis, N m, from its rate chi' = `joint` in the bearing: viscous and Coulomb.
+
+    The Coulomb torque changes its sign over `bearing_rate`, smoothly.
+    """
+    reversal = math.sqrt(joint * joint + wheel.bearing_rate * wheel.bearing_rate)
+    return -(wheel.bearing_viscosity + wheel.bearing_torque / reversal) * joint
+
+
+@kernel
+def rho_of(parameters, y, w, roller):
+    """rho of a roller (0..N_r-1) of wheel w (Vec3)."""
+    at = rho_index(parameters, w, roller)
+    return Vec3(y[at], y[at + 1], y[at + 2])
+
+
+@kernel
+def rho_index(parameters, w, roller):
+    """Where rho of a roller stands in the state: all rho follow one another, wheel by wheel."""
+    return places(parameters).rho + 3 * (w * parameters.sector.shape[1] + roller)

@@ -1,0 +1,280 @@
+"""One wheel in the right-hand side: its friction, and the rates of its spin and rollers that follow."""
+
+import math
+
+from omnisim.base.kernel import kernel, merged, outlined
+from omnisim.contact.friction import COULOMB, VISCOUS, friction
+from omnisim.contact.kinematics import Jacobian, Motion, Slip, joint_rate, slip_acceleration, slip_jacobian
+from omnisim.contact.set_valued import CREEP, SLIP, STICK
+from omnisim.contact.tracking import Axis, roller_axis
+from omnisim.dynamics.actuation import actuate
+from omnisim.dynamics.normal_forces import (
+    TILT_X,
+    TILT_Y,
+    held_body,
+    place_load,
+    rotor_part,
+    set_point,
+    set_tilt,
+    tilt_rows,
+)
+from omnisim.dynamics.parameters import CONTACTS
+from omnisim.dynamics.planar_body import holding_force, holds, pushed_plane, set_contact, set_hold, set_lever
+from omnisim.dynamics.state import places, rate_place
+from omnisim.dynamics.wheel import (
+    FreeWheel,
+    all_rollers,
+    bearing_torque,
+    centre_acceleration,
+    contact_state,
+)
+
+NEARLY = 0.99  # cosine between two directions of creeping
+
+
+@kernel
+def free_wheel(parameters, mode, piece, t, w, body, y, dy):
+    """Wheel w without the forces at its contacts: a FreeWheel, and the rates that follow from it alone."""
+    machine, at = parameters.machine, places(parameters)
+    spin_rate = y[at.spin_rate + w]
+    dy[at.spin_angle + w] = spin_rate  # first: the sine and cosine of the next stage wait for it
+    state = contact_state(parameters, mode, w, 0, body, y)
+    rollers = all_rollers(parameters, mode, w, state.cos_q, state.sin_q, y)
+    demand, drive = actuate(parameters, mode, piece, t, w, spin_rate, y, dy)
+    if machine.bearings:
+        dy[at.bearing_loss] += rollers.bearing_loss
+        air_rates(parameters, mode, w, state, y, dy)
+    else:
+        for side in range(2):
+            dy[rate_place(parameters, mode.roller, w, side)] = 0.0
+    spin = drive - rollers.bearing_k - body.yaw_rate * rollers.g_h
+    return FreeWheel(state, rollers, demand, drive, spin, spin_rate * rollers.g_h - rollers.bearing_n)
+
+
+@kernel
+def set_part(parameters, mode, w, free, body, load):
+    """A FreeWheel into its part of the room."""
+    part, wheel, state, rollers = parameters.room.parts[w], parameters.wheels[w], free.state, free.rollers
+    part.drive_torque, part.free_spin = free.drive, free.spin
+    part.contacts, part.loaded, part.normal_force = 1 + mode.shared, mode.loaded, load
+    gyroscopic = wheel.axle_inertia * state.spin_rate * body.yaw_rate
+    gyroscopic += body.yaw_rate * rollers.g_k - state.spin_rate * rollers.g_n
+    about_k = rotor_part(wheel, mode.shared) * free.spin - free.drive
+    part.tilt[0], part.tilt[1] = tilt_rows(wheel, gyroscopic - rollers.bearing_h, about_k)
+
+
+@kernel
+def tell(free, load, watch):
+    """What events want to know of a wheel, unless its contacts tell more."""
+    watch.demand, watch.normal_force, watch.regular = free.demand, load, 1.0
+    watch.share, watch.share_margin = 1.0, 0.0
+
+
+@merged
+def slide_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch, kept):
+    """A wheel that slides under a known load, N: the rates that follow; the Plane with it, heat and power (W).
+
+    If the contacts carry roll and pitch, `load` is 1 N, and what that does goes into the room.
+    """
+    machine, wheel = parameters.machine, parameters.wheels[w]
+    free = free_wheel(parameters, mode, piece, t, w, body, y, dy)
+    state, axis, slip = free.state, free.state.axis, free.state.slip
+    j = slip_jacobian(wheel, axis, state.contact)
+    factor, torque = friction(machine, mode.saturated[0], max(load, 0.0), slip, state.turn)
+    force = Slip(-factor * slip.h, -factor * slip.k)
+    rolling, spin, loss = yield_to(j, slip, force)
+    yaw = j.yaw_h * force.h + j.yaw_k * force.k
+    if machine.patch_radius > 0.0:
+        rolling, spin, loss = twist(axis, state.turn, torque, rolling, spin, loss)
+        yaw += (1.0 - axis.n * axis.n) * torque
+    if kept:
+        contact = parameters.room.contacts[2 * w]
+        tell(free, load, watch)
+        set_contact(contact, state, j, False)
+        contact.force[0], contact.force[1], contact.torque, contact.factor = force.h, force.k, torque, factor
+        watch.slip_square[0], watch.factor[0], watch.margin[0] = slip.h * slip.h + slip.k * slip.k, factor, 0.0
+    power, cos, sin = free.drive * state.spin_rate, wheel.cos_heading, wheel.sin_heading
+    x, y = cos * force.h - sin * force.k, sin * force.h + cos * force.k
+    if machine.upright == CONTACTS:
+        set_part(parameters, mode, w, free, body, load)
+        part = parameters.room.parts[w]
+        set_point(wheel, part, state.contact.l)
+        part.push[0], part.push[1], part.push[2] = x, y, yaw
+        about_h = machine.height * force.k - axis.h * rolling
+        about_k = (wheel.radius - machine.height) * force.h + rotor_part(wheel, False) * spin
+        part.push[TILT_Y], part.push[TILT_X] = tilt_rows(wheel, about_h, about_k)
+        part.rolling, part.turning, part.heat = rolling, spin, loss
+        return pushed_plane(plane, 0.0, 0.0, free.yaw_moment), 0.0, power
+    if kept:
+        set_part(parameters, mode, w, free, body, load)
+    dy[rate_place(parameters, mode.roller, w, 0)] += rolling * wheel.axial_mobility
+    dy[places(parameters).spin_rate + w] = (free.spin + spin) * wheel.spin_mobility
+    return pushed_plane(plane, x, y, free.yaw_moment + yaw), loss, power
+
+
+@merged
+def press_wheel(parameters, mode, w, dy, watch, kept):
+    """Rates of a wheel that slides under the load that has been found for it, and its heat, W."""
+    wheel, part = parameters.wheels[w], parameters.room.parts[w]
+    normal = max(part.normal_force, 0.0) if mode.loaded else 0.0
+    dy[rate_place(parameters, mode.roller, w, 0)] += part.rolling * normal * wheel.axial_mobility
+    dy[places(parameters).spin_rate + w] = (part.free_spin + part.turning * normal) * wheel.spin_mobility
+    if kept:
+        contact = parameters.room.contacts[2 * w]
+        contact.force[0], contact.force[1] = contact.force[0] * normal, contact.force[1] * normal
+        contact.torque *= normal
+        watch.factor[0], watch.normal_force = contact.factor * normal, part.normal_force
+    return part.heat * normal
+
+
+@merged
+def observe_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch, kept):
+    """What a wheel finds at its contacts, into the room; the Plane with its own moment, and the power of its drive.
+
+    load: of the wheel, N, unless the contacts carry roll and pitch.
+    """
+    part = parameters.room.parts[w]
+    free = free_wheel(parameters, mode, piece, t, w, body, y, dy)
+    set_part(parameters, mode, w, free, body, load)
+    if kept:
+        tell(free, load, watch)
+    part.sought = mode.loaded and (mode.shared or mode.grip[0] == CREEP)
+    observe_contact(parameters, mode, w, 0, body, free.state)
+    if mode.shared:
+        observe_contact(parameters, mode, w, 1, body, contact_state(parameters, mode, w, 1, body, y))
+    if parameters.machine.upright == CONTACTS:
+        place_load(parameters.wheels[w], parameters.room, w)
+    if holds(part, parameters.room.contacts[2 * w]):
+        plane = held_body(parameters.machine, parameters.room.loads, parameters.room.contacts[2 * w], plane)
+    return pushed_plane(plane, 0.0, 0.0, free.yaw_moment), free.drive * free.state.spin_rate
+
+
+@kernel
+def yield_to(j, slip, force):
+    """What a contact's force (N) does: torque on the roller and on the spin (N m), and heat (W)."""
+    return (
+        j.roller_h * force.h + j.roller_k * force.k,
+        j.spin_h * force.h + j.spin_k * force.k,
+        -(force.h * slip.h + force.k * slip.k),
+    )
+
+
+@kernel
+def twist(axis, turn, torque, rolling, spin, heat):
+    """The same with the contact torque (N m); turn: of the roller about the normal, rad/s."""
+    return rolling + torque * axis.n, spin - axis.k * axis.n * torque, heat - torque * turn
+
+
+@kernel
+def observe_contact(parameters, mode, w, side, body, state):
+    """A contact of wheel w and its friction by the load, into the room; state: its ContactState."""
+    machine, wheel, contact = parameters.machine, parameters.wheels[w], parameters.room.contacts[2 * w + side]
+    j = slip_jacobian(wheel, state.axis, state.contact)
+    set_contact(contact, state, j, mode.shared)
+    set_lever(wheel, contact, state.axis, j)
+    if machine.upright == CONTACTS:
+        set_tilt(machine, wheel, contact, mode.shared)
+    find_friction(parameters, mode, w, side, body, state, j)
+
+
+@kernel
+def find_friction(parameters, mode, w, side, body, state, j):
+    """Friction by the load at a contact of wheel w, and how it holds if it rests, into the room; j: its Jacobian."""
+    machine, wheel, contact = parameters.machine, parameters.wheels[w], parameters.room.contacts[2 * w + side]
+    slip = state.slip
+    contact.rest = machine.law == COULOMB and mode.grip[side] != SLIP
+    if contact.rest:
+        spin = 0.0 if mode.shared else parameters.room.parts[w].free_spin * wheel.spin_mobility
+        roller = bearing_torque(wheel, state.joint) * wheel.axial_mobility if machine.bearings else 0.0
+        centre = centre_acceleration(wheel, body, 0.0, 0.0, 0.0)
+        bias = slip_acceleration(wheel, state, Motion(centre.h, centre.k, spin, 0.0, roller))
+        contact.bias[0], contact.bias[1] = bias.h, bias.k
+        if mode.grip[side] == STICK and not mode.shared:  # its force is what holds it
+            set_hold(machine, wheel, contact, state.axis, j, bias)
+            contact.factor = contact.torque = 0.0
+            return
+    factor, torque = friction(machine, mode.saturated[side], 1.0, slip, state.turn)
+    contact.factor, contact.unit_torque = factor, torque
+    if machine.law == VISCOUS:  # knows no load
+        contact.unit[0], contact.unit[1] = 0.0, 0.0
+        contact.constant[0], contact.constant[1] = -factor * slip.h, -factor * slip.k
+    else:
+        contact.unit[0], contact.unit[1] = -factor * slip.h, -factor * slip.k
+    if contact.rest:
+        creep = contact.creep  # where the last search ended is the best place to begin, if it is of this creeping
+        if not creep[0] * mode.creep[0] + creep[1] * mode.creep[1] > NEARLY:
+            creep[0], creep[1] = mode.creep[0], mode.creep[1]
+        contact.turned = 0.0
+        contact.unit[0], contact.unit[1] = -machine.friction * creep[0], -machine.friction * creep[1]
+
+
+@merged
+def move_wheel(parameters, mode, w, acceleration, y, dy, watch, kept):
+    """Forces on wheel w from the body's acceleration and the loads, and the rates that follow."""
+    machine, wheel, room, at = parameters.machine, parameters.wheels[w], parameters.room, places(parameters)
+    part = room.parts[w]
+    spin, loss = part.free_spin, 0.0
+    for side in range(part.contacts):
+        contact = room.contacts[2 * w + side]
+        react(machine, mode, part, contact, side, acceleration, watch, kept)
+        force, slip = Slip(contact.force[0], contact.force[1]), Slip(contact.slip[0], contact.slip[1])
+        j = Jacobian(contact.spin[0], contact.spin[1], 0.0, 0.0, contact.arm[0], contact.arm[1])
+        rolling, turning, heat = yield_to(j, slip, force)
+        if machine.patch_radius > 0.0:
+            axis = Axis(contact.axis[0], contact.axis[1], contact.axis[2])
+            rolling, turning, heat = twist(axis, contact.turn, contact.torque, rolling, turning, heat)
+        dy[rate_place(parameters, mode.roller, w, side)] += rolling * wheel.axial_mobility
+        spin, loss = spin + turning, loss + heat
+    dy[at.spin_rate + w] = 0.0 if mode.shared else spin * wheel.spin_mobility
+    if kept:
+        tell_loads(mode, part, room.contacts[2 * w], watch)
+    return loss
+
+
+@kernel
+def react(machine, mode, part, contact, side, acceleration, watch, kept):
+    """Force at a contact of a wheel from the body's acceleration and the loads, into the room; if `kept`, what events
+    want to know of it."""
+    normal = load = max(part.normal_force, 0.0) if part.loaded else 0.0
+    if not part.loaded:
+        contact.force[0], contact.force[1], contact.torque = 0.0, 0.0, 0.0
+    elif part.contacts == 2:
+        load = contact.share * normal
+    elif holds(part, contact):
+        contact.force[0], contact.force[1] = holding_force(contact, acceleration)
+    else:
+        contact.force[0] = contact.constant[0] + contact.unit[0] * normal
+        contact.force[1] = contact.constant[1] + contact.unit[1] * normal
+        if machine.patch_radius > 0.0:
+            contact.torque = contact.unit_torque * normal
+    if not kept:
+        return
+    force, slip = contact.force, contact.slip
+    watch.slip_square[side] = slip[0] * slip[0] + slip[1] * slip[1]
+    watch.factor[side] = contact.factor * (contact.share * part.loaded if machine.law == VISCOUS else load)
+    watch.margin[side] = 0.0
+    if contact.rest and not mode.shared:
+        watch.margin[side] = machine.friction * normal - math.sqrt(force[0] * force[0] + force[1] * force[1])
+        if part.sought:  # slip along the direction in which it creeps
+            watch.margin[side] = contact.creep[0] * slip[0] + contact.creep[1] * slip[1]
+
+
+@kernel
+def tell_loads(mode, part, contact, watch):
+    """What events want to know of the load of a wheel; contact: its first."""
+    watch.normal_force = part.normal_force
+    if mode.shared:
+        watch.share, watch.share_margin = contact.share, part.share_margin
+
+
+@outlined
+def air_rates(parameters, mode, w, state, y, dy):
+    """p' of the rollers of wheel w as if all were in the air, where their bearings have friction."""
+    wheel = parameters.wheels[w]
+    first, here = wheel.rates, mode.roller % wheel.rollers
+    for i in range(wheel.rollers):
+        sector = parameters.sector[w, (i - here) % wheel.rollers]
+        cos_i = state.cos_q * sector[0] - state.sin_q * sector[1]
+        sin_i = state.sin_q * sector[0] + state.cos_q * sector[1]
+        joint = joint_rate(roller_axis(wheel, cos_i, sin_i), y[first + i], state.spin_rate, state.yaw_rate)
+        dy[first + i] = bearing_torque(wheel, joint) * wheel.axial_mobility

@@ -1,0 +1,277 @@
+"""Events: what ends the validity of a mode, and what the mode is afterwards.
+
+A guard is >= 0 as long as its mode holds. A step at whose end one is negative is cut at the root, and the row below
+tells what changes there.
+
+    guard  while the mode holds                           afterwards
+    TURN   the spin keeps its sense: direction phi' >= 0  direction reversed; so EXIT is monotone within every step
+    EXIT   the roller's end ahead is not passed yet       the neighbour takes over: an exchange
+    SHARE  each of two rollers alone would push back      one of them carries on alone
+    LOAD   N >= 0, of a wheel in the air N <= 0           it leaves the floor or touches down
+    JAM    friction leaves the loads determined           the march stops
+    DRIVE  the drive is asked for less than its limits, or it gives its limit, another, or less again
+           for more while it gives one of them
+    KINK   |v| stays on its side of slip_speed            the other branch of the saturated law
+    GRIP   a sticking force stays inside the cone         it creeps off
+           a creeping slip keeps its sense                it comes to rest
+    YOUNG  creeping slip stays slow                       it slips in a direction of its own
+
+Both trackings pass a roller's end at the same spin angle: |q| = alpha is |c_beta| = c sin alpha. The guard is the
+angle, monotone over several turns as well; which rollers touch at the start, each tracking tells by its own condition.
+"""
+
+import math
+
+import numpy as np
+
+from omnisim.base.kernel import kernel, merged, outlined
+from omnisim.base.status import EVENT_KINDS, JAMMED, LIFT_OFF, RUNNING, TIPPING
+from omnisim.contact.friction import COULOMB, SATURATED
+from omnisim.contact.set_valued import CREEP, SLIP, STICK
+from omnisim.dynamics.actuation import limit_guard, next_limit
+from omnisim.dynamics.normal_forces import LEAST_REGULAR
+from omnisim.dynamics.parameters import CONTACTS
+from omnisim.dynamics.state import places
+from omnisim.dynamics.wheel import roller_end
+from omnisim.march.friction_modes import (
+    CREEP_SPEED,
+    come_to_rest,
+    cone_rounding,
+    rest_speed,
+    start_creep,
+    start_slip,
+    youth,
+)
+from omnisim.march.roller_exchange import comes_to_rest_between, edge_rounding, leave_edge, release_rollers, stand_on
+from omnisim.march.runge_kutta import refresh
+
+TURN, EXIT, SHARE, LOAD, JAM, DRIVE, KINK, GRIP, YOUNG = range(9)
+OF_WHEEL, GUARDS = 6, 9  # the first are of the wheel, the others of each of its contacts
+ANGLE_ROUNDING = 16.0 * 2.0**-53
+LOAD_PLAY = 1e-12  # of the weight: in the rounding of its load a wheel that has left the floor does not land again
+MOST_CHANGES = 50  # of modes that follow one another at one instant
+MOST_TRIED = 10  # wheels of which all sets are tried
+ON_A_LINE = 1e-9  # of the extent of the wheels squared
+CREEP_ROUNDING = 1e-3  # of the slip that no longer matters: what contacts that let go together may slip back
+EXCHANGE, STUCK, SLIPS, LIFT, LANDING, SHARED, PARTED, STOP = range(len(EVENT_KINDS))
+
+EVENT = np.dtype(
+    [
+        ("time", np.float64),  # s
+        ("kind", np.int64),  # index into EVENT_KINDS
+        ("wheel", np.int64),
+        ("roller_from", np.int64),  # -1 where not meant
+        ("roller_to", np.int64),
+    ]
+)
+
+
+@kernel
+def guard(parameters, clock, mode, kind, w, side, y, watch):
+    """Value of a guard of wheel w or its contact `side` at state `y`, by-products `watch`: >= 0 while it holds."""
+    machine, wheel, at = parameters.machine, parameters.wheels[w], places(parameters)
+    direction = mode[w].direction
+    if kind == TURN:
+        return direction * y[at.spin_rate + w]
+    if kind == EXIT:
+        spin_angle = y[at.spin_angle + w]
+        rounding = ANGLE_ROUNDING * (1.0 + abs(spin_angle))  # an edge reached to rounding is reached
+        return direction * (roller_end(wheel, mode[w].roller, direction) - spin_angle) - rounding
+    if kind == SHARE:
+        return watch[w].share_margin + edge_rounding(parameters, mode[w], w, y, watch[w]) if mode[w].shared else 0.0
+    if kind == LOAD:
+        play = LOAD_PLAY * machine.mass * machine.gravity
+        return watch[w].normal_force if mode[w].loaded else play - watch[w].normal_force
+    if kind == JAM:
+        return watch[w].regular - LEAST_REGULAR
+    if kind == DRIVE:
+        return limit_guard(wheel, mode[w].drive, watch[w].demand, y[at.spin_rate + w])
+    if kind == KINK:
+        if machine.law != SATURATED:
+            return 0.0
+        excess = math.sqrt(watch[w].slip_square[side]) - machine.slip_speed
+        return excess if mode[w].saturated[side] else -excess
+    if machine.law != COULOMB or mode[w].grip[side] == SLIP:
+        return 0.0
+    if kind == GRIP and mode[w].grip[side] == STICK:
+        return watch[w].margin[side] + cone_rounding(machine, watch[w])
+    if kind == GRIP:  # contacts that let go together leave one another some rounding
+        return watch[w].margin[side] + CREEP_ROUNDING * rest_speed(parameters, mode[w], w, side, y)
+    if mode[w].shared:
+        return CREEP_SPEED - math.sqrt(watch[w].slip_square[side])
+    return youth(parameters, clock, mode[w], watch[w]) if mode[w].grip[side] == CREEP else 0.0
+
+
+@kernel
+def all_hold(parameters, clock, mode, w, y, watch):
+    """Whether every guard of wheel w holds: what most steps ask, and all that they ask."""
+    held = guard(parameters, clock, mode, TURN, w, 0, y, watch) >= 0.0
+    held = held and guard(parameters, clock, mode, EXIT, w, 0, y, watch) >= 0.0
+    held = held and guard(parameters, clock, mode, SHARE, w, 0, y, watch) >= 0.0
+    held = held and guard(parameters, clock, mode, LOAD, w, 0, y, watch) >= 0.0
+    held = held and guard(parameters, clock, mode, JAM, w, 0, y, watch) >= 0.0
+    held = held and guard(parameters, clock, mode, DRIVE, w, 0, y, watch) >= 0.0
+    if parameters.machine.law in (COULOMB, SATURATED):
+        for side in range(1 + mode[w].shared):
+            held = held and guard(parameters, clock, mode, KINK, w, side, y, watch) >= 0.0
+            held = held and guard(parameters, clock, mode, GRIP, w, side, y, watch) >= 0.0
+            held = held and guard(parameters, clock, mode, YOUNG, w, side, y, watch) >= 0.0
+    return held
+
+
+@outlined
+def transition(parameters, run, log, kind, w, side, time):
+    """Change the mode after a guard of wheel w fired at `time`, and the derivative with it."""
+    mode, clock, rollers = run.mode[w], run.clock, parameters.wheels[w].rollers
+    if kind == TURN:
+        mode.direction = -mode.direction
+        roller = mode.roller
+        if comes_to_rest_between(parameters, run, w, time):
+            joins = mode.roller if mode.roller != roller else roller - 1
+            record(clock, log, time, SHARED, w, roller % rollers, joins % rollers)
+    elif kind == EXIT:
+        roller = mode.roller + mode.direction
+        record(clock, log, time, EXCHANGE, w, mode.roller % rollers, roller % rollers)
+        release_rollers(parameters, run, w)
+        held = mode.grip[0] == STICK
+        stand_on(parameters, run, w, roller, False, time)
+        if held != (mode.grip[0] == STICK):
+            record(clock, log, time, SLIPS if held else STUCK, w, -1, -1)
+    elif kind == SHARE:
+        left = leave_edge(parameters, run, w, time)
+        record(clock, log, time, PARTED, w, left % rollers, mode.roller % rollers)
+    elif kind == LOAD:
+        change_load(parameters, run, log, w, time)
+    elif kind == JAM:
+        clock.status, clock.wheel = JAMMED, heaviest(run)
+    elif kind == DRIVE:
+        spin_rate = run.y[places(parameters).spin_rate + w]
+        mode.drive = next_limit(parameters.wheels[w], mode.drive, run.watch[w].demand, spin_rate)
+        refresh(parameters, run, time)
+    elif kind == KINK:
+        mode.saturated[side] = 1 - mode.saturated[side]
+        refresh(parameters, run, time)
+    elif kind == GRIP and mode.grip[side] == STICK:
+        record(clock, log, time, SLIPS, w, -1, -1)
+        start_creep(parameters, run, w, time)
+    elif kind == GRIP:
+        settle_slips(parameters, run, log, w, side, time)
+    else:
+        if mode.shared:
+            record(clock, log, time, SLIPS, w, (mode.roller - side) % rollers, -1)
+        start_slip(parameters, run, w, side, time)
+
+
+@merged
+def change_load(parameters, run, log, w, time):
+    """A wheel leaves the floor or touches down; of fewer than three that the machine stands on it falls."""
+    mode, clock = run.mode[w], run.clock
+    record(clock, log, time, LIFT if mode.loaded else LANDING, w, -1, -1)
+    if parameters.machine.upright != CONTACTS:
+        clock.status, clock.wheel = LIFT_OFF, w
+        return
+    mode.loaded = 1 - mode.loaded
+    mode.grip[0] = mode.grip[1] = SLIP
+    if not carried(parameters, run):
+        mode.loaded = 1
+        clock.status, clock.wheel = TIPPING, w
+    refresh(parameters, run, time)
+
+
+@merged
+def carried(parameters, run):
+    """Whether the wheels on the floor do not all stand on one line: less than that carries no machine."""
+    count, x, y, xx, xy, yy = 0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for w in range(len(run.mode)):
+        if run.mode[w].loaded:
+            point = parameters.room.parts[w].point
+            count, x, y = count + 1, x + point[0], y + point[1]
+            xx, xy, yy = xx + point[0] * point[0], xy + point[0] * point[1], yy + point[1] * point[1]
+    if count < 3:
+        return False
+    xx, xy, yy = xx - x * x / count, xy - x * y / count, yy - y * y / count
+    return xx * yy - xy * xy > ON_A_LINE * (xx + yy) * (xx + yy)
+
+
+@kernel
+def heaviest(run):
+    """The wheel with the largest load."""
+    found = 0
+    for w in range(len(run.mode)):
+        if run.watch[w].normal_force > run.watch[found].normal_force:
+            found = w
+    return found
+
+
+@outlined
+def settle_others(parameters, run, log, time):
+    """Guards that the last change has left behind: modes follow until all agree.
+
+    Edges reached at the same instant, and what jumps with the forces: cones, loads, limits of drives.
+    """
+    for _ in range(MOST_CHANGES):
+        changed = -1
+        for kind in (EXIT, DRIVE, GRIP, LOAD):
+            for w in range(len(run.mode)):
+                sticks = run.mode[w].grip[0] == STICK and not run.mode[w].shared
+                if run.clock.status != RUNNING or (kind == GRIP and not sticks):
+                    continue
+                if guard(parameters, run.clock, run.mode, kind, w, 0, run.y, run.watch) < 0.0:
+                    transition(parameters, run, log, kind, w, 0, time)
+                    changed = kind
+        if changed < 0 or run.clock.status != RUNNING:
+            return
+    # what else does not come to an end is found out by the step that tries to go on
+    if changed == LOAD and not find_loads(parameters, run, log, time):
+        run.clock.status, run.clock.wheel = JAMMED, heaviest(run)
+
+
+@merged
+def find_loads(parameters, run, log, time):
+    """Try all sets of wheels on the floor for one that agrees with its loads, where one change calls for the next
+    without end; whether there is one."""
+    count, before = len(run.mode), 0
+    for w in range(count):
+        before += run.mode[w].loaded << w
+    if count > MOST_TRIED:
+        return False
+    for chosen in range(1 << count):
+        for w in range(count):
+            run.mode[w].loaded = (chosen >> w) & 1
+            if not run.mode[w].loaded:
+                run.mode[w].grip[0] = run.mode[w].grip[1] = SLIP
+        if not carried(parameters, run):
+            continue
+        refresh(parameters, run, time)
+        agrees = True
+        for w in range(count):
+            for kind in (LOAD, JAM):
+                agrees = agrees and guard(parameters, run.clock, run.mode, kind, w, 0, run.y, run.watch) >= 0.0
+        if agrees:
+            for w in range(count):
+                if (before ^ chosen) >> w & 1:
+                    record(run.clock, log, time, LANDING if run.mode[w].loaded else LIFT, w, -1, -1)
+            return True
+    return False
+
+
+@merged
+def settle_slips(parameters, run, log, w, side, time):
+    """Slips that have come to their end, and that of contact `side` of wheel w (-1: of none): the contacts stick or
+    creep on."""
+    come_to_rest(parameters, run, w, side, True, time)
+    for v in range(len(run.mode)):
+        mode = run.mode[v]
+        for other in range(1 + mode.shared):
+            if mode.stopped[other]:
+                which = (mode.roller - other) % parameters.wheels[v].rollers if mode.shared else -1  # of the two
+                record(run.clock, log, time, STUCK, v, which, -1)
+
+
+@kernel
+def record(clock, log, time, kind, w, roller_from, roller_to):
+    """Append an event; the march makes sure that there is room."""
+    event = log[clock.events]
+    event.time, event.kind, event.wheel = time, kind, w
+    event.roller_from, event.roller_to = roller_from, roller_to
+    clock.events += 1

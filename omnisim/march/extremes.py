@@ -1,0 +1,169 @@
+"""Extremes of the march: the largest and the smallest between two rows, of every accepted state and of every event.
+
+A peak that lies between two rows of output is in no row: loads change within the exchange of two rollers, slip begins
+and ends within milliseconds. So each row has, beside its own values, those of the interval that it ends, both ends
+included. Lengths are compared by their squares.
+"""
+
+import math
+
+import numpy as np
+
+from omnisim.base.kernel import kernel, outlined
+from omnisim.base.trigonometry import cos_sin
+from omnisim.base.vector import Vec3, cross, dot
+from omnisim.dynamics.multibody.joint_forces import mounting, recover
+from omnisim.dynamics.parameters import MULTIBODY
+from omnisim.dynamics.state import YAW, X, Y, places
+from omnisim.dynamics.wheel import body_motion, world_heading
+from omnisim.march.roller_exchange import release_rollers
+
+LEAST, MOST = range(2)
+OF_WHEELS = ("normal_force", "drive_torque", "drive_power")
+OF_MOTORS = ("voltage", "current", "electrical_power")
+RADIAL_SQUARE, LEAST_AXIAL, MOST_AXIAL, TILTING_SQUARE = range(4)
+POSITION_SQUARE, LEAST_YAW, MOST_YAW = range(3)
+
+
+@kernel
+def begin_interval(parameters, run, rows, row):
+    """The interval that ends with `row` begins with the state as it is, of which the room has the forces."""
+    if row == len(rows.extremes):
+        return
+    for w in range(len(run.mode)):
+        seen = rows.extremes[row, w]
+        seen.friction_square = seen.slip_square = 0.0
+        begin_pair(seen.normal_force)
+        begin_pair(seen.drive_torque)
+        begin_pair(seen.drive_power)
+        begin_pair(seen.voltage)
+        begin_pair(seen.current)
+        begin_pair(seen.electrical_power)
+    if len(rows.bearing_extremes):
+        for w in range(len(run.mode)):
+            for j in range(rows.bearing_extremes.shape[2]):
+                found = rows.bearing_extremes[row, w, j]
+                found[RADIAL_SQUARE] = found[TILTING_SQUARE] = 0.0
+                begin_pair(found[LEAST_AXIAL : MOST_AXIAL + 1])
+    if len(rows.odometry_extremes):
+        rows.odometry_extremes[row, POSITION_SQUARE] = 0.0
+        begin_pair(rows.odometry_extremes[row, LEAST_YAW : MOST_YAW + 1])
+    follow_again(parameters, run, rows, row)
+
+
+@kernel
+def begin_pair(pair):
+    pair[LEAST], pair[MOST] = math.inf, -math.inf
+
+
+@kernel
+def widen(pair, value):
+    """Let a pair of the smallest and the largest value take in one more."""
+    if value < pair[LEAST]:
+        pair[LEAST] = value
+    if value > pair[MOST]:
+        pair[MOST] = value
+
+
+@kernel
+def follow(parameters, run, rows, row):
+    """Take in the state as it is into the interval that ends with `row`; the room has its forces."""
+    room, spin_rate = parameters.room, places(parameters).spin_rate
+    for w in range(len(run.mode)):
+        part, seen = room.parts[w], rows.extremes[row, w]
+        widen(seen.normal_force, max(part.normal_force, 0.0) if part.loaded else 0.0)
+        widen(seen.drive_torque, part.drive_torque)
+        widen(seen.drive_power, part.drive_torque * run.y[spin_rate + w])
+        if parameters.machine.motors:
+            widen(seen.voltage, part.voltage)
+            widen(seen.current, part.current)
+            widen(seen.electrical_power, part.voltage * part.current)
+        for side in range(1 + run.mode[w].shared):
+            force, slip = room.contacts[2 * w + side].force, room.contacts[2 * w + side].slip
+            seen.friction_square = max(seen.friction_square, force[0] * force[0] + force[1] * force[1])
+            seen.slip_square = max(seen.slip_square, slip[0] * slip[0] + slip[1] * slip[1])
+    if len(rows.odometry_extremes):
+        follow_odometry(parameters, run.y, rows.odometry_extremes[row])
+    if len(rows.bearing_extremes):
+        follow_bearings(parameters, run, rows.bearing_extremes[row])
+
+
+@outlined
+def follow_again(parameters, run, rows, row):
+    """The same, compiled once for all uses but the ends of steps."""
+    follow(parameters, run, rows, row)
+
+
+@kernel
+def follow_odometry(parameters, y, found):
+    """The error of the pose that the wheels report: found (3,), its length squared and its least and most yaw."""
+    machine, at = parameters.machine, places(parameters)
+    cos, sin = cos_sin(y[YAW])
+    x = y[X] - machine.centre[0] * cos + machine.centre[1] * sin - y[at.odometry]
+    y_error = y[Y] - machine.centre[0] * sin - machine.centre[1] * cos - y[at.odometry + 1]
+    yaw = machine.odometry_yaw - y[YAW]
+    for w in range(len(parameters.wheels)):
+        yaw += parameters.wheels[w].odometry[2] * y[at.spin_angle + w]
+    found[POSITION_SQUARE] = max(found[POSITION_SQUARE], x * x + y_error * y_error)
+    widen(found[LEAST_YAW : MOST_YAW + 1], yaw)
+
+
+@outlined
+def follow_bearings(parameters, run, found):
+    """The loads of every bearing into found (W, N + 1, 4): across its axis and along it, N, and tilting, N m."""
+    machine, joints, y, at = parameters.machine, parameters.room.joints, run.y, places(parameters)
+    for w in range(len(run.mode)):
+        wheel = parameters.wheels[w]
+        if machine.formulation != MULTIBODY:
+            release_rollers(parameters, run, w)
+            recover(parameters, run.mode[w], w, y, run.slopes[0], run.rates[w])
+        heading = world_heading(wheel, body_motion(parameters, y))
+        follow_joint(joints[w, 0], Vec3(-heading.sin, heading.cos, 0.0), found[w, 0])
+        for i in range(wheel.rollers):
+            _, _, axis = mounting(wheel, heading, i, y[at.spin_angle + w])
+            follow_joint(joints[w, i + 1], axis, found[w, i + 1])
+
+
+@kernel
+def follow_joint(joint, axis, found):
+    """The same of one bearing, from its record JOINT; axis: Vec3."""
+    force = Vec3(joint.force[0], joint.force[1], joint.force[2])
+    radial = cross(force, axis)
+    tilting = cross(Vec3(joint.moment[0], joint.moment[1], joint.moment[2]), axis)
+    found[RADIAL_SQUARE] = max(found[RADIAL_SQUARE], dot(radial, radial))
+    found[TILTING_SQUARE] = max(found[TILTING_SQUARE], dot(tilting, tilting))
+    widen(found[LEAST_AXIAL : MOST_AXIAL + 1], dot(force, axis))
+
+
+def wheel_extremes(extremes: np.recarray, motor: bool) -> dict[str, np.ndarray]:
+    """Datasets of one wheel, by path with {} for its name, from its extremes (T,); motor: whether it has one."""
+    extremes, found = np.asarray(extremes), {}
+    for name in OF_WHEELS + OF_MOTORS * motor:
+        found[f"interval_max/wheels/{{}}/{name}"] = extremes[name][:, MOST]
+        found[f"interval_min/wheels/{{}}/{name}"] = extremes[name][:, LEAST]
+    found["interval_max/wheels/{}/friction_force"] = np.sqrt(extremes["friction_square"])
+    found["interval_max/wheels/{}/slip_velocity"] = np.sqrt(extremes["slip_square"])
+    return found
+
+
+def bearing_extremes(found: np.ndarray, rollers: int, chassis: bool) -> dict[str, np.ndarray]:
+    """Datasets of what the bearings of one wheel carry, by path with {} for its name, from (T, N + 1, 4) of its joints;
+    chassis: whether it has an axle."""
+    rows = {"rollers/": found[:, 1 : rollers + 1]} | ({"": found[:, 0]} if chassis else {})
+    datasets = {}
+    for folder, loads in rows.items():
+        path = f"wheels/{{}}/{folder}bearing"
+        datasets[f"interval_max/{path}_radial_force"] = np.sqrt(loads[..., RADIAL_SQUARE])
+        datasets[f"interval_max/{path}_axial_force"] = loads[..., MOST_AXIAL]
+        datasets[f"interval_min/{path}_axial_force"] = loads[..., LEAST_AXIAL]
+        datasets[f"interval_max/{path}_tilting_moment"] = np.sqrt(loads[..., TILTING_SQUARE])
+    return datasets
+
+
+def odometry_extremes(found: np.ndarray) -> dict[str, np.ndarray]:
+    """Datasets of the error of the odometry, by path, from (T, 3)."""
+    return {
+        "interval_max/odometry/position_error": np.sqrt(found[:, POSITION_SQUARE]),
+        "interval_max/odometry/yaw_error": found[:, MOST_YAW],
+        "interval_min/odometry/yaw_error": found[:, LEAST_YAW],
+    }

@@ -1,0 +1,325 @@
+"""Coulomb friction in time: how a contact comes to rest, holds, lets go and slips on.
+
+    SLIP   ---- slip below rest_speed, F inside the cone ---->  STICK
+    SLIP   ---- slip below rest_speed, F outside ------------>  CREEP  (through zero without sticking)
+    SLIP   ---- slip about to stop, turning no more --------->  CREEP
+    STICK  ---- |F| reaches mu N ---------------------------->  CREEP
+    CREEP  ---- slip no longer young ------------------------>  SLIP
+    CREEP  ---- slip turns back ----------------------------->  STICK or CREEP again
+
+Near zero slip v / |v| turns ever faster towards a limit direction, so a slipping contact is stepped by a fraction of
+the time in which it could stop or turn: slip shrinks geometrically and never crosses zero. The contact equation gives
+the limit direction in closed form. There a contact that lets go starts, until its slip is large enough; and one that
+has come so near to it that the difference is below the error of a step stops along it, at an instant that is located.
+"""
+
+import math
+
+from omnisim.base.kernel import kernel, merged, outlined
+from omnisim.base.methods import EXPLICIT, IMPLICIT
+from omnisim.contact.friction import COULOMB
+from omnisim.contact.kinematics import Motion, Slip, inverse_mass, largest, slip_acceleration
+from omnisim.contact.set_valued import CREEP, SLIP, STICK, TINY
+from omnisim.dynamics.impulses import align_slip, change_slip
+from omnisim.dynamics.state import places, rate_place
+from omnisim.dynamics.wheel import body_motion, centre_acceleration, contact_state
+from omnisim.march.runge_kutta import refresh
+
+SLIP_FRACTION = 0.75  # of the time in which slip could stop, that one explicit sub-step may take at most
+FINE_FRACTION = 0.2  # the same for methods "auto" and "radau5", which are there for their accuracy
+# The same of implicit steps with a smooth law: its layer near zero slip turns motion into heat that is accounted for.
+LAYER_FRACTION = 0.05
+OUTRUN = 20.0  # stable steps by the end of an explicit one that is taken again at half its length
+AUTO_STIFF = 4.0  # relaxation of slip within a step, beyond which "auto" makes it implicit
+AUTO_ACCURATE = 0.5  # and up to which its explicit steps go
+COARSE_STEP = 1e-2  # s: a grid step from which on sub-steps are as coarse as is safe
+TURN_FRACTION = 0.7  # of the largest stable step of the method for the turning of the slip's direction
+REST = 1e-11  # of 1 m/s and of the speeds that make up the slip, below which it no longer matters
+CREEP_SPEED = 1e-7  # m/s: slip that has no direction of its own in any case
+CREEP_STEP = 1.05  # of the time in which creeping slip doubles or stops, for one step: a little beyond its end
+# What a coarse step does not see of slip across its final direction:
+ALIGNED, FINE_ALIGNED = 3e-4, 1e-6  # m/s; the second for methods "auto" and "radau5"
+STOPPING = 2.4e-6  # m/s, twice the error in the speed of the machine; of slip that is about to stop, explicit methods
+STOPPED = 0.1  # of the slip that no longer matters, at which creeping slip has come to its end, or
+STOPPED_OF_STOPPING = 1e-3  # of that which may be taken away across its direction
+LEAST_ALIGNED = 1e-13  # m/s of slip, of the finest step: taking the last slip away at REST costs more
+MOST_FREED = 20  # times in a step, after which slip is followed by sub-steps to its end
+LEAST_STIFF = 2.0  # relaxation of slip within a step, below which sub-steps cost nothing
+CONE = 1e-12  # of mu times load and weight, by which a sticking force may pass the cone in rounding
+
+
+@kernel
+def slip_rate(parameters, run, w, side):
+    """v' (Slip, m/s^2) at a contact of wheel w as the motion goes, v (Slip, m/s), and A, 1/kg."""
+    wheel, at, slope, body = parameters.wheels[w], places(parameters), run.slopes[0], body_motion(parameters, run.y)
+    state = contact_state(parameters, run.mode[w], w, side, body, run.y)
+    x, y, yaw = slope[at.velocity], slope[at.velocity + 1], slope[at.yaw_rate]
+    centre = centre_acceleration(wheel, body, x * body.cos + y * body.sin, y * body.cos - x * body.sin, yaw)
+    roller = slope[rate_place(parameters, run.mode[w].roller, w, side)]
+    motion = Motion(centre.h, centre.k, slope[at.spin_rate + w], yaw, roller)
+    mobility = inverse_mass(parameters.machine, wheel, state.axis, state.contact)
+    return slip_acceleration(wheel, state, motion), state.slip, mobility
+
+
+@kernel
+def step_length(parameters, run, t, h):
+    """The step h, or less if slip could come to rest or change its course within it; sets the kind of the step.
+
+    An explicit step of coulomb friction also follows the turning of the slip's direction; method "auto" leaves that to
+    an implicit step.
+    """
+    machine, clock, floor = parameters.machine, run.clock, parameters.machine.slip_floor
+    # rates at which friction relaxes slip or a roller's rate, or a current settles; at which slip turns; changes, 1/s
+    relaxation, turning, pace = max(machine.bearing_relaxation, machine.current_relaxation, TINY), TINY, TINY
+    for w in range(len(run.mode)):
+        for side in range(1 + run.mode[w].shared):
+            factor, grip = run.watch[w].factor[side], run.mode[w].grip[side]
+            if grip == CREEP:  # it will stop or have a direction of its own soon
+                rate, _, _ = slip_rate(parameters, run, w, side)
+                speed = max(math.sqrt(run.watch[w].slip_square[side]), 2.0 * CREEP_SPEED)
+                h = min(h, CREEP_STEP * speed / max(math.sqrt(rate.h * rate.h + rate.k * rate.k), TINY))
+            elif grip == SLIP and factor > 0.0:
+                rate, slip, a = slip_rate(parameters, run, w, side)
+                mobility = largest(a)
+                scale = run.watch[w].slip_square[side] + floor * floor
+                size = math.sqrt((rate.h * rate.h + rate.k * rate.k) * scale)
+                sine = abs(slip.h * rate.k - slip.k * rate.h) / max(size, TINY)
+                pace, relaxation = max(pace, size / scale), max(relaxation, factor * mobility)
+                turning = max(turning, sine * factor * mobility)
+    if clock.choice == EXPLICIT:
+        clock.implicit = False
+        fraction = slip_fraction(SLIP_FRACTION, pace, clock)
+        stable, turn = TURN_FRACTION * clock.stability_limit, fraction / SLIP_FRACTION
+        return min(h, min(fraction / pace, min(stable / relaxation, turn * stable / turning)))
+    h_explicit, fraction, stiffness = h, LAYER_FRACTION, clock.dt * relaxation
+    if parameters.machine.law == COULOMB:
+        fraction = slip_fraction(FINE_FRACTION, pace, clock)
+        h_explicit = min(h, fraction / pace)
+        stiffness = h_explicit * relaxation
+    clock.implicit = clock.choice == IMPLICIT or stiffness > AUTO_STIFF
+    return min(h, fraction / pace) if clock.implicit else min(h_explicit, AUTO_ACCURATE / relaxation)
+
+
+@kernel
+def slip_fraction(coarsest, pace, clock):
+    """Part of the time 1 / pace in which slip changes, that a sub-step of a grid step dt may take.
+
+    Slip of which a whole step is the part f is of the size dt / f, and a sub-step errs by f^5 of the slip it starts
+    from: f ~ dt^(3/4) there lets these errors fall with dt^4. Where slip is less, and changes faster, f^5 ~ pace makes
+    every sub-step err by the same amount, up to the coarsest part that is safe.
+    """
+    largest_slip, ratio = coarsest * clock.fineness, 1.0 / clock.fineness
+    less = max(pace * clock.dt / largest_slip, 1.0)
+    return coarsest if less >= ratio**5 else largest_slip * less**0.2
+
+
+def fineness(dt: float) -> float:
+    """Part of the coarsest fraction that a step dt (s) allows for the largest slip."""
+    return min(1.0, (dt / COARSE_STEP) ** 0.75)
+
+
+def alignment(dt: float, choice: int) -> float:
+    """Slip across the direction of the contact equation that a step dt (s) does not see, m/s: ~ dt^4, as its error."""
+    coarsest = ALIGNED if choice == EXPLICIT else FINE_ALIGNED
+    return max(coarsest * min(1.0, dt / COARSE_STEP) ** 4, LEAST_ALIGNED)
+
+
+def stopping_alignment(dt: float, choice: int, lightness: float) -> float:
+    """Twice the error in the speed of slip that is about to stop, which a step dt (s) does not see, m/s.
+
+    Friction would have turned it soon in any case: what remains of slip v_n across slip v is a speed v_n^2 / 2 v along
+    it, and of that what the contact gives the machine; with dt^6 it stays behind the method's own error where slow slip
+    lasts. Implicit steps follow it at no cost.
+    lightness: mass of the machine by that with which a contact resists its slip, 1.
+    """
+    return lightness * STOPPING * min(1.0, dt / COARSE_STEP) ** 6 if choice == EXPLICIT else 0.0
+
+
+@kernel
+def unseen(clock, stopping, speed):
+    """Slip across the direction of the contact equation that a step does not see, m/s, of slip of this speed."""
+    return max(clock.aligned, math.sqrt(clock.stopping * speed)) if stopping else clock.aligned
+
+
+@kernel
+def outrun(parameters, run, h):
+    """Whether an explicit trial step of coulomb friction has become far too long for the slip that it ended with."""
+    clock = run.clock
+    if parameters.machine.law != COULOMB or clock.implicit:
+        return False
+    for w in range(len(run.mode)):
+        for side in range(1 + run.mode[w].shared):
+            relaxation = run.watch_end[w].factor[side] * parameters.machine.slip_mobility
+            stiff = run.mode[w].grip[side] == SLIP and h * relaxation > OUTRUN * clock.stability_limit
+            if stiff or not math.isfinite(run.watch_end[w].slip_square[side]):
+                return True
+    return False
+
+
+@kernel
+def rests(parameters, run, w, side):
+    """Whether a contact of wheel w slips so slowly that it is at rest; in the air nothing holds it there."""
+    mode, watch, limit = run.mode[w], run.watch[w], parameters.machine.friction * run.watch[w].normal_force
+    if mode.loaded == 0 or limit <= 0.0:
+        return False
+    if mode.grip[side] == CREEP and mode.stopping:  # together with another one whose end has been found
+        return watch.margin[side] <= stopped_speed(parameters, run, w, side)
+    slow = watch.slip_square[side] < rest_speed(parameters, mode, w, side, run.y) ** 2
+    return mode.grip[side] == SLIP and slow
+
+
+@kernel
+def stopped_speed(parameters, run, w, side):
+    """Slip that counts as the end of creeping slip, m/s."""
+    rest = rest_speed(parameters, run.mode[w], w, side, run.y)
+    return max(STOPPED * rest, STOPPED_OF_STOPPING * run.clock.stopping)
+
+
+@kernel
+def stops(parameters, run, w):
+    """Whether a contact slips that will stop within a step in a direction that attracts, and is so near to it that the
+    error of a step hides what it slips across: by the turning of the slip, |v x v'|, and the rate of attraction."""
+    mode, watch = run.mode[w], run.watch[w]
+    if mode.shared or mode.grip[0] != SLIP or watch.factor[0] == 0.0:
+        return False
+    if mode.freed_step == run.clock.step and mode.freed >= MOST_FREED:
+        return False
+    rate, slip, (hh, hk, kk) = slip_rate(parameters, run, w, 0)
+    along, turn, square = slip.h * rate.h + slip.k * rate.k, slip.h * rate.k - slip.k * rate.h, watch.slip_square[0]
+    attraction = watch.factor[0] * (hh * slip.k * slip.k - 2.0 * hk * slip.h * slip.k + kk * slip.h * slip.h) + along
+    soon = square < -along * run.clock.dt and stiffness(parameters, run.clock, watch) > LEAST_STIFF
+    speed = math.sqrt(square)
+    return soon and abs(turn) * speed < attraction * unseen(run.clock, True, speed)
+
+
+@kernel
+def stiffness(parameters, clock, watch):
+    """Relaxation of slip within a grid step, at most, 1."""
+    return watch.factor[0] * parameters.machine.slip_mobility * clock.dt
+
+
+@kernel
+def across(watch):
+    """Slip of a creeping contact across the direction of the contact equation, m/s."""
+    return math.sqrt(max(watch.slip_square[0] - watch.margin[0] * watch.margin[0], 0.0))
+
+
+@kernel
+def youth(parameters, clock, mode, watch):
+    """Positive while creeping slip is too young for a direction of its own: so slow, or else so little of it across
+    the direction of the contact equation that the error of a step hides it, while sub-steps would have to be short."""
+    speed = math.sqrt(watch.slip_square[0])
+    hidden = min(
+        unseen(clock, mode.stopping, speed) - across(watch), stiffness(parameters, clock, watch) - 0.5 * LEAST_STIFF
+    )
+    return max(CREEP_SPEED - speed, hidden)
+
+
+@kernel
+def rest_speed(parameters, mode, w, side, y):
+    """Slip of a contact that no longer matters, m/s: it follows the speeds whose rounding the slip inherits."""
+    wheel, at = parameters.wheels[w], places(parameters)
+    spin = wheel.radius * abs(y[at.spin_rate + w])
+    yaw = (abs(wheel.offset[0]) + abs(wheel.offset[1])) * abs(y[at.yaw_rate])
+    rate = y[rate_place(parameters, mode.roller, w, side)]
+    roller = (wheel.radius - wheel.roller_distance) * abs(rate)
+    return REST * (1.0 + abs(y[at.velocity]) + abs(y[at.velocity + 1]) + spin + yaw + roller)
+
+
+@kernel
+def cone_rounding(machine, watch):
+    """By how much a sticking force may pass the cone, N: one that is about to lift has forces of the others' size."""
+    return CONE * machine.friction * (abs(watch.normal_force) + machine.mass * machine.gravity)
+
+
+@outlined
+def come_to_rest(parameters, run, w, side, others, t):
+    """Take the rest of the slip of contact `side` of wheel w away (-1: of none) and, if `others`, of all that rest.
+
+    Marks them as `stopped` and lets those stick whose force lies inside the cone; the others creep on. On two rollers,
+    sticking is being at rest: there the force follows from Gauss' principle, cone included.
+    """
+    for v in range(len(run.mode)):
+        mode = run.mode[v]
+        for other in range(1 + mode.shared):
+            stopped = (v == w and other == side) or (others and rests(parameters, run, v, other))
+            mode.stopped[other] = stopped
+            if stopped:
+                mode.grip[other] = STICK
+                if mode.shared:
+                    change_slip(parameters, run, v, other, Slip(0.0, 0.0))
+    align_slip(parameters, run)
+    refresh(parameters, run, t)
+    for v in range(len(run.mode)):
+        mode, watch = run.mode[v], run.watch[v]
+        outside = watch.margin[0] < -cone_rounding(parameters.machine, watch)
+        if mode.stopped[0] and not mode.shared and outside:
+            mode.stopped[0] = 0
+            start_creep(parameters, run, v, t)
+
+
+@outlined
+def start_creep(parameters, run, w, t):
+    """Let a contact at rest slip off in the direction of the contact equation."""
+    mode = run.mode[w]
+    mode.grip[0], mode.stopping = CREEP, 0
+    mode.creep[0] = mode.creep[1] = 0.0
+    refresh(parameters, run, t)
+    keep_creep(parameters, run, w)
+
+
+@merged
+def begin_to_stop(parameters, run, t):
+    """Let slips that are about to stop go on in the direction of the contact equation, in which they will."""
+    for w in range(len(run.mode)):
+        if stops(parameters, run, w):
+            mode, slip = run.mode[w], parameters.room.contacts[2 * w].slip
+            mode.grip[0], mode.stopping, speed = CREEP, 1, math.sqrt(run.watch[w].slip_square[0])
+            mode.creep[0], mode.creep[1] = slip[0] / speed, slip[1] / speed
+    refresh(parameters, run, t)
+    for w in range(len(run.mode)):
+        if run.mode[w].grip[0] == CREEP:
+            keep_creep(parameters, run, w)
+    align_slip(parameters, run)
+    refresh(parameters, run, t)
+
+
+@kernel
+def keep_creep(parameters, run, w):
+    """Remember the direction of creeping slip that the last right-hand side found."""
+    mode, creep = run.mode[w], parameters.room.contacts[2 * w].creep
+    mode.creep[0], mode.creep[1] = creep[0], creep[1]
+
+
+@merged
+def start_slip(parameters, run, w, side, t):
+    """Let a contact slip whose slip has grown; a creeping one in the direction of the contact equation."""
+    mode = run.mode[w]
+    if mode.grip[side] == CREEP and not mode.shared:
+        refresh(parameters, run, t)
+        keep_creep(parameters, run, w)
+        align_slip(parameters, run)
+        mode.freed = mode.freed + 1 if mode.freed_step == run.clock.step else 1
+        mode.freed_step = run.clock.step
+    mode.grip[side] = SLIP
+    refresh(parameters, run, t)
+
+
+@merged
+def hold(parameters, run, t):
+    """Take drift away: sticking contacts hold the slip acceleration at zero, the slip only to rounding; creeping ones
+    have a direction that turns, and their slip follows."""
+    drifts = False
+    for w in range(len(run.mode)):
+        mode, watch = run.mode[w], run.watch[w]
+        if mode.shared:
+            continue
+        if mode.grip[0] == STICK:
+            rest = rest_speed(parameters, mode, w, 0, run.y)
+            drifts = drifts or watch.slip_square[0] > 0.01 * rest * rest
+        elif mode.grip[0] == CREEP:
+            keep_creep(parameters, run, w)
+            drifts = drifts or across(watch) > 0.0
+    if drifts:
+        align_slip(parameters, run)
+        refresh(parameters, run, t)

@@ -1,0 +1,127 @@
+"""The state at t = 0, and the memory of a march."""
+
+import math
+
+import numpy as np
+
+from omnisim.base.methods import EXPLICIT, METHODS
+from omnisim.base.records import blank, plain, records
+from omnisim.contact.tracking import IMPLICIT
+from omnisim.dynamics.parameters import MULTIBODY, Parameters
+from omnisim.dynamics.state import CLOCK, EXTREME, MODE, WATCH, YAW, Newton, Rows, Run, X, Y, places_in
+from omnisim.march.friction_modes import alignment, fineness, stopping_alignment
+from omnisim.march.stiffness import resolve
+from omnisim.scene.schema import Config, Time
+
+
+def begin(config: Config, parameters: Parameters) -> Run:
+    """A Run at t = 0; the march itself finds the rollers in contact."""
+    machine, choice = plain(parameters.machine), resolve(config, parameters)
+    parameters = parameters._replace(machine=machine)
+    y, rates = initial_state(config, parameters)
+    count, tableau = len(parameters.wheels), METHODS[config.solver.method].tableau
+    return Run(
+        y=y,
+        trial=np.empty_like(y),
+        stage=np.empty_like(y),
+        carry=np.zeros_like(y),
+        increment=np.zeros_like(y),
+        slopes=np.zeros((tableau.stages + 1, len(y))),
+        rates=rates,
+        mode=blank(MODE, count),
+        watch=blank(WATCH, count),
+        watch_end=blank(WATCH, count),
+        clock=clock_at_start(config.time, choice, tableau.stability_limit, machine.mass * machine.slip_mobility),
+        newton=newton_room(parameters, len(y) if choice != EXPLICIT else 0),
+    )
+
+
+def clock_at_start(time: Time, choice: int, stability_limit: float, lightness: float) -> np.record:
+    """The record CLOCK at t = 0; lightness: of the contacts, as `stopping_alignment` wants it."""
+    steps_per_row = time.steps_per_output
+    steps, dt = time.outputs * steps_per_row, time.output_interval / steps_per_row
+    begun = {
+        "steps": steps,
+        "steps_per_row": steps_per_row,
+        "goal": steps,
+        "wheel": -1,
+        "choice": choice,
+        "dt": dt,
+        "fineness": fineness(dt),
+        "aligned": alignment(dt, choice),
+        "stopping": stopping_alignment(dt, choice, lightness),
+        "reach": dt,
+        "stability_limit": stability_limit,
+    }
+    return records(CLOCK, [dict.fromkeys(CLOCK.names, 0) | begun])[0]
+
+
+def newton_room(parameters: Parameters, states: int) -> Newton:
+    """Room for implicit steps: forces depend on yaw, spin angles and all rates."""
+    at = places_in(parameters)
+    active = np.arange(YAW, at.friction_loss) if states else np.zeros(0, np.int64)
+    count = len(active)
+    return Newton(
+        active=active,
+        stages=np.zeros((7, states)),
+        real=np.zeros((2 * count + 1, count)),
+        complex=np.zeros((count + 1, count), complex),
+        pivots=np.zeros((2, count), np.int64),
+    )
+
+
+def blank_rows(run: Run, count: int, bearings: bool = False, odometry: bool = False) -> Rows:
+    """Room for `count` rows of a run; of bearing loads and of the odometry's error if asked for."""
+    wheels, rollers = run.rates.shape
+    return Rows(
+        y=np.empty((count, len(run.y))),
+        rates=np.empty((count, wheels, rollers)),
+        mode=blank(MODE, count, wheels),
+        piece=np.empty(count, np.uint32),
+        extremes=blank(EXTREME, count, wheels),
+        bearing_extremes=np.empty((count * bearings, wheels, rollers + 1, 4)),
+        odometry_extremes=np.empty((count * odometry, 3)),
+    )
+
+
+def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, np.ndarray]:
+    """State y (n,) without the rates of the rollers in contact, and rates (W, N) of all rollers, rad/s."""
+    machine, wheels, at = parameters.machine, np.asarray(parameters.wheels), places_in(parameters)
+    count, rollers = parameters.sector.shape[:2]
+    implicit = machine.tracking == IMPLICIT
+    states = at.drift + 2 if machine.formulation == MULTIBODY else at.bodies
+    y, rates = np.zeros(states), np.zeros((count, rollers))
+    yaw, yaw_rate, velocity = math.radians(config.initial.yaw_deg), config.initial.yaw_rate, config.initial.velocity
+    cos, sin, (x, y_centre) = math.cos(yaw), math.sin(yaw), machine.centre
+    to_centre = (x * cos - y_centre * sin, x * sin + y_centre * cos)  # C from the chassis origin, world axes
+    y[YAW], y[at.yaw_rate] = yaw, yaw_rate
+    y[X], y[Y] = np.add(config.initial.position, to_centre)
+    y[at.velocity : at.yaw_rate] = velocity[0] - yaw_rate * to_centre[1], velocity[1] + yaw_rate * to_centre[0]
+    if machine.odometry:
+        y[at.odometry : at.odometry + 2] = config.initial.position
+    spin_angles = np.radians([wheel.spin_angle_deg for wheel in config.wheels])
+    spin_rates = np.array([wheel.spin_rate for wheel in config.wheels])
+    y[at.spin_angle :][:count], y[at.spin_rate :][:count] = spin_angles, spin_rates
+    q = roller_azimuths(wheels, spin_angles)
+    for own, wheel, number in zip(rates, config.wheels, wheels["rollers"].tolist(), strict=True):
+        own[:number] = wheel.roller_rates
+    rates += (spin_rates * wheels["sin_psi"])[:, None]  # p = chi' + w . a
+    rates -= yaw_rate * (wheels["cos_psi"][:, None] * np.sin(q))
+    there = np.arange(rollers) < wheels["rollers"][:, None]
+    rates[~there] = 0.0
+    if implicit:
+        headings = yaw + np.radians([wheel.heading_deg for wheel in config.wheels])
+        y[at.rho : at.bodies].reshape(count, rollers, 3)[there] = -roller_directions(q, headings)[there]
+    return y, rates
+
+
+def roller_azimuths(wheels: np.ndarray | np.record, spin_angles: np.ndarray | float) -> np.ndarray:
+    """q of every roller of records WHEEL up to whole turns, rad: (..., N) for spin angles (...)."""
+    turned = np.multiply.outer(2.0 * wheels["alpha"], np.arange(np.max(wheels["rollers"])))
+    return np.asarray(wheels["phase"])[..., None] + turned - np.asarray(spin_angles)[..., None]
+
+
+def roller_directions(q: np.ndarray, yaw: np.ndarray | float) -> np.ndarray:
+    """d = -cos q n + sin q h of every roller, world axes: (..., N_r, 3) for q (..., N_r) and yaw (...)."""
+    yaw = np.asarray(yaw)[..., None]
+    return np.stack([np.sin(q) * np.cos(yaw), np.sin(q) * np.sin(yaw), -np.cos(q)], axis=-1)

@@ -1,0 +1,193 @@
+"""Which roller carries the wheel: when the next one takes over, and when two of them do. onset.py has the start."""
+
+import math
+
+from omnisim.base.kernel import kernel, merged, outlined
+from omnisim.contact.friction import COULOMB, SATURATED
+from omnisim.contact.set_valued import SLIP
+from omnisim.contact.tracking import EXPLICIT, explicit_touches, implicit_touches, roller_axis
+from omnisim.dynamics.contact_forces import LOST
+from omnisim.dynamics.state import places, rate_place
+from omnisim.dynamics.wheel import azimuth, rho_of, roller_end
+from omnisim.march.friction_modes import come_to_rest, rest_speed, rests
+from omnisim.march.runge_kutta import copy, evaluate, refresh
+
+ON_EDGE = 1e-14  # of a radian and of the spin angle: so near to the edge is on it
+SWING = 1 / 200  # of a step: a swing about an edge and back that is shorter is none
+MOMENTS = 3  # of this length, after which a torque that grows from nothing is there
+SLIP_ROUNDING = 0.1  # of the slip that no longer matters
+
+
+@merged
+def comes_to_rest_between(parameters, run, w, t):
+    """Whether a wheel that has just turned back now rests on two rollers; if so, it does from here on.
+
+    Its swings about the edge have become too short to follow, and the neighbour would push it back as well, or not on.
+    """
+    wheel, mode, at = parameters.wheels[w], run.mode[w], places(parameters)
+    edge = roller_end(wheel, mode.roller, mode.direction)
+    depth = mode.direction * (edge - run.y[at.spin_angle + w])
+    push = mode.direction * run.slopes[0, at.spin_rate + w]
+    swing = SWING * run.clock.dt
+    if depth > max(0.125 * push * swing * swing, ON_EDGE * (1.0 + abs(edge))):
+        return False
+    here, neighbour = mode.roller, mode.roller + mode.direction
+    release_rollers(parameters, run, w)
+    stand_on(parameters, run, w, neighbour, False, t)
+    if hold_on(parameters, run, w, t) > 0.0:  # what nothing turns rests on both as well
+        stand_on(parameters, run, w, here, False, t)
+        return False
+    rest_on_both(parameters, run, w, max(here, neighbour), t)
+    return True
+
+
+@outlined
+def hold_on(parameters, run, w, t):
+    """Torque with which wheel w, on an edge without spin, holds on to the mode that it has there, N m.
+
+    On one roller J phi'' in the sense of `direction`, away from the edge if the roller is to carry on; on two the one
+    with which each pushes back. Where that is lost in rounding, it is what it will be some moments later: the first is
+    seen of a torque that grows from nothing, the next of the slip that follows, and of smooth friction. Else 0.
+    """
+    clock, trial, slope, watch = run.clock, run.trial, run.slopes[1], run.watch_end[w]
+    rounding = edge_rounding(parameters, run.mode[w], w, run.y, run.watch[w])
+    torque = hold_of(parameters, run.mode[w], w, run.slopes[0], run.watch[w])
+    if abs(torque) > rounding:
+        return torque
+    moment = SWING * clock.dt
+    copy(run.y, trial)
+    copy(run.slopes[0], slope)
+    for later in range(MOMENTS):
+        for m in range(len(trial)):
+            trial[m] += moment * slope[m]
+        evaluate(parameters, run.mode, clock.piece, t + (later + 1) * moment, trial, slope, run.watch_end)
+        clock.rhs += 1
+        torque = hold_of(parameters, run.mode[w], w, slope, watch)
+        if abs(torque) > rounding:
+            run.watch[w].share = watch.share  # which of the two will carry on
+            return torque
+    return 0.0
+
+
+@kernel
+def hold_of(parameters, mode, w, slope, watch):
+    """That torque by the derivative `slope` and the by-products `watch` of a state."""
+    if mode.shared:
+        return watch.share_margin
+    return mode.direction * slope[places(parameters).spin_rate + w] / parameters.wheels[w].spin_mobility
+
+
+@kernel
+def edge_rounding(parameters, mode, w, y, watch):
+    """Rounding of such a torque, N m: of the load, and on two rollers of friction of tiny slip."""
+    force = LOST * abs(watch.normal_force)
+    if mode.shared:
+        for side in range(2):
+            if mode.grip[side] == SLIP:
+                force += SLIP_ROUNDING * rest_speed(parameters, mode, w, side, y) * watch.factor[side]
+    return force * parameters.wheels[w].radius
+
+
+@kernel
+def rest_on_both(parameters, run, w, ahead, t):
+    """Wheel w carried by the roller `ahead` and the one behind it, from time t on; it stands on their edge."""
+    at, mode = places(parameters), run.mode[w]
+    mode.direction = 1
+    run.y[at.spin_angle + w] = roller_end(parameters.wheels[w], ahead, -1)
+    run.y[at.spin_rate + w] = 0.0
+    run.carry[at.spin_angle + w] = run.carry[at.spin_rate + w] = 0.0
+    stand_on(parameters, run, w, ahead, True, t)
+
+
+@merged
+def leave_edge(parameters, run, w, t):
+    """The wheel goes on upon the roller whose push alone has ceased; the one that is left behind."""
+    mode = run.mode[w]
+    release_rollers(parameters, run, w)
+    onto_behind = run.watch[w].share < 0.5
+    left, kept = (mode.roller, mode.roller - 1) if onto_behind else (mode.roller - 1, mode.roller)
+    mode.direction = -1 if onto_behind else 1
+    stand_on(parameters, run, w, kept, False, t)
+    return left
+
+
+@outlined
+def stand_on(parameters, run, w, roller, shared, t):
+    """Make `roller`, if shared also the one behind it, carry wheel w from time t on: rates, friction, derivative."""
+    take_rollers(parameters, run, w, roller, shared)
+    renew_friction(parameters, run, w, t)
+
+
+@merged
+def renew_friction(parameters, run, w, t):
+    """Mode of the friction at the contacts of wheel w as their slip is, and the derivative."""
+    mode, slip_speed = run.mode[w], parameters.machine.slip_speed
+    for side in range(2):
+        mode.grip[side] = SLIP
+    refresh(parameters, run, t)
+    for side in range(1 + mode.shared):
+        if parameters.machine.law == COULOMB:
+            if rests(parameters, run, w, side):
+                come_to_rest(parameters, run, w, side, False, t)
+        elif parameters.machine.law == SATURATED:
+            mode.saturated[side] = run.watch[w].slip_square[side] > slip_speed * slip_speed
+            refresh(parameters, run, t)
+
+
+@outlined
+def touching(parameters, w, y):
+    """The rollers of wheel w that touch the floor at state `y`, counted on through every turn: (ahead, behind).
+
+    Twice the same one, or at a common edge the one at q = +alpha, which positive spin takes, and the one at -alpha.
+    """
+    wheel, at, found, ahead, behind = parameters.wheels[w], places(parameters), False, 0, 0
+    for i in range(wheel.rollers):
+        q = azimuth(wheel, i, y[at.spin_angle + w])
+        cos_q, sin_q = math.cos(q), math.sin(q)
+        if parameters.machine.tracking == EXPLICIT:
+            touches = explicit_touches(wheel, cos_q)
+        else:
+            touches = implicit_touches(wheel, roller_axis(wheel, cos_q, sin_q), rho_of(parameters, y, w, i))
+        if touches:
+            roller = i + wheel.rollers * math.floor(0.5 - q / (2.0 * math.pi))
+            ahead = max(ahead, roller) if found else roller
+            behind = min(behind, roller) if found else roller
+            found = True
+    return ahead, behind
+
+
+@merged
+def take_rollers(parameters, run, w, roller, shared):
+    """Make `roller` (counted on through every turn), if shared also the one behind it, touch: rates enter the state.
+
+    The sums of those in the air are taken anew each time, so they never drift.
+    """
+    mode, count = run.mode[w], parameters.wheels[w].rollers
+    mode.roller, mode.shared = roller, shared
+    here, behind = roller % count, (roller - 1) % count
+    mode.air_cos, mode.air_sin, mode.air_sum = 0.0, 0.0, 0.0
+    for i in range(count):
+        rate, place = run.rates[w, i], -1
+        if parameters.machine.every_rate:
+            place = parameters.wheels[w].rates + i
+        elif i == here or (shared and i == behind):
+            place = rate_place(parameters, roller, w, 0 if i == here else 1)
+        else:
+            sector = parameters.sector[w, (i - here) % count]
+            mode.air_cos += rate * sector[0]
+            mode.air_sin += rate * sector[1]
+            mode.air_sum += rate
+        if place >= 0 and run.y[place] != rate:
+            run.y[place], run.carry[place] = rate, 0.0
+
+
+@kernel
+def release_rollers(parameters, run, w):
+    """Write the roller rates of the state back to `rates`, where those of all rollers stand."""
+    mode, count = run.mode[w], parameters.wheels[w].rollers
+    if parameters.machine.every_rate:
+        for i in range(count):
+            run.rates[w, i] = run.y[parameters.wheels[w].rates + i]
+    else:
+        for side in range(1 + mode.shared):
+            run.rates[w, (mode.roller - side) % count] = run.y[rate_place(parameters, mode.roller, w, side)]

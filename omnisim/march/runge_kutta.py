@@ -1,0 +1,95 @@
+"""One explicit Runge-Kutta step with a frozen mode, the tableau as data."""
+
+from omnisim.base.kernel import kernel, merged, outlined
+from omnisim.dynamics.multibody.joint_kinematics import hold_bodies
+from omnisim.dynamics.parameters import MULTIBODY
+from omnisim.dynamics.right_hand_side import rhs
+
+
+@merged
+def explicit_step(parameters, method, run, t, h):
+    """One Runge-Kutta step of length h from run.y into run.trial, with the derivative and `watch` at its end."""
+    a, b, c, first = method.a, method.b, method.c, method.first
+    y, trial, stage, slopes, carry, increment = run.y, run.trial, run.stage, run.slopes, run.carry, run.increment
+    stages = len(b)
+    for i in range(1, stages + 1):
+        last = i == stages
+        if not last:
+            point, time = stage, t + c[i] * h
+            if first[i] == i - 1:
+                for m in range(len(y)):
+                    stage[m] = y[m] + h * (a[i, i - 1] * slopes[i - 1, m])
+            else:
+                lead(a[i], first[i], i, slopes, stage)
+                for m in range(len(y)):
+                    rate = stage[m] + (a[i, i - 2] * slopes[i - 2, m] + a[i, i - 1] * slopes[i - 1, m])
+                    stage[m] = y[m] + h * rate
+        else:
+            point, time = trial, t + h
+            lead(b, 0, stages, slopes, increment)
+            for m in range(len(y)):
+                rate = increment[m] + (b[i - 2] * slopes[i - 2, m] + b[i - 1] * slopes[i - 1, m])
+                increment[m] = carry[m] + h * rate
+                trial[m] = y[m] + increment[m]
+        rhs(parameters, run.mode, run.clock.piece, time, point, slopes[i], run.watch_end, last)
+    run.clock.rhs += stages
+
+
+@kernel
+def lead(weights, first, count, slopes, out):
+    """Weighted sum of the slopes from `first` on, without the last two of `count`.
+
+    Two at a time: a pass over a state of a dozen numbers takes as long as the arithmetic in it.
+    """
+    j = first + (count - first) % 2
+    if j > first:
+        for m in range(len(out)):
+            out[m] = weights[first] * slopes[first, m]
+    elif j < count - 2:
+        for m in range(len(out)):
+            out[m] = weights[j] * slopes[j, m] + weights[j + 1] * slopes[j + 1, m]
+        j += 2
+    else:
+        for m in range(len(out)):
+            out[m] = 0.0
+    while j < count - 2:
+        for m in range(len(out)):
+            out[m] += weights[j] * slopes[j, m] + weights[j + 1] * slopes[j + 1, m]
+        j += 2
+
+
+@kernel
+def accept(run):
+    """The trial becomes the state, and its derivative the first stage of the next step.
+
+    What was lost in rounding y + increment is carried into the next increment (Kahan), so millions of steps add up to
+    the rounding of one.
+    """
+    y, trial, increment, carry, slopes = run.y, run.trial, run.increment, run.carry, run.slopes
+    for m in range(len(y)):
+        carry[m] = increment[m] - (trial[m] - y[m])
+        y[m] = trial[m]
+        slopes[0, m] = slopes[-1, m]
+    for w in range(len(run.watch)):
+        run.watch[w] = run.watch_end[w]
+
+
+@outlined
+def evaluate(parameters, mode, piece, t, y, dy, watch):
+    """The right-hand side, compiled once for all its uses but the stages of explicit steps."""
+    rhs(parameters, mode, piece, t, y, dy, watch, True)
+
+
+@merged
+def refresh(parameters, run, t):
+    """Derivative at the state itself, after the mode or the state have changed; bodies follow."""
+    if parameters.machine.formulation == MULTIBODY:
+        hold_bodies(parameters, run, False)
+    evaluate(parameters, run.mode, run.clock.piece, t, run.y, run.slopes[0], run.watch)
+    run.clock.rhs += 1
+
+
+@kernel
+def copy(source, target):
+    for m in range(len(source)):
+        target[m] = source[m]

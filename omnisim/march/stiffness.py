@@ -1,0 +1,94 @@
+"""How stiff a scene is, and what method "auto" makes of it."""
+
+import math
+
+from omnisim.base.methods import AUTO, EXPLICIT, METHODS
+from omnisim.base.status import SAFE_STEP
+from omnisim.contact.friction import friction_factor
+from omnisim.contact.kinematics import Slip
+from omnisim.dynamics.parameters import Parameters
+from omnisim.dynamics.static_loads import static_loads
+from omnisim.march.validity import roller_mobility
+from omnisim.scene.schema import Config
+
+SAFE = 0.5  # of the stability limit of the explicit tableau, up to which "auto" is explicit throughout
+
+
+def relaxation_rate(config: Config, parameters: Parameters) -> float:
+    """Largest rate at which friction relaxes slip anywhere in the scene, 1/s; infinite for coulomb."""
+    machine = parameters.machine
+    normal = heaviest_load(config, parameters)
+    if config.friction.law == "coulomb":
+        return math.inf if machine.friction * normal > 0.0 else 0.0
+    mobility = max(roller_mobility(machine, wheel) for wheel in parameters.wheels)
+    return friction_factor(machine, 0, normal, Slip(0.0, 0.0)) * mobility
+
+
+def heaviest_load(config: Config, parameters: Parameters) -> float:
+    """Largest normal force on any wheel at standstill, N."""
+    lowest = min(force[2] for force in config.wrench.table[1])
+    return float(static_loads(parameters, lowest, math.radians(config.initial.yaw_deg)).max())
+
+
+def resolve(config: Config, parameters: Parameters) -> int:
+    """Which steps are explicit: as the method says, and for "auto" all of them if no step can be too stiff."""
+    method = METHODS[config.solver.method]
+    if method.choice == AUTO:
+        limit = SAFE * method.tableau.stability_limit
+        machine = parameters.machine
+        fastest = max(relaxation_rate(config, parameters), machine.bearing_relaxation, machine.current_relaxation)
+        if fastest * config.time.step <= limit:
+            return EXPLICIT
+    return method.choice
+
+
+def method_used(name: str, choice: int) -> str:
+    """Name of a method, for "auto" of what it has become by the resolved `choice`."""
+    method = METHODS[name]
+    if method.choice != AUTO:
+        return name
+    return method.tableau.name if choice == EXPLICIT else f"{method.tableau.name} + radau5"
+
+
+def explanation(config: Config, parameters: Parameters) -> str:
+    """What steps are taken and why, for people: for friction, then for what settles the currents of motors."""
+    return _of_friction(config, parameters) + _of_currents(config, parameters)
+
+
+def _of_currents(config: Config, parameters: Parameters) -> str:
+    """How fast currents with an inductance settle, and whether explicit steps can follow; empty if there are none."""
+    method, rate = METHODS[config.solver.method], parameters.machine.current_relaxation
+    if rate == 0.0:
+        return ""
+    told, limit = f"; currents of motors settle at up to {rate:.2g} 1/s", method.tableau.stability_limit
+    if resolve(config, parameters) != EXPLICIT or rate * config.time.step <= limit:
+        return told
+    return f"{told}, too fast for this step: time.step < {SAFE_STEP * limit / rate:.2g} s or method = 'auto' would do"
+
+
+def _of_friction(config: Config, parameters: Parameters) -> str:
+    """The same for friction, of the floor and of bearings."""
+    method, step, rate = METHODS[config.solver.method], config.time.step, relaxation_rate(config, parameters)
+    choice, limit = resolve(config, parameters), method.tableau.stability_limit / step
+    used = method_used(method.name, choice)
+    bearings = parameters.machine.bearing_relaxation
+    if max(rate, bearings) == 0.0:
+        return used
+    slip = f"friction relaxes slip at up to {rate:.2g} 1/s"
+    if bearings > rate:
+        slip, rate = f"bearings stop rollers at up to {bearings:.2g} 1/s", bearings
+    elif config.friction.law == "coulomb":
+        slip = "coulomb friction turns slow slip at mu N A / |v|"
+    if method.name == "radau5":
+        return f"{used}: every step implicit; {slip}"
+    name = method.tableau.name
+    if choice == AUTO:
+        return f"{used}: {slip}; {name} follows {limit:.2g} 1/s with this step, steps beyond are implicit"
+    if method.choice == AUTO or rate <= limit:
+        return f"{used}: {slip}, and {name} follows {limit:.2g} 1/s with this step"
+    if config.friction.law == "coulomb":
+        return f"{used}: {slip}, and steps are parted to follow; 'auto' takes slow slip in implicit steps"
+    return (
+        f"{used}: {slip}, but {name} follows {limit:.2g} 1/s with this step, and the run stops where it must: "
+        f"time.step < {SAFE_STEP * method.tableau.stability_limit / rate:.2g} s or method = 'auto' would do"
+    )

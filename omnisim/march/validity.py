@@ -1,0 +1,137 @@
+"""Is what was computed still a motion? Checked at every grid point."""
+
+import math
+
+from omnisim.base.kernel import kernel, merged, outlined
+from omnisim.base.methods import EXPLICIT
+from omnisim.base.status import LOST_TRACK, NO_START, NOT_FINITE, RUNNING, TOO_STIFF, UNBALANCED
+from omnisim.base.vector import dot
+from omnisim.contact.friction import COULOMB, friction_factor
+from omnisim.contact.kinematics import Slip, inverse_mass, largest
+from omnisim.contact.tracking import IMPLICIT, Axis, Contact, explicit_contact, roller_axis
+from omnisim.dynamics.state import X, Y, places
+from omnisim.dynamics.wheel import rho_of
+
+UNBALANCED_PART = 0.05  # of the energy of the scene
+STILL = 1e-9  # m/s: slower than that moves what stands, in rounding; there is no energy to account for
+STIFF_STEPS = 3  # surplus of steps too large for the rate at which slip relaxes, before the run stops
+LOST = 1e-3  # |rho|^2 - 1 at which the implicit tracking is no longer worth its name
+
+
+@kernel
+def check(parameters, run):
+    """Status of the state at a grid point: finite, and no slip relaxing faster than the method can follow.
+
+    The friction force is bounded, so a step too large for it never overflows: slip chatters about zero with the
+    amplitude that one step gives. It shows in steps outside the method's stability region that outnumber those
+    inside; a slip that only passes through zero has one or two.
+    """
+    clock = run.clock
+    if not finite(run.y, run.slopes[0]):
+        if clock.stiff > 0:
+            too_stiff(parameters, run, max(clock.wheel, 0))
+        else:
+            clock.status = NOT_FINITE if clock.row else NO_START
+        return
+    stiff = -1
+    for w in range(len(run.mode)):
+        if parameters.machine.tracking == IMPLICIT:
+            rho = rho_of(parameters, run.y, w, run.mode[w].roller % parameters.wheels[w].rollers)
+            if abs(dot(rho, rho) - 1.0) > LOST:
+                clock.status, clock.wheel = LOST_TRACK, w
+                return
+        if too_fast(parameters, run, w):
+            stiff = w
+    clock.stiff = clock.stiff + 1 if stiff >= 0 else max(clock.stiff - 1, 0)
+    if clock.stiff >= STIFF_STEPS:
+        too_stiff(parameters, run, stiff)
+
+
+@kernel
+def finite(y, dy):
+    """Whether every state and every rate is, and the energy in it."""
+    burst = False
+    for m in range(len(y)):
+        burst |= not y[m] * y[m] + dy[m] * dy[m] < math.inf
+    return not burst
+
+
+@merged
+def check_energy(parameters, run):
+    """Stop a run of which a good part of the energy came from nowhere: its steps are too long, though none is stiff.
+
+    Needs the rates of all rollers as they are now: at an output row.
+    """
+    machine, clock, y, at, doubled = parameters.machine, run.clock, run.y, places(parameters), 0.0
+    for w in range(len(run.mode)):
+        wheel = parameters.wheels[w]
+        doubled += (wheel.axle_inertia + wheel.rotor_inertia) * y[at.spin_rate + w] ** 2
+        for i in range(wheel.rollers):
+            doubled += wheel.axial_inertia * run.rates[w, i] ** 2
+    doubled += (
+        machine.mass * (y[at.velocity] ** 2 + y[at.velocity + 1] ** 2) + machine.yaw_inertia * y[at.yaw_rate] ** 2
+    )
+    potential = -machine.mass * (machine.downhill[0] * y[X] + machine.downhill[1] * y[Y])
+    if clock.row == 0:
+        clock.energy, clock.potential = 0.5 * doubled, potential
+    fall = clock.potential - potential  # work of the weight
+    loss = y[at.friction_loss] + (y[at.bearing_loss] if machine.bearings else 0.0)
+    balance = 0.5 * doubled - clock.energy + loss - y[at.drive_work] - y[at.wrench_work] - fall
+    turned_over = clock.energy + abs(y[at.drive_work]) + abs(y[at.wrench_work]) + abs(fall)
+    clock.turnover = max(clock.turnover, turned_over)  # the works may have come back to nothing
+    missing = abs(balance) > UNBALANCED_PART * clock.turnover
+    if missing and fastest(parameters, run) > STILL and clock.status == RUNNING:
+        clock.status, clock.wheel = UNBALANCED, -1
+
+
+@kernel
+def fastest(parameters, run):
+    """The largest speed at which anything moves: the body, or a wheel or a roller at its circumference, m/s."""
+    y, at = run.y, places(parameters)
+    speed, turning = max(abs(y[at.velocity]), abs(y[at.velocity + 1])), abs(y[at.yaw_rate])
+    for w in range(len(run.mode)):
+        wheel = parameters.wheels[w]
+        reach = abs(wheel.offset[0]) + abs(wheel.offset[1]) + wheel.radius
+        speed = max(speed, reach * turning, wheel.radius * abs(y[at.spin_rate + w]))
+        for i in range(wheel.rollers):
+            speed = max(speed, (wheel.radius - wheel.roller_distance) * abs(run.rates[w, i]))
+    return speed
+
+
+@kernel
+def too_fast(parameters, run, w):
+    """Whether friction at wheel w relaxes slip faster than explicit steps can follow."""
+    clock, machine, factor = run.clock, parameters.machine, run.watch[w].factor[0]
+    if machine.law == COULOMB or clock.choice != EXPLICIT:
+        return False
+    if factor * machine.slip_mobility * clock.dt <= clock.stability_limit:
+        return False  # the bound of the mobility is cheap
+    return factor * slip_mobility(parameters, w) * clock.dt > clock.stability_limit
+
+
+@outlined
+def too_stiff(parameters, run, w):
+    """Stop for friction at wheel w, with the largest rate at which it relaxes slip anywhere on a roller."""
+    machine = parameters.machine
+    at_rest = friction_factor(machine, 0, run.watch[w].normal_force, Slip(0.0, 0.0))
+    run.clock.rate = at_rest * roller_mobility(machine, parameters.wheels[w])
+    run.clock.wheel, run.clock.status = w, TOO_STIFF
+
+
+@kernel
+def roller_mobility(machine, wheel):
+    """Largest eigenvalue of the inverse mass of a wheel's contact anywhere on a roller, 1/kg."""
+    mobility = 0.0
+    for i in range(-32, 33):
+        cos_q, sin_q = math.cos(wheel.alpha * i / 32), math.sin(wheel.alpha * i / 32)
+        contact = explicit_contact(wheel, cos_q, sin_q)
+        mobility = max(mobility, largest(inverse_mass(machine, wheel, roller_axis(wheel, cos_q, sin_q), contact)))
+    return mobility
+
+
+@kernel
+def slip_mobility(parameters, w):
+    """Largest eigenvalue of the inverse mass of wheel w's contact, 1/kg: with the factor g, the rate of its slip."""
+    seen = parameters.room.contacts[2 * w]
+    axis, contact = Axis(seen.axis[0], seen.axis[1], seen.axis[2]), Contact(seen.l, seen.arm[0], seen.arm[1])
+    return largest(inverse_mass(parameters.machine, parameters.wheels[w], axis, contact))

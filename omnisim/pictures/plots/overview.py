@@ -1,0 +1,30 @@
+"""One figure that tells what happens in a run."""
+
+from matplotlib.figure import Figure
+
+from omnisim.pictures.plots.drive import SPIN_RATE, TORQUE, driven
+from omnisim.pictures.plots.floor import draw_path
+from omnisim.pictures.plots.marks import kinds_of
+from omnisim.pictures.plots.motion import BALANCE, NORMAL_FORCE, SLIP_SPEED, SPEED, WORKS, YAW_RATE
+from omnisim.pictures.plots.panels import LANE, draw_column
+from omnisim.pictures.plots.style import Runs, figure_of, view
+
+WIDTH, HEIGHT = 14.0, 8.0  # inches
+
+
+@view
+def story(runs: Runs) -> Figure:
+    """Path and energy at the left; speed, yaw rate, drives, normal forces, slip and events over time at the right."""
+    drives = [SPIN_RATE, TORQUE] if any(driven(run) for run in runs.values()) else []
+    panels, kinds = [SPEED, YAW_RATE, *drives, NORMAL_FORCE, SLIP_SPEED], len(kinds_of(runs))
+    height = HEIGHT + 0.7 * len(drives)
+    figure = figure_of(runs, WIDTH, height)
+    left, right = figure.subfigures(1, 2, width_ratios=(0.85, 1.0))
+    path, works, balance = left.subplots(3, 1, height_ratios=(3.6, 1.0, 1.0))
+    balance.sharex(works)
+    works.tick_params(labelbottom=False)
+    draw_path(path, runs)
+    draw_column([works, balance], [WORKS, BALANCE], runs)
+    heights = [height / (len(panels) + 1.0)] * len(panels) + [LANE * kinds] * bool(kinds)
+    draw_column(right.subplots(len(heights), 1, sharex=True, height_ratios=heights), panels, runs)
+    return figure

@@ -1,0 +1,1 @@
+"""What a run returns, and where it goes: datasets, files, tables, comparisons, reports."""

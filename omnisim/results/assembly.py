@@ -1,0 +1,130 @@
+"""From the records of a march to a trajectory: observed rows, events in order, attributes."""
+
+from types import SimpleNamespace
+from typing import NamedTuple
+
+import numpy as np
+
+from omnisim.base import status
+from omnisim.base.records import plain
+from omnisim.base.status import EVENT_KINDS
+from omnisim.base.version import VERSION
+from omnisim.dynamics.description import describe
+from omnisim.dynamics.parameters import Parameters
+from omnisim.dynamics.state import Rows, Run
+from omnisim.march.events import STOP
+from omnisim.march.stiffness import method_used
+from omnisim.results.observables import datasets, energy
+from omnisim.results.trajectory import Trajectory
+from omnisim.scene.scene import Scene
+from omnisim.scene.schema import Config
+
+MODERATE = 1e100  # J
+
+
+def collect(
+    scene: Scene, parameters: Parameters, run: Run, rows: Rows, log: np.ndarray, wall_time: float
+) -> Trajectory:
+    """The Trajectory of a march as far as it has come; the Run may go on."""
+    config, names = scene.config, [wheel.name for wheel in scene.config.wheels]
+    interval = config.time.output_interval
+    sampled = datasets(parameters, so_far(rows, run.clock), interval, config)
+    kept = finite_rows(sampled)
+    if kept < run.clock.row:  # a state that overflows only when it is squared, say
+        sampled = {path: values[:kept] for path, values in sampled.items()}
+    end = ending(config, run, kept)
+    clock = end.clock
+    attributes = {
+        "omnisim_version": VERSION,
+        "title": config.title,
+        "scene": scene.text,
+        "wheels": names,
+        "model": describe(config, parameters).line,
+        "tracking": config.solver.tracking,
+        "formulation": config.solver.formulation,
+        "method": end.method,
+        "step": config.time.step,
+        "steps": clock.step,
+        "rhs_evaluations": clock.rhs,
+        "wall_time": wall_time,
+        "status": end.sentence,
+        "stop_time": end.time,
+        "stop_wheel": end.wheel,
+    }
+    happened = events(np.asarray(log)[: clock.events], names)
+    if clock.status != status.COMPLETE:
+        happened = with_stop(happened, end.time, end.wheel)
+    return Trajectory(attributes, sampled | happened)
+
+
+class Ending(NamedTuple):
+    """How a march has ended, or would have if it had been left here: its clock then, time (s), wheel, sentence."""
+
+    clock: SimpleNamespace
+    time: float
+    wheel: str
+    method: str
+    sentence: str
+
+
+def ending(config: Config, run: Run, kept: int) -> Ending:
+    """The Ending of a march of which so many rows are finite."""
+    clock = plain(run.clock)
+    if clock.status == status.RUNNING:
+        clock.status = status.ENDED
+    stop_time = clock.step * clock.dt + clock.elapsed
+    if kept < clock.row:
+        clock.status, clock.wheel, stop_time = status.NOT_FINITE, -1, kept * config.time.output_interval
+    if clock.status == status.COMPLETE:
+        stop_time, clock.wheel = config.time.end, -1
+    wheel = config.wheels[clock.wheel].name if clock.wheel >= 0 else ""
+    method = method_used(config.solver.method, clock.choice)
+    return Ending(clock, float(stop_time), wheel, method, status.sentence(clock, stop_time, wheel, method))
+
+
+@np.errstate(over="ignore", invalid="ignore")
+def outcome(config: Config, parameters: Parameters, run: Run, rows: Rows) -> str:
+    """How a march has ended, in the sentence that `collect` would give it, from as little as that takes."""
+    known = so_far(rows, run.clock)
+    energies, kept = energy(parameters, known), len(known.y)
+    if kept and not moderate(energies):
+        kept = finite_rows(datasets(parameters, known, config.time.output_interval, config))
+    return ending(config, run, kept).sentence
+
+
+def so_far(rows: Rows, clock: np.record) -> Rows:
+    """The rows that are written."""
+    return Rows(*(values[: clock.row] for values in rows))
+
+
+def finite_rows(sampled: dict[str, np.ndarray]) -> int:
+    """Number of rows before the first that holds NaN or infinity in any dataset."""
+    count = len(sampled["time"])
+    if moderate(sampled):
+        return count
+    broken = [~np.isfinite(values.reshape(count, -1)).all(axis=1) for values in sampled.values()] if count else []
+    rows = np.flatnonzero(np.any(broken, axis=0)) if count else []
+    return int(rows[0]) if len(rows) else count
+
+
+def moderate(energies: dict[str, np.ndarray]) -> bool:
+    """Whether energies are. If so nothing is infinite: every dataset is a product of few speeds."""
+    return bool(np.all(np.abs(energies["energy/balance"]) + energies["energy/kinetic"] < MODERATE))
+
+
+def events(log: np.ndarray, names: list[str]) -> dict[str, np.ndarray]:
+    """Datasets of the events in a log (E,), in order of time, then of wheels."""
+    log = log[np.lexsort((log["wheel"], log["time"]))]
+    return {
+        "events/time": log["time"],
+        "events/kind": np.array(EVENT_KINDS)[log["kind"]],
+        "events/wheel": np.array(names)[log["wheel"]],
+        "events/roller_from": log["roller_from"],
+        "events/roller_to": log["roller_to"],
+    }
+
+
+def with_stop(data: dict[str, np.ndarray], stop_time: float, stop_wheel: str) -> dict[str, np.ndarray]:
+    """The event datasets with the final "stop" appended."""
+    last = {"time": stop_time, "kind": EVENT_KINDS[STOP], "wheel": stop_wheel, "roller_from": -1, "roller_to": -1}
+    return data | {f"events/{name}": np.append(data[f"events/{name}"], value) for name, value in last.items()}

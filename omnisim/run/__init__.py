@@ -1,0 +1,1 @@
+"""Running scenes: at once, step by step, by the error that is asked for, against the clock."""

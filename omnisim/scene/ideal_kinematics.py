@@ -1,0 +1,101 @@
+"""The ideal wheel: no slip along the axis of the roller in contact, so that the motion gives the spin rates.
+
+    phi' = (V_h - tan(psi) V_k) / R             V_h, V_k  velocity of the wheel centre along heading and axle, m/s
+    V    = (vx - yaw_rate y, vy + yaw_rate x)   x, y      wheel centre, m
+
+The twist (vx, vy, yaw_rate) is that of the chassis origin in chassis axes (m/s, m/s, rad/s).
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from omnisim.scene.schema import Config
+
+MOTIONS = ("forward motion", "sideways motion", "rotation")  # components of a twist
+RANK_TOLERANCE = 1e-6  # smallest singular value / largest
+MECANUM = math.radians(20.0)  # roller angle from which on a wheel is one
+PARALLEL = 1e-3  # sine between headings
+
+
+def wheel_rows(config: Config) -> np.ndarray:
+    """Rows (W, 3) of the ideal machine: phi' = rows @ twist, rad/s."""
+    wheels, kinds = config.wheels, [config.type_of(wheel) for wheel in config.wheels]
+    heading, tan = np.radians([wheel.heading_deg for wheel in wheels]), _tangents(config)
+    cos, sin, (x, y) = np.cos(heading), np.sin(heading), np.array([wheel.position for wheel in wheels]).T
+    along_x, along_y = cos + tan * sin, sin - tan * cos  # h - tan(psi) k in chassis axes
+    return np.array([along_x, along_y, x * along_y - y * along_x]).T / [[kind.radius] for kind in kinds]
+
+
+def _tangents(config: Config) -> np.ndarray:
+    """tan(psi) of every wheel, its hand included."""
+    signs = np.array([-1.0 if wheel.mirrored else 1.0 for wheel in config.wheels])
+    return np.tan(signs * np.radians([config.type_of(wheel).roller_angle_deg for wheel in config.wheels]))
+
+
+def inverse(rows: np.ndarray, distance: float) -> np.ndarray | None:
+    """(3, W): the twist that fits spin rates best, twist = inverse @ phi'; None if they leave a motion open.
+
+    distance (m), that of the wheels, makes a speed of the yaw rate.
+    """
+    scale = _scale(distance)
+    spins, values, motions = np.linalg.svd(rows * scale, full_matrices=False)
+    if _rank(values) < len(MOTIONS):
+        return None
+    return (scale[:, None] * motions.T / values) @ spins.T
+
+
+def undetermined(rows: np.ndarray, distance: float) -> tuple[str, ...]:
+    """The MOTIONS that spin rates leave open. distance: see `inverse`."""
+    _, values, motions = np.linalg.svd(rows * _scale(distance))
+    shares = (motions[_rank(values) :] ** 2).sum(axis=0)  # of each component in the free motions, squared
+    return tuple(name for name, share in zip(MOTIONS, shares, strict=True) if share > RANK_TOLERANCE**2)
+
+
+def _scale(distance: float) -> np.ndarray:
+    return np.array([1.0, 1.0, 1.0 / distance if distance > 0.0 else 0.0])
+
+
+def _rank(values: np.ndarray) -> int:
+    return np.count_nonzero(values > RANK_TOLERANCE * values[0])
+
+
+def rms_distance(config: Config) -> float:
+    """Root mean square distance of the wheel centres from the chassis origin, m."""
+    squares = [x * x + y * y for x, y in (wheel.position for wheel in config.wheels)]
+    return math.sqrt(sum(squares) / len(squares))
+
+
+class Handedness(NamedTuple):
+    """Mecanum wheels that stand at the wrong corner for their hand: their names, what follows, and the cure."""
+
+    wrong: tuple[str, ...]
+    told: str
+    cure: str
+
+
+def handedness(config: Config) -> Handedness | None:
+    """Of four parallel mecanum wheels, one at each corner, those whose rollers have the hand of the other diagonal.
+
+    Seen from above the axes of the rollers on the floor form an X. A wheel at (a, b) from the middle, along and across
+    the headings, turns the machine by a lever |a tan(psi) + b|: of an X the sum of two lengths, of an O their
+    difference, which is 0 in a square.
+    """
+    wheels, tan = config.wheels, _tangents(config)
+    heading = np.radians([wheel.heading_deg for wheel in wheels])
+    if len(wheels) != 4 or np.abs(tan).min() < math.tan(MECANUM) or np.ptp(np.sin(heading - heading[0])) > PARALLEL:
+        return None
+    places, (cos, sin) = np.array([wheel.position for wheel in wheels]), (math.cos(heading[0]), math.sin(heading[0]))
+    a, b = ((places - places.mean(axis=0)) @ [[cos, -sin], [sin, cos]]).T
+    wrong = a * b * tan < 0.0
+    if not wrong.any() or len(set(zip(a > 0.0, b > 0.0, strict=True))) != 4:
+        return None
+    names = tuple(wheel.name for wheel, is_wrong in zip(wheels, wrong, strict=True) if is_wrong)
+    lever, best = np.abs(a * tan + b).max(), (np.abs(a * tan) + np.abs(b)).max()
+    able = f"turns by a lever of {lever:.3g} m, not {best:.3g} m" if lever > RANK_TOLERANCE * best else "cannot turn"
+    told = f"the axes of rollers on the floor, seen from above, form an O for an X, so that the machine {able}"
+    if not wrong.all():
+        told = f"the rollers of {', '.join(names)} have the hand of the other diagonal"
+    mirrored = [wheel.name for wheel, is_wrong in zip(wheels, wrong, strict=True) if wheel.mirrored != is_wrong]
+    return Handedness(names, told, f"mirrored = true on {', '.join(mirrored) or 'none'}, and on no other wheel")

@@ -1,0 +1,115 @@
+"""Solids of known shape, without kernels: the roller by its exact profile, with a bore; the cylinder; the box.
+
+Vectors are in the frame of the wheel at spin angle 0: x along h (heading), y along k (axle, left), z up; m.
+`wheel` is an Outline, or a row of `Parameters.wheels`, which has the same names.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from omnisim.scene.schema import WheelType
+
+NODES = 40  # of Gauss and Legendre: integrals of a profile are exact to rounding
+HALVINGS = 60  # of the interval that holds the end of a bore: to rounding
+DIRECTIONS = 2001  # tried for the gap: none of them can make it too large
+
+
+class Outline(NamedTuple):
+    """What the shape of a wheel's rollers follows from: R and R1 (m), alpha = pi / N_r (rad), and psi."""
+
+    radius: float
+    roller_distance: float
+    alpha: float
+    cos_psi: float
+    sin_psi: float
+
+
+def outline(kind: WheelType) -> Outline:
+    psi = math.radians(kind.roller_angle_deg)
+    return Outline(kind.radius, kind.roller_distance, math.pi / kind.roller_count, math.cos(psi), math.sin(psi))
+
+
+# --- the roller -----------------------------------------------------------------------------------
+
+
+def profile(wheel: Outline, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """u(q) and r(q), m, of roller_profile.py at every profile parameter q (rad)."""
+    h, c = wheel.radius - wheel.roller_distance / np.cos(q), wheel.cos_psi
+    u = wheel.roller_distance * np.tan(q) / c + h * c * np.sin(q)
+    return u, np.maximum(h, 0.0) * np.sqrt(1.0 - (c * np.sin(q)) ** 2)
+
+
+class Solid(NamedTuple):
+    """A solid of revolution at density 1: volume (m^3), moments of inertia about and across its axis (m^5)."""
+
+    volume: float
+    axial: float
+    transverse: float
+
+
+def solid(wheel: Outline, bore: float = 0.0) -> Solid:
+    """The profile less a cylindrical bore of radius b (m) from end to end. Where r < b nothing is left.
+
+        V = int pi (r^2 - b^2) du                         axial = int pi/2 (r^4 - b^4) du
+        transverse = int pi ((r^4 - b^4) / 4 + (r^2 - b^2) u^2) du
+
+    du/dq = R1 (1 / c - c sin^2 q) / cos^2 q + h_q c cos q.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(NODES)
+    end, c = bored_end(wheel, bore), wheel.cos_psi
+    q = end * nodes
+    u, r = profile(wheel, q)
+    h = wheel.radius - wheel.roller_distance / np.cos(q)
+    slope = wheel.roller_distance * (1.0 / c - c * np.sin(q) ** 2) / np.cos(q) ** 2 + h * c * np.cos(q)
+    du = np.pi * end * weights * slope
+    ring, fourth = r**2 - bore**2, r**4 - bore**4
+    return Solid(float(ring @ du), float(0.5 * fourth @ du), float((0.25 * fourth + ring * u**2) @ du))
+
+
+def bored_end(wheel: Outline, bore: float) -> float:
+    """The profile parameter where r = b, rad; alpha if the tips are thicker than the bore. r falls with q."""
+    if profile(wheel, np.array(wheel.alpha))[1] >= bore:
+        return wheel.alpha
+    low, high = 0.0, wheel.alpha
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if profile(wheel, np.array(middle))[1] > bore else (low, middle)
+    return low
+
+
+def support(wheel: Outline, sine: np.ndarray) -> np.ndarray:
+    """How far the roller reaches from its centre in directions whose components along its axis are `sine`, m."""
+    q = np.clip(np.arcsin(np.clip(sine / wheel.cos_psi, -1.0, 1.0)), -wheel.alpha, wheel.alpha)
+    u, r = profile(wheel, q)
+    return u * sine + r * np.sqrt(1.0 - sine * sine)
+
+
+# --- rollers on their wheel -----------------------------------------------------------------------
+
+
+def gap(wheel: Outline, pitches: int = 1) -> float:
+    """Distance between the surfaces of two rollers `pitches` apart, m; below 0 they overlap.
+
+    Between convex bodies A and B every unit vector n has n . (B - A) - reach of A along n - reach of B along -n, and
+    the largest of these is the distance: a finite number of n never makes it too large. Half a turn about the radius
+    midway swaps the rollers, so the best n is at right angles to it: n = cos b along the rim + sin b along the axle,
+
+        distance = 2 max_b [cos b R1 sin g - reach(cos b c cos g + sin b s)],    g = pitches * alpha
+    """
+    g, b = pitches * wheel.alpha, np.linspace(-0.5 * np.pi, 0.5 * np.pi, DIRECTIONS)
+    along = np.cos(b) * wheel.cos_psi * math.cos(g) + np.sin(b) * wheel.sin_psi
+    room = np.cos(b) * wheel.roller_distance * math.sin(g) - support(wheel, np.clip(along, -1.0, 1.0))
+    return 2.0 * float(room.max())
+
+
+def hub_radius(wheel: Outline) -> float:
+    """Of the largest cylinder about the axle that no roller enters, m; 0 if rollers reach the axle."""
+    return max(2.0 * wheel.roller_distance - wheel.radius, 0.0)
+
+
+def half_width(wheel: Outline) -> float:
+    """Of a wheel, m: rollers are thick amid, and their axes long across the wheel."""
+    across = float(profile(wheel, np.array(wheel.alpha))[0]) * abs(wheel.sin_psi)
+    return max(wheel.radius - wheel.roller_distance, across)

@@ -1,0 +1,44 @@
+"""From what tomllib returns to a Config, or to every problem found."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any
+
+from pydantic import ValidationError
+
+from omnisim.scene.estimates import complete, shape_rules
+from omnisim.scene.machine_rules import MACHINE_RULES
+from omnisim.scene.problems import ConfigError, Problem, schema_problems
+from omnisim.scene.rules import RULES
+from omnisim.scene.schema import Config
+
+Rule = Callable[[Config], Iterator[Problem]]
+
+
+def validate(data: Mapping[str, Any]) -> Config:
+    """The scene in `data` (what tomllib returns), complete, or ConfigError with every problem found.
+
+    Rules across keys compare values, estimates need shapes, and rules of the machine its parts: each stage waits for
+    the one before.
+    """
+    data = _tuples(data)
+    try:
+        config = Config.model_validate(data)
+    except ValidationError as error:
+        raise ConfigError(schema_problems(error, data)) from None
+    _obey((*RULES, shape_rules), config)
+    config = complete(config)
+    _obey(MACHINE_RULES, config)
+    return config
+
+
+def _obey(rules: Iterable[Rule], config: Config) -> None:
+    problems = [problem for rule in rules for problem in rule(config)]
+    if problems:
+        raise ConfigError(problems)
+
+
+def _tuples(value: Any) -> Any:
+    """Lists become tuples: strict models take no list for a tuple, and frozen ones should hold none."""
+    if isinstance(value, dict):
+        return {key: _tuples(entry) for key, entry in value.items()}
+    return tuple(_tuples(entry) for entry in value) if isinstance(value, list) else value
