@@ -1,4 +1,4 @@
-"""Draws docs/picture.png for the README: python docs/picture.py (needs the extra `docs`)."""
+"""Draws docs/pages/pictures/picture.png for README and site: python docs/picture.py (needs the extra `docs`)."""
 
 from pathlib import Path
 
@@ -115,7 +115,7 @@ def main():
     front.set_title("nine rollers at 45 deg", fontsize=10)
     draw_path(path, omnisim.simulate(omnisim.load("six_rollers", ["time.step=1e-4"])))
     draw_convergence(errors)
-    figure.savefig(HERE / "picture.png", dpi=130)
+    figure.savefig(HERE / "pages/pictures/picture.png", dpi=130)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The page on speed and accuracy says what the results say."""
+"""The pages on speed and accuracy say what the results say."""
 
 import json
 import sys
@@ -9,6 +9,8 @@ import pytest
 pytest.importorskip("matplotlib", reason="needs matplotlib")
 sys.path.insert(0, str(Path(__file__).parents[1] / "docs"))
 import speed_page
+import speed_plots
+import speed_short
 
 BOUND = {"bound": "at most", "target": 1.2, "alarm": 2.5}
 
@@ -40,20 +42,21 @@ def records(tmp_path):
 
 
 def test_the_page_begins_with_a_verdict_and_shows_what_is_missed(records):
-    page = speed_page.page(records, {})
+    page = speed_page.pages(records, {})["index"]
     assert "**2 of 3 targets are met.** Missed:\n\n- scaling is quick: 2, to be at most 1.2\n\n" in page
     assert page.index("targets are met") < page.index("| scaling is quick | 2 | at most 1.2 | **missed** | 2.5 |")
-    assert page.index("## Kernels") < page.index("## Scaling")
-    assert "## Twists" not in page  # its results stand in machines.md
+    assert "[Machines, rollers, memory](cost.md): Kernels; Scaling" in page
+    assert "Twists" not in "".join(speed_page.pages(records, {}).values())  # machines_in_numbers.md has them
 
 
 def test_each_section_names_machine_day_and_command(records):
-    page = speed_page.page(records, {})
+    page = speed_page.pages(records, {})["cost"]
+    assert page.index("## Kernels") < page.index("## Scaling")
     assert "a processor; numba 0.1; 2026-01-02; `python bench/run.py scaling`" in page
 
 
 def test_long_tables_are_folded_and_short_ones_are_not(records):
-    page = speed_page.page(records, {})
+    page = speed_page.pages(records, {})["cost"]
     assert page.count("<details>") == page.count("</details>") == 1
     head, _, rest = page.partition("<details><summary>13 rows</summary>\n\n| row |\n")
     assert head.endswith("A sentence.\n\n") and rest.partition("</details>")[2].startswith("\n\nThe end.")
@@ -63,8 +66,8 @@ def test_every_plot_is_written_and_stands_in_its_section(records, tmp_path):
     drawn = speed_page.draw(records, tmp_path)
     assert drawn == {"kernels": "kernels"}
     assert (tmp_path / "kernels.png").stat().st_size > 1000 and (tmp_path / "kernels.svg").stat().st_size > 1000
-    page = speed_page.page(records, drawn)
-    assert page.index("## Kernels") < page.index("(speed/kernels.png)") < page.index("## Scaling")
+    page = speed_page.pages(records, drawn)["cost"]
+    assert page.index("## Kernels") < page.index("(kernels.png)") < page.index("## Scaling")
 
 
 def test_the_page_recommends_by_the_fastest_march_of_each_method_that_is_accurate_enough():
@@ -77,3 +80,21 @@ def test_the_page_recommends_by_the_fastest_march_of_each_method_that_is_accurat
     assert "| a wheel | 1e-06 | - | 500 | **1000** | - | - |" in said
     assert "| a wheel | 1e-09 | - | **100** | - | - | - |" in said
     assert "at most 2.00 times as fast" in said
+
+
+def test_the_committed_pages_are_what_the_script_makes_of_the_committed_results():
+    records = speed_page.read(speed_page.RESULTS)
+    drawn = {name: stem for name, (stem, *_) in speed_plots.FIGURES.items()} | {"precision": "work_precision"}
+    made = speed_page.pages(records, drawn)
+    assert {path.stem for path in speed_page.FOLDER.glob("*.md")} == set(made)
+    for name, text in made.items():
+        assert (speed_page.FOLDER / f"{name}.md").read_text(encoding="utf-8") == text, name
+    plots = [f"{stem}.{suffix}" for stem in drawn.values() for suffix in ("png", "svg")]
+    assert all((speed_page.FOLDER / plot).exists() for plot in plots)
+
+
+def test_the_page_in_short_says_what_the_results_say():
+    page = speed_page.pages(speed_page.read(speed_page.RESULTS), {})["index"]
+    row = json.loads((speed_page.RESULTS / "laws.json").read_text())["result"]["exact"][0]
+    assert f"| 0.01 | {speed_short.fast(2e3 / row['march'])} |" in page
+    assert row["method"] == "rk4" and row["step"] == 0.01 and f"| {row['error']:.1e} |" in page

@@ -1,0 +1,91 @@
+"""The site: it builds without a warning, loads nothing from elsewhere, and its equations are typeset."""
+
+import html.parser
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PAGES = ROOT / "docs" / "pages"
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The folder of the built site, made from a copy: the generator writes beside its configuration only."""
+    pytest.importorskip("zensical", reason="needs the extra docs")
+    folder = tmp_path_factory.mktemp("site")
+    shutil.copy(ROOT / "mkdocs.yml", folder)
+    shutil.copytree(PAGES, folder / "docs" / "pages")
+    build = [sys.executable, "-m", "zensical", "build", "--strict"]
+    done = subprocess.run(build, cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0 and "No issues found" in done.stderr, done.stdout + done.stderr
+    return folder / "build" / "site"
+
+
+class Tags(html.parser.HTMLParser):
+    """Tags of a page, each with its attributes."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.tags = []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append((tag, dict(attributes)))
+
+
+def test_every_page_is_in_the_site_and_in_its_contents(site):
+    sources = {path.relative_to(PAGES).with_suffix(".html") for path in PAGES.rglob("*.md")}
+    assert len(sources) > 15 and all((site / page).exists() for page in sources)
+    contents = {tag[1].get("href", "").removeprefix("./") for tag in Tags((site / "index.html").read_text()).tags}
+    assert {page.as_posix() for page in sources} - contents == set()
+
+
+def test_no_page_loads_anything_from_elsewhere_and_all_that_it_loads_is_there(site):
+    loaded = 0
+    for page in site.rglob("*.html"):
+        for tag, attributes in Tags(page.read_text(encoding="utf-8")).tags:
+            address = attributes.get("href" if tag in ("link", "image", "use") else "src")
+            if tag in ("script", "link", "img", "iframe", "source", "image", "use") and address:
+                assert not re.match(r"(\w+:)?//", address), (page.name, address)
+                home = site if address.startswith("/") else page.parent
+                target = (home / address.split("#")[0].lstrip("/")).resolve()
+                assert tag != "link" or attributes["rel"] != "stylesheet" or target.exists(), (page.name, address)
+                assert tag in ("link", "use") or target.exists(), (page.name, address)
+                loaded += 1
+    assert loaded > 100
+    for sheet in (*site.rglob("*.css"), *site.rglob("*.js")):
+        assert not re.search(r"(@import|url\()\s*[\"']?(https?:)?//", sheet.read_text(encoding="utf-8")), sheet.name
+
+
+@pytest.fixture(scope="module")
+def browser():
+    playwright = pytest.importorskip("playwright.sync_api", reason="needs playwright: pip install -e '.[test]'")
+    if CHROMIUM is None:
+        pytest.skip("needs Chromium")
+    with playwright.sync_playwright() as running:
+        opened = running.chromium.launch(executable_path=CHROMIUM)
+        yield opened
+        opened.close()
+
+
+def test_pages_open_from_a_folder_ask_for_nothing_else_and_their_search_finds(site, browser):
+    asked, complaints = [], []
+    tab = browser.new_page()
+    tab.on("request", lambda request: asked.append(request.url))
+    tab.on("console", lambda message: complaints.append(message.text) if message.type == "error" else None)
+    tab.on("pageerror", lambda error: complaints.append(str(error)))
+    for page in site.rglob("*.html"):
+        if page.name != "404.html":  # its addresses begin at the root of a server
+            tab.goto(page.as_uri())
+    tab.goto((site / "index.html").as_uri())
+    tab.keyboard.press("Control+k")
+    tab.keyboard.type("odometry")
+    tab.get_by_text(re.compile(r"^[1-9]\d* results$")).wait_for()
+    tab.close()
+    assert all(url.startswith(("file:", "data:", "blob:", "about:")) for url in asked) and complaints == []
