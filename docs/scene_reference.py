@@ -20,6 +20,60 @@ line, key, value and what is allowed. `omnisim run SCENE --set KEY=VALUE` change
 `wheels.front_left.spin_rate=12`.
 
 Tables over `times` are linear between their points and held outside. Times never decrease; two equal times are a jump.
+
+## An example
+
+A bare wheel, with most of what a scene can say; a machine stands under [Machines](machines.md).
+
+```toml
+schema = 1
+title = "A wheel thrown sideways"
+
+[time]
+end = 2.0                     # s
+step = 1e-3                   # fixed; events are located inside it
+output_interval = 0.01
+
+[solver]
+method = "rk4"                # heun, rk4, dopri5; radau5 (implicit), auto (rk4, and radau5 where it is stiff)
+tracking = "explicit"         # or implicit
+formulation = "reduced"       # or multibody: every roller a body, every joint a multiplier
+# error = 1e-6                # m, rad: a step is picked for it, and time.step is not used
+
+[friction]
+law = "regularized"           # regularized, saturated, coulomb, viscous, none
+coefficient = 0.4
+slip_speed = 0.05             # m/s; coulomb needs none
+# contact_torque = "contensou"  # friction of a patch against turning, with regularized slip; default "none"
+# patch_radius = 0.002          # m
+
+[wheel_types.omni]
+radius = 0.05                 # m; the contact is always so far below the centre
+roller_distance = 0.04        # wheel centre to roller centre
+roller_count = 6
+roller_angle_deg = 0.0        # 45 for a mecanum wheel
+disk = { mass = 0.5, inertia_axle = 4e-4, inertia_diameter = 2.2e-4 }
+roller = { mass = 0.03, inertia_axial = 6e-6, inertia_transverse = 9e-6 }
+                              # bearing_viscosity (N m s), bearing_torque (N m), bearing_rate (rad/s): default frictionless
+
+[[wheels]]
+name = "wheel"
+type = "omni"
+spin_rate = 12.0              # rad/s
+drive = { kind = "torque", times = [0.0, 1.0], torque = [0.0, 0.05] }
+
+[wrench]                      # external force and yaw torque at the wheel centre
+frame = "body"
+times = [0.0, 0.5, 0.5]       # two equal times: a jump
+force = [[0.0, 0.5, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.0]]
+
+[initial]
+velocity = [0.5, 0.3]
+yaw_rate = 1.2
+
+[output]
+bearing_loads = true          # force and moment of every bearing
+```
 """
 RULES = """## Rules across keys
 

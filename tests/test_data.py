@@ -44,16 +44,18 @@ def test_a_packaged_scene_says_its_source_and_uses_all_its_keys(name):
     assert scene.config.title and unused_keys(scene.config) == ()
 
 
-def test_the_scenes_of_the_readme_can_be_run(tmp_path):
-    readme = (Path(__file__).parents[1] / "README.md").read_text()
-    scenes = re.findall(r"```toml\n(.*?)```", readme, re.DOTALL)
+def test_the_scenes_of_the_readme_and_the_pages_can_be_run(tmp_path):
+    root = Path(__file__).parents[1]
+    pages = [root / "README.md", *(root / "docs" / "pages" / f"{name}.md" for name in ("machines", "scene", "tutorial"))]
     wheels = []
-    for text in scenes:
-        (tmp_path / "scene.toml").write_text(text)
-        config = load(tmp_path / "scene.toml").config
-        assert unused_keys(config) == ()
-        wheels.append(len(config.wheels))
-    assert wheels == [1, 3]
+    for page in pages:
+        for text in re.findall(r"```toml\n(schema.*?)```", page.read_text(encoding="utf-8"), re.DOTALL):
+            (tmp_path / "scene.toml").write_text(text)
+            config = load(tmp_path / "scene.toml").config
+            assert unused_keys(config) == ()
+            wheels.append(len(config.wheels))
+    readme = pages[0].read_text(encoding="utf-8")
+    assert wheels == [1, 3, 1, 1]
     assert all(f"`{name}`" in readme or f"run {name}" in readme for name in packaged_scenes())
 
 

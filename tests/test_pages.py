@@ -12,6 +12,7 @@ from omnisim.scene.schema import Config
 sys.path.insert(0, str(Path(__file__).parents[1] / "docs"))
 import file_reference
 import scene_reference
+import sketches
 
 pytestmark = pytest.mark.short
 
@@ -51,3 +52,20 @@ def test_every_test_and_module_that_the_theory_names_is_there():
     assert len(named) > 50
     for name in named:
         assert (root / ("tests" if "test_" in name else "omnisim") / name).exists(), name
+
+
+def test_the_committed_sketches_are_what_the_script_draws_and_stand_on_a_page():
+    pages = "".join(path.read_text(encoding="utf-8") for path in scene_reference.PAGE.parent.glob("*.md"))
+    for name, sketch in sketches.SKETCHES.items():
+        assert (sketches.FOLDER / f"{name}.svg").read_text(encoding="utf-8") == sketch().svg(), name
+        assert f"(pictures/{name}.svg)" in pages, name
+
+
+def test_every_link_of_the_readme_leads_somewhere():
+    root = scene_reference.PAGE.parents[2]
+    links = re.findall(r"\]\(([^)#]+)(#[^)]*)?\)", (root / "README.md").read_text(encoding="utf-8"))
+    assert len(links) > 15
+    for path, anchor in links:
+        text = (root / path).read_bytes()
+        titles = re.findall(r"^#+ (.*)", text.decode(), re.M) if anchor else []
+        assert not anchor or anchor[1:] in {re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-") for title in titles}
