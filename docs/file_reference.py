@@ -1,4 +1,4 @@
-"""Writes docs/pages/file.md, what a trajectory file holds, from omnisim/trajectory.py: python docs/file_reference.py"""
+"""Writes docs/pages/file.md, what a trajectory file holds, from omnisim/results/layout.py: python docs/file_reference.py"""
 
 from pathlib import Path
 

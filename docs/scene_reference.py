@@ -1,4 +1,4 @@
-"""Writes docs/pages/scene.md, every key of a scene file, from omnisim/config.py: python docs/scene_reference.py"""
+"""Writes docs/pages/scene.md, every key of a scene file, from omnisim/scene/schema.py: python docs/scene_reference.py"""
 
 import inspect
 import math
