@@ -19,9 +19,9 @@ from typing import NamedTuple
 from omnisim.base.kernel import kernel
 from omnisim.base.vector import Vec3, combine, cross, dot
 
-EXPLICIT, IMPLICIT = 0, 1
+EXPLICIT_TRACKING, IMPLICIT_TRACKING = 0, 1
 EDGE = 1e-12  # rounding allowed when two rollers touch at once
-TRACKINGS = {"explicit": EXPLICIT, "implicit": IMPLICIT}
+TRACKINGS = {"explicit": EXPLICIT_TRACKING, "implicit": IMPLICIT_TRACKING}
 
 
 class Heading(NamedTuple):

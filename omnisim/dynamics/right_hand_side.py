@@ -16,7 +16,7 @@ from omnisim.base.kernel import kernel, merged
 from omnisim.base.trigonometry import cos_sin
 from omnisim.contact.friction import VISCOUS
 from omnisim.contact.set_valued import SLIP
-from omnisim.contact.tracking import IMPLICIT, rho_rate, roller_axis
+from omnisim.contact.tracking import IMPLICIT_TRACKING, rho_rate, roller_axis
 from omnisim.dynamics.actuation import rest_motors
 from omnisim.dynamics.contact_forces import settle_forces
 from omnisim.dynamics.multibody.right_hand_side import multibody_rhs
@@ -39,7 +39,7 @@ def rhs(parameters, mode, piece, t, y, dy, watch, kept):
         reduced_rhs(parameters, mode, piece, t, y, dy, watch, kept)
     if parameters.machine.odometry:
         odometry_rates(parameters, y, dy)
-    if parameters.machine.tracking == IMPLICIT:
+    if parameters.machine.tracking == IMPLICIT_TRACKING:
         rho_rates(parameters, body_motion(parameters, y), y, dy)
 
 

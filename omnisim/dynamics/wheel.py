@@ -15,7 +15,7 @@ from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3
 from omnisim.contact.kinematics import Slip, joint_rate, slip_velocity
 from omnisim.contact.tracking import (
-    IMPLICIT,
+    IMPLICIT_TRACKING,
     Axis,
     Contact,
     Heading,
@@ -157,7 +157,7 @@ def contact_state(parameters, mode, w, side, body, y):
     q = azimuth(wheel, roller, y[at.spin_angle + w])
     cos_q, sin_q = cos_sin(q)
     axis = roller_axis(wheel, cos_q, sin_q)
-    if machine.tracking == IMPLICIT:
+    if machine.tracking == IMPLICIT_TRACKING:
         rho = rho_of(parameters, y, w, roller % wheel.rollers)
         contact = implicit_contact(wheel, world_heading(wheel, body), axis, rho)
     else:

@@ -6,7 +6,7 @@ import numpy as np
 
 from omnisim.base.methods import EXPLICIT, METHODS
 from omnisim.base.records import blank, plain, records
-from omnisim.contact.tracking import IMPLICIT
+from omnisim.contact.tracking import IMPLICIT_TRACKING
 from omnisim.dynamics.parameters import MULTIBODY, Parameters
 from omnisim.dynamics.state import CLOCK, EXTREME, MODE, WATCH, YAW, Newton, Rows, Run, X, Y, places_in
 from omnisim.march.friction_modes import alignment, fineness, stopping_alignment
@@ -88,7 +88,7 @@ def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, n
     """State y (n,) without the rates of the rollers in contact, and rates (W, N) of all rollers, rad/s."""
     machine, wheels, at = parameters.machine, np.asarray(parameters.wheels), places_in(parameters)
     count, rollers = parameters.sector.shape[:2]
-    implicit = machine.tracking == IMPLICIT
+    implicit = machine.tracking == IMPLICIT_TRACKING
     states = at.drift + 2 if machine.formulation == MULTIBODY else at.bodies
     y, rates = np.zeros(states), np.zeros((count, rollers))
     yaw, yaw_rate, velocity = math.radians(config.initial.yaw_deg), config.initial.yaw_rate, config.initial.velocity

@@ -5,7 +5,7 @@ import math
 from omnisim.base.kernel import kernel, merged, outlined
 from omnisim.contact.friction import COULOMB, SATURATED
 from omnisim.contact.set_valued import SLIP
-from omnisim.contact.tracking import EXPLICIT, explicit_touches, implicit_touches, roller_axis
+from omnisim.contact.tracking import EXPLICIT_TRACKING, explicit_touches, implicit_touches, roller_axis
 from omnisim.dynamics.contact_forces import LOST
 from omnisim.dynamics.state import places, rate_place
 from omnisim.dynamics.wheel import azimuth, rho_of, roller_end
@@ -144,7 +144,7 @@ def touching(parameters, w, y):
     for i in range(wheel.rollers):
         q = azimuth(wheel, i, y[at.spin_angle + w])
         cos_q, sin_q = math.cos(q), math.sin(q)
-        if parameters.machine.tracking == EXPLICIT:
+        if parameters.machine.tracking == EXPLICIT_TRACKING:
             touches = explicit_touches(wheel, cos_q)
         else:
             touches = implicit_touches(wheel, roller_axis(wheel, cos_q, sin_q), rho_of(parameters, y, w, i))

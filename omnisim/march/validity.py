@@ -8,7 +8,7 @@ from omnisim.base.status import LOST_TRACK, NO_START, NOT_FINITE, RUNNING, TOO_S
 from omnisim.base.vector import dot
 from omnisim.contact.friction import COULOMB, friction_factor
 from omnisim.contact.kinematics import Slip, inverse_mass, largest
-from omnisim.contact.tracking import IMPLICIT, Axis, Contact, explicit_contact, roller_axis
+from omnisim.contact.tracking import IMPLICIT_TRACKING, Axis, Contact, explicit_contact, roller_axis
 from omnisim.dynamics.state import X, Y, places
 from omnisim.dynamics.wheel import rho_of
 
@@ -35,7 +35,7 @@ def check(parameters, run):
         return
     stiff = -1
     for w in range(len(run.mode)):
-        if parameters.machine.tracking == IMPLICIT:
+        if parameters.machine.tracking == IMPLICIT_TRACKING:
             rho = rho_of(parameters, run.y, w, run.mode[w].roller % parameters.wheels[w].rollers)
             if abs(dot(rho, rho) - 1.0) > LOST:
                 clock.status, clock.wheel = LOST_TRACK, w

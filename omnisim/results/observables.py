@@ -10,7 +10,7 @@ from omnisim.base.kernel import kernel
 from omnisim.base.records import blank, plain
 from omnisim.base.vector import Vec3, combine, cross
 from omnisim.contact.kinematics import joint_rate
-from omnisim.contact.tracking import IMPLICIT, roller_axis
+from omnisim.contact.tracking import IMPLICIT_TRACKING, roller_axis
 from omnisim.dynamics.multibody.joint_forces import recover, resolve_joints
 from omnisim.dynamics.multibody.residuals import residuals
 from omnisim.dynamics.normal_forces import servo
@@ -100,7 +100,7 @@ def observe(parameters, rows, times, watch, observed):
 def contact_angle(parameters, mode, w, heading, y):
     """q of the roller in contact, rad: from the spin angle, or from the rho that the implicit tracking integrated."""
     wheel, at = parameters.wheels[w], places(parameters)
-    if parameters.machine.tracking == IMPLICIT:
+    if parameters.machine.tracking == IMPLICIT_TRACKING:
         rho = rho_of(parameters, y, w, mode.roller % wheel.rollers)
         return math.atan2(-rho.x * heading.cos - rho.y * heading.sin, rho.z)
     return azimuth(wheel, mode.roller, y[at.spin_angle + w])
@@ -126,7 +126,7 @@ def observe_rollers(parameters, rows, row, w, body, observed):
         q = azimuth(wheel, i, y[at.spin_angle + w])
         axis = roller_axis(wheel, math.cos(q), math.sin(q))
         observed.joint_rate[row, w, i] = joint_rate(axis, rows.rates[row, w, i], spin_rate, yaw_rate)
-        if parameters.machine.tracking == IMPLICIT:  # what it integrated is what it shows
+        if parameters.machine.tracking == IMPLICIT_TRACKING:  # what it integrated is what it shows
             d = combine(-1.0, rho_of(parameters, y, w, i), 0.0, up, 0.0, up)
         else:
             d = combine(math.sin(q), h, -math.cos(q), up, 0.0, up)

@@ -13,7 +13,7 @@ from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
 from omnisim.contact.friction import VISCOUS
 from omnisim.contact.kinematics import Jacobian, Slip
 from omnisim.contact.set_valued import CREEP
-from omnisim.contact.tracking import IMPLICIT, Axis, Heading, explicit_contact, implicit_contact
+from omnisim.contact.tracking import IMPLICIT_TRACKING, Axis, Heading, explicit_contact, implicit_contact
 from omnisim.dynamics.actuation import actuate, rest_motors
 from omnisim.dynamics.contact_forces import settle_forces
 from omnisim.dynamics.multibody.chassis import (
@@ -220,7 +220,7 @@ def meet(parameters, mode, w, side, carrier, body, y):
     h, k, a, rho = at_centre.h, at_centre.k, at_centre.axis, at_centre.rho
     cos_q, sin_q = -rho.z / wheel.roller_distance, dot(rho, h) / wheel.roller_distance
     axis = Axis(dot(a, h), dot(a, k), a.z)
-    if machine.tracking == IMPLICIT:
+    if machine.tracking == IMPLICIT_TRACKING:
         touch = implicit_contact(wheel, Heading(h.x, h.y), axis, rho_of(parameters, y, w, index))
     else:
         touch = explicit_contact(wheel, cos_q, sin_q)
