@@ -104,13 +104,13 @@ def counts_of(scene: Scene) -> dict[str, list[float]]:
     march.run.clock.steps = march.run.clock.goal = 10
     march.go()
     parameters, run = march.parameters, march.run
-    room = parameters.room._replace(
-        contacts=[opened(one, Counted) for one in parameters.room.contacts],
-        parts=[opened(one, Counted) for one in parameters.room.parts],
-        loads=opened(parameters.room.loads, Counted),
+    workspace = parameters.workspace._replace(
+        contacts=[opened(one, Counted) for one in parameters.workspace.contacts],
+        parts=[opened(one, Counted) for one in parameters.workspace.parts],
+        loads=opened(parameters.workspace.loads, Counted),
     )
     wheels = [opened(wheel, float) for wheel in parameters.wheels]
-    parameters = parameters._replace(machine=opened(parameters.machine, float), wheels=wheels, room=room)
+    parameters = parameters._replace(machine=opened(parameters.machine, float), wheels=wheels, workspace=workspace)
     arrays = ("y", "trial", "stage", "carry", "increment", "slopes")
     records = ("mode", "watch", "watch_end")
     run = run._replace(

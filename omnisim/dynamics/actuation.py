@@ -56,9 +56,9 @@ def unwound(wheel, error, demand, given):
 def turn_motor(parameters, drive, w, demand, spin_rate, y, dy):
     """A motor that is asked for a voltage: what it gets (V) and its torque on the disk (N m).
 
-    Writes the rates of its current and of the energies of motors; voltage and current into the room.
+    Writes the rates of its current and of the energies of motors; voltage and current into the workspace.
     """
-    wheel, at, part = parameters.wheels[w], places(parameters), parameters.room.parts[w]
+    wheel, at, part = parameters.wheels[w], places(parameters), parameters.workspace.parts[w]
     back = wheel.motor_constant * spin_rate
     voltage = demand
     if abs(drive) == BY_LIMIT:

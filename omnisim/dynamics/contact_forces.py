@@ -32,16 +32,16 @@ ROUNDING = 1e-11  # a change below which, if it no longer falls, is rounding
 
 
 @outlined
-def settle_forces(machine, wheels, room, load, plane, pushing):
+def settle_forces(machine, wheels, workspace, load, plane, pushing):
     """Find the sought forces of an instant and all loads; returns what `solve` does."""
     acceleration, regular, last = Acceleration(0.0, 0.0, 0.0), 1.0, 1e300
     for _ in range(MOST_ROUNDS):
-        acceleration, mobility, regular = solve(machine, room, load, plane, pushing)
-        change = settle_shared(machine, wheels, room, mobility, acceleration)
+        acceleration, mobility, regular = solve(machine, workspace, load, plane, pushing)
+        change = settle_shared(machine, wheels, workspace, mobility, acceleration)
         for w in range(len(wheels)):
-            part = room.parts[w]
+            part = workspace.parts[w]
             if part.sought and part.contacts == 1:
-                correction = turn_creep(machine, wheels[w], room, w, mobility, acceleration)
+                correction = turn_creep(machine, wheels[w], workspace, w, mobility, acceleration)
                 change = max(change, correction if correction > STEADY else 0.0)
         if settled(change, last):
             break
@@ -56,22 +56,22 @@ def settled(change, last):
 
 
 @merged
-def settle_shared(machine, wheels, room, mobility, acceleration):
-    """Forces of all wheels on two rollers under the loads in the room: the largest change, relative, of the first
+def settle_shared(machine, wheels, workspace, mobility, acceleration):
+    """Forces of all wheels on two rollers under the loads in the workspace: the largest change, relative, of the first
     sweep over them."""
     first, last = 0.0, 1e300
     for sweep in range(MOST_SWEEPS):
         change, size, count = 0.0, TINY, 0
         for w in range(len(wheels)):
-            part, ahead, behind = room.parts[w], room.contacts[2 * w], room.contacts[2 * w + 1]
+            part, ahead, behind = workspace.parts[w], workspace.contacts[2 * w], workspace.contacts[2 * w + 1]
             if not (part.sought and part.contacts == 2):
                 continue
             count += 1
             h_0, k_0, h_1, k_1 = ahead.force[0], ahead.force[1], behind.force[0], behind.force[1]
-            acceleration = pushed(machine, acceleration, mobility, room, w, -1.0)
-            set_resting(machine, wheels[w], room, w, mobility, acceleration)
-            share_load(machine, wheels[w], room, w)
-            acceleration = pushed(machine, acceleration, mobility, room, w, 1.0)
+            acceleration = pushed(machine, acceleration, mobility, workspace, w, -1.0)
+            set_resting(machine, wheels[w], workspace, w, mobility, acceleration)
+            share_load(machine, wheels[w], workspace, w)
+            acceleration = pushed(machine, acceleration, mobility, workspace, w, 1.0)
             change = max(change, max(abs(ahead.force[0] - h_0), abs(ahead.force[1] - k_0)))
             change = max(change, max(abs(behind.force[0] - h_1), abs(behind.force[1] - k_1)))
             size = max(size, max(abs(ahead.force[0]), abs(ahead.force[1])))
@@ -86,11 +86,11 @@ def settle_shared(machine, wheels, room, mobility, acceleration):
 
 
 @kernel
-def pushed(machine, acceleration, mobility, room, w, sign):
+def pushed(machine, acceleration, mobility, workspace, w, sign):
     """The Acceleration with the forces of wheel w added or, sign -1, taken away."""
     x, y, yaw = 0.0, 0.0, 0.0
-    for c in range(2 * w, 2 * w + room.parts[w].contacts):
-        contact = room.contacts[c]
+    for c in range(2 * w, 2 * w + workspace.parts[w].contacts):
+        contact = workspace.contacts[c]
         push_x, push_y, push_yaw = push_of(machine, contact, contact.force[0], contact.force[1], contact.torque)
         x, y, yaw = x + push_x, y + push_y, yaw + push_yaw
     more = yielding(mobility, x, y, yaw)
@@ -100,28 +100,29 @@ def pushed(machine, acceleration, mobility, room, w, sign):
 
 
 @merged
-def set_resting(machine, wheel, room, w, mobility, acceleration):
-    """The contact equations of wheel w on two rollers into `resting` and `mobility` of the room; its spin is held."""
+def set_resting(machine, wheel, workspace, w, mobility, acceleration):
+    """The contact equations of wheel w on two rollers into `resting` and `mobility` of the workspace; its spin is
+    held."""
     for side in range(2):
-        contact, resting = room.contacts[2 * w + side], room.resting[side]
+        contact, resting = workspace.contacts[2 * w + side], workspace.resting[side]
         resting.rest, lever = contact.rest, contact.lever
         resting.force[0], resting.force[1] = contact.force[0], contact.force[1]  # where the search begins
         resting.bias[0], resting.bias[1] = free_rate(contact, acceleration)
         for other in range(2):
-            source = room.contacts[2 * w + other]
+            source = workspace.contacts[2 * w + other]
             for j in range(2):
                 by = yielding(mobility, source.lever[0, j], source.lever[1, j], source.lever[2, j])
                 for i in range(2):
                     entry = lever[0, i] * by.x + lever[1, i] * by.y + lever[2, i] * by.yaw
                     if side == other:
                         entry += contact.arm[i] * contact.arm[j] * wheel.axial_mobility
-                    room.loads.mobility[side, other, i, j] = entry
+                    workspace.loads.mobility[side, other, i, j] = entry
 
 
 @merged
-def turn_creep(machine, wheel, room, w, mobility, acceleration):
+def turn_creep(machine, wheel, workspace, w, mobility, acceleration):
     """Turn the direction of a creeping contact by one Newton correction: its size, rad."""
-    contact, limit = room.contacts[2 * w], machine.friction * max(room.parts[w].normal_force, 0.0)
+    contact, limit = workspace.contacts[2 * w], machine.friction * max(workspace.parts[w].normal_force, 0.0)
     (hh, hk, kk), (rate_h, rate_k) = contact_mobility(wheel, contact, mobility), free_rate(contact, acceleration)
     if contact.creep[0] == 0.0 and contact.creep[1] == 0.0:
         u = slip_direction((hh, hk, kk), Slip(rate_h, rate_k), limit)  # no force was in the balance yet
@@ -158,10 +159,10 @@ def contact_mobility(wheel, contact, mobility):
 
 
 @merged
-def share_load(machine, wheel, room, w):
+def share_load(machine, wheel, workspace, w):
     """Split the load of wheel w between its two rollers: their forces and shares, and how firmly it rests on both."""
-    part = room.parts[w]
-    t_low, t_high = turning(machine, room, w, 0.0), turning(machine, room, w, 1.0)
+    part = workspace.parts[w]
+    t_low, t_high = turning(machine, workspace, w, 0.0), turning(machine, workspace, w, 1.0)
     low, high = 0.0, 1.0
     part.share_margin = min(t_low, -t_high)
     lost = LOST * abs(part.normal_force) * wheel.radius
@@ -170,10 +171,10 @@ def share_load(machine, wheel, room, w):
         share = min(max(t_low / (t_low - t_high), 0.0), 1.0)
     elif min(t_low, t_high) > lost or max(t_low, t_high) < -lost:  # one of them will carry on, by the sense of both
         share = 1.0 if t_low > 0.0 else 0.0
-    if (room.resting[0].rest or room.resting[1].rest) and t_low > 0.0 > t_high:
+    if (workspace.resting[0].rest or workspace.resting[1].rest) and t_low > 0.0 > t_high:
         side = 0
         for _ in range(MOST_ITERATIONS):  # regula falsi, Illinois variant
-            t = turning(machine, room, w, share)
+            t = turning(machine, workspace, w, share)
             if t > 0.0:
                 low, t_low = share, t
                 t_high *= 0.5 if side == 1 else 1.0
@@ -185,17 +186,17 @@ def share_load(machine, wheel, room, w):
             last, share = share, (low * t_high - high * t_low) / (t_high - t_low)
             if t == 0.0 or abs(share - last) <= SETTLED:
                 break
-    turning(machine, room, w, share)
-    place_load(wheel, room, w)
+    turning(machine, workspace, w, share)
+    place_load(wheel, workspace, w)
 
 
 @kernel
-def turning(machine, room, w, share):
-    """J_k phi'' of wheel w, N m, if its rollers carry `share` and the rest; leaves their forces in the room."""
-    part = room.parts[w]
+def turning(machine, workspace, w, share):
+    """J_k phi'' of wheel w, N m, if its rollers carry `share` and the rest; leaves their forces in the workspace."""
+    part = workspace.parts[w]
     normal, total = max(part.normal_force, 0.0), part.free_spin
     for side in range(2):
-        contact, resting = room.contacts[2 * w + side], room.resting[side]
+        contact, resting = workspace.contacts[2 * w + side], workspace.resting[side]
         contact.share = share if side == 0 else 1.0 - share
         contact.torque = contact.share * normal * contact.unit_torque
         resting.limit = contact.share * machine.friction * normal
@@ -203,9 +204,9 @@ def turning(machine, room, w, share):
             for i in range(2):
                 resting.force[i] = contact.share * (contact.constant[i] + contact.unit[i] * normal)
         total -= contact.axis[1] * contact.axis[2] * contact.torque
-    contact_forces(room.resting, room.loads.mobility)
+    contact_forces(workspace.resting, workspace.loads.mobility)
     for side in range(2):
-        contact, resting = room.contacts[2 * w + side], room.resting[side]
+        contact, resting = workspace.contacts[2 * w + side], workspace.resting[side]
         for i in range(2):
             contact.force[i] = resting.force[i]
             total += contact.spin[i] * contact.force[i]

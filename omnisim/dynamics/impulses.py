@@ -24,11 +24,11 @@ def align_slip(parameters, run):
 
     The equations of planar_body.py for sticking contacts, with that slip in the place of the slip acceleration.
     """
-    machine, room, y, at = parameters.machine, parameters.room, run.y, places(parameters)
+    machine, workspace, y, at = parameters.machine, parameters.workspace, run.y, places(parameters)
     body = body_motion(parameters, run.y)
     plane = free_plane(machine, 0.0, 0.0, 0.0)
     for w in range(len(run.mode)):
-        contact, mode, wheel = room.contacts[2 * w], run.mode[w], parameters.wheels[w]
+        contact, mode, wheel = workspace.contacts[2 * w], run.mode[w], parameters.wheels[w]
         if mode.grip[0] != SLIP and not mode.shared:
             state = contact_state(parameters, mode, w, 0, body, y)
             slip, u = state.slip, mode.creep
@@ -43,7 +43,7 @@ def align_slip(parameters, run):
     change = yielding(inverse(machine, plane), plane.x, plane.y, plane.yaw)
     for w in range(len(run.mode)):
         if run.mode[w].grip[0] != SLIP and not run.mode[w].shared:
-            wheel, contact = parameters.wheels[w], room.contacts[2 * w]
+            wheel, contact = parameters.wheels[w], workspace.contacts[2 * w]
             impulse_h, impulse_k = holding_force(contact, change)
             mean_h, mean_k = contact.slip[0] - 0.5 * contact.bias[0], contact.slip[1] - 0.5 * contact.bias[1]
             y[at.friction_loss] -= impulse_h * mean_h + impulse_k * mean_k

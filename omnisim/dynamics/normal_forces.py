@@ -94,11 +94,11 @@ def rotor_part(wheel, spin_held):
 
 
 @kernel
-def place_load(wheel, room, w):
+def place_load(wheel, workspace, w):
     """Where the load of wheel w acts: between its contacts as they share it."""
-    part, along = room.parts[w], 0.0
+    part, along = workspace.parts[w], 0.0
     for c in range(2 * w, 2 * w + part.contacts):
-        along += room.contacts[c].share * room.contacts[c].l
+        along += workspace.contacts[c].share * workspace.contacts[c].l
     set_point(wheel, part, along)
 
 
@@ -157,25 +157,25 @@ def tilt_of(machine, contact, force_h, force_k, torque):
 
 
 @kernel
-def solve(machine, room, load, plane, pushing):
-    """The Acceleration of the body, its Mobility, and how regular the loads are; normal forces into the room.
+def solve(machine, workspace, load, plane, pushing):
+    """The Acceleration of the body, its Mobility, and how regular the loads are; normal forces into the workspace.
 
     load: M g - f_z, N; plane: what is known at once; pushing: whether some contact pushes by a load that is known, or
     without. Regular: the determinant of the equations of the loads over that without friction.
     """
     if pushing:
-        plane = plane_balance(machine, room, plane)
+        plane = plane_balance(machine, workspace, plane)
     mobility = inverse(machine, plane)
     motion = yielding(mobility, plane.x, plane.y, plane.yaw)
     if machine.upright != CONTACTS:
         return motion, mobility, 1.0
-    return share_out(machine, room, load, mobility, motion)
+    return share_out(machine, workspace, load, mobility, motion)
 
 
 @merged
-def share_out(machine, room, load, mobility, motion):
+def share_out(machine, workspace, load, mobility, motion):
     """What `solve` returns when the contacts carry roll and pitch; motion: the Acceleration without the loads."""
-    pushes, about_y, about_x, places = carry(machine, room)
+    pushes, about_y, about_x, places = carry(machine, workspace)
     by_0 = yielding(mobility, pushes.x.one, pushes.y.one, pushes.yaw.one)  # the acceleration by b_0, b_1 and b_2
     by_1 = yielding(mobility, pushes.x.x, pushes.y.x, pushes.yaw.x)
     by_2 = yielding(mobility, pushes.x.y, pushes.y.y, pushes.yaw.y)
@@ -187,8 +187,8 @@ def share_out(machine, room, load, mobility, motion):
     scale = 1.0 / determinant
     b_1, b_2 = (a * c_2 - a_2 * c) * scale, (a_1 * c - a * c_1) * scale
     b_0 = mean - x * b_1 - y * b_2
-    for w in range(len(room.parts)):
-        part = room.parts[w]
+    for w in range(len(workspace.parts)):
+        part = workspace.parts[w]
         part.normal_force = b_0 + b_1 * part.point[0] + b_2 * part.point[1]
     xx, xy, yy = places.xx - x * places.x, places.xy - x * places.y, places.yy - y * places.y
     total = Acceleration(
@@ -213,15 +213,15 @@ def reduced(row, by_0, by_1, by_2, motion, x, y, mean):
 
 
 @kernel
-def carry(machine, room):
+def carry(machine, workspace):
     """What the loads do to the body: Pushes, the rows of Tilt about -y and about x, and the LoadedPlaces."""
-    nothing, tilt = ByLoad(0.0, 0.0, 0.0), room.loads.tilt
+    nothing, tilt = ByLoad(0.0, 0.0, 0.0), workspace.loads.tilt
     push_x, push_y, push_yaw = nothing, nothing, nothing
     about_y = Tilt(tilt[0, 0], tilt[0, 1], tilt[0, 2], nothing, tilt[0, 3])
     about_x = Tilt(tilt[1, 0], tilt[1, 1], tilt[1, 2], nothing, tilt[1, 3])
     count, s_x, s_y, s_xx, s_xy, s_yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for w in range(len(room.parts)):
-        part = room.parts[w]
+    for w in range(len(workspace.parts)):
+        part = workspace.parts[w]
         about_y, about_x = resisted(about_y, part.tilt[0]), resisted(about_x, part.tilt[1])
         if not part.loaded:
             continue
@@ -235,7 +235,7 @@ def carry(machine, room):
             about_y, about_x = pressed(about_y, push[TILT_Y], x, y), pressed(about_x, push[TILT_X], x, y)
             continue
         for c in range(2 * w, 2 * w + part.contacts):
-            contact = room.contacts[c]
+            contact = workspace.contacts[c]
             if part.contacts == 2:
                 by_y, by_x = tilt_of(machine, contact, contact.force[0], contact.force[1], contact.torque)
                 about_y, about_x = resisted(about_y, by_y), resisted(about_x, by_x)
@@ -283,20 +283,20 @@ def resisted(row, moment):
 
 
 @kernel
-def servo(machine, wheels, room, wrench, yaw_rate, yaw_acceleration):
+def servo(machine, wheels, workspace, wrench, yaw_rate, yaw_acceleration):
     """Torque about chassis x and y that keeps the body upright, N m: what its moment equation lacks."""
     about_y, about_x = external_tilt(machine, wrench, yaw_rate)
     about_y, about_x = about_y - machine.moment[1] * yaw_acceleration, about_x + machine.moment[0] * yaw_acceleration
-    for w in range(len(room.parts)):
-        part = room.parts[w]
+    for w in range(len(workspace.parts)):
+        part = workspace.parts[w]
         about_y, about_x = about_y + part.tilt[0], about_x + part.tilt[1]
         if not part.loaded:
             continue
-        place_load(wheels[w], room, w)
+        place_load(wheels[w], workspace, w)
         about_y += part.normal_force * part.point[0]
         about_x += part.normal_force * part.point[1]
         for c in range(2 * w, 2 * w + part.contacts):
-            contact = room.contacts[c]
+            contact = workspace.contacts[c]
             set_tilt(machine, wheels[w], contact, part.contacts == 2)
             more_y, more_x = tilt_of(machine, contact, contact.force[0], contact.force[1], contact.torque)
             about_y, about_x = about_y + more_y, about_x + more_x

@@ -29,7 +29,7 @@ from omnisim.dynamics.parameters import (
     WHEEL,
     YAW_TORQUE,
     Parameters,
-    Room,
+    Workspace,
 )
 from omnisim.dynamics.state import places_of
 from omnisim.scene.drives import DriveLaw, Motor, drive_law
@@ -66,11 +66,11 @@ def pack(config: Config) -> Parameters:
     machine["slip_mobility"] = max(slip_mobility_bound(machine, wheel) for wheel in wheels)
     packed, starts_inputs = records(WHEEL, wheels), merge_tables(config, rows)
     constants = records(MACHINE, [machine])[0], packed, sectors(packed.rollers)
-    return Parameters(*constants, *starts_inputs, room(len(types), most))
+    return Parameters(*constants, *starts_inputs, workspace(len(types), most))
 
 
-def room(wheels: int, rollers: int) -> Room:
-    return Room(
+def workspace(wheels: int, rollers: int) -> Workspace:
+    return Workspace(
         blank(CONTACT, 2 * wheels), blank(PART, wheels), blank(LOADS, 1)[0], blank(RESTING, 2),
         blank(ARTICULATED, wheels), blank(JOINT, wheels, rollers + 1),
     )  # fmt: skip

@@ -183,8 +183,8 @@ JOINT = np.dtype(
 )
 
 
-class Room(NamedTuple):
-    """Room for the forces of an instant, W wheels of at most N rollers; not constant, but without memory either.
+class Workspace(NamedTuple):
+    """Workspace for the forces of an instant, W wheels of at most N rollers; not constant, but without memory either.
 
     contacts: (2 W,) records CONTACT, two for each wheel. parts: (W,) records PART. loads: record LOADS. resting (2,):
     records RESTING of the contacts of one wheel. articulated (W,): records ARTICULATED. joints (W, N + 1): records
@@ -204,7 +204,7 @@ class Parameters(NamedTuple):
 
     machine: record MACHINE. wheels: (W,) records WHEEL. sector: (W, N, 2) cosine and sine of 2 pi i / N_r.
     starts: (S,) where the pieces begin, s. inputs: (S, 4 + W, 2) value at the start of the piece and slope of every
-    channel. room: Room.
+    channel. workspace: Workspace.
     """
 
     machine: np.record
@@ -212,4 +212,4 @@ class Parameters(NamedTuple):
     sector: np.ndarray
     starts: np.ndarray
     inputs: np.ndarray
-    room: Room
+    workspace: Workspace

@@ -155,15 +155,15 @@ def held_plane(contact, plane):
 
 
 @kernel
-def plane_balance(machine, room, plane):
+def plane_balance(machine, workspace, plane):
     """A Plane with what contacts push that do not stick, by their loads where they are known."""
     carried, x, y, yaw = machine.upright == CONTACTS, plane.x, plane.y, plane.yaw
-    for w in range(len(room.parts)):
-        part = room.parts[w]
+    for w in range(len(workspace.parts)):
+        part = workspace.parts[w]
         if part.slides or not part.loaded:
             continue
         for c in range(2 * w, 2 * w + part.contacts):
-            contact = room.contacts[c]
+            contact = workspace.contacts[c]
             if holds(part, contact):
                 continue
             if part.contacts == 2:

@@ -6,7 +6,7 @@
     I_z theta'' = sum (lever . F + M_n (1 - (a . n)^2) + phi' G_h) + yaw torque
 
 Friction of a sliding wheel is known but for its load (`slide_wheel`); what other wheels find at their contacts waits in
-the room (`observe_wheel`). Then loads and forces are found together (planar_body.py, normal_forces.py,
+the workspace (`observe_wheel`). Then loads and forces are found together (planar_body.py, normal_forces.py,
 contact_forces.py), and each wheel takes its share (`press_wheel`, `move_wheel`).
 """
 
@@ -31,7 +31,7 @@ from omnisim.dynamics.wheel_forces import move_wheel, observe_wheel, press_wheel
 @kernel
 def rhs(parameters, mode, piece, t, y, dy, watch, kept):
     """Write y' into `dy`; if `kept`, also what the events need to know of each wheel into `watch` and what else is of
-    interest into the room: inside a step nobody looks at them.
+    interest into the workspace: inside a step nobody looks at them.
     """
     if parameters.machine.formulation == MULTIBODY:
         multibody_rhs(parameters, mode, piece, t, y, dy, watch, kept)
@@ -46,13 +46,13 @@ def rhs(parameters, mode, piece, t, y, dy, watch, kept):
 @merged
 def reduced_rhs(parameters, mode, piece, t, y, dy, watch, kept):
     """The same of the reduced formulation, without odometry and rho."""
-    machine, wheels, room, at = parameters.machine, parameters.wheels, parameters.room, places(parameters)
+    machine, wheels, workspace, at = parameters.machine, parameters.wheels, parameters.workspace, places(parameters)
     # Rates of positions first: the sine and cosine of the next stage can then start while the forces are computed.
     dy[X], dy[Y], dy[YAW] = y[at.velocity], y[at.velocity + 1], y[at.yaw_rate]
     body = body_motion(parameters, y)
     wrench = external_wrench(parameters, piece, t, body)
     if machine.upright == CONTACTS:
-        set_body_tilt(machine, room.loads, wrench, body.yaw_rate)
+        set_body_tilt(machine, workspace.loads, wrench, body.yaw_rate)
     load, others, sought = machine.mass * machine.gravity - wrench.z, 0, 0
     plane = free_plane(machine, wrench.x, wrench.y, wrench.yaw)
     if machine.inclined:
@@ -65,7 +65,7 @@ def reduced_rhs(parameters, mode, piece, t, y, dy, watch, kept):
     carried = machine.upright == CONTACTS
     share = 1.0 if carried else load / len(wheels)  # of a wheel, unless the contacts carry roll and pitch
     for w in range(len(wheels)):
-        part = room.parts[w]
+        part = workspace.parts[w]
         part.slides = mode[w].grip[0] == SLIP and not mode[w].shared and not (carried and machine.law == VISCOUS)
         if part.slides:
             plane, loss, work = slide_wheel(parameters, mode[w], piece, t, w, body, share, plane, y, dy, watch[w], kept)
@@ -75,7 +75,7 @@ def reduced_rhs(parameters, mode, piece, t, y, dy, watch, kept):
     pushing = not carried or machine.law == VISCOUS  # some contact, without waiting for its load
     if others:
         for w in range(len(wheels)):
-            part = room.parts[w]
+            part = workspace.parts[w]
             if not part.slides:
                 plane, work = observe_wheel(parameters, mode[w], piece, t, w, body, share, plane, y, dy, watch[w], kept)
                 power, sought = power + work, sought + part.sought
@@ -83,13 +83,13 @@ def reduced_rhs(parameters, mode, piece, t, y, dy, watch, kept):
     if others or carried:
         regular = 1.0
         if sought:
-            acceleration, regular = settle_forces(machine, wheels, room, load, plane, pushing)
+            acceleration, regular = settle_forces(machine, wheels, workspace, load, plane, pushing)
         else:
-            acceleration, _, regular = solve(machine, room, load, plane, pushing)
+            acceleration, _, regular = solve(machine, workspace, load, plane, pushing)
         for w in range(len(wheels)):
             if kept:
                 watch[w].regular = regular
-            if not room.parts[w].slides:
+            if not workspace.parts[w].slides:
                 heat += move_wheel(parameters, mode[w], w, acceleration, y, dy, watch[w], kept)
             elif carried:
                 heat += press_wheel(parameters, mode[w], w, dy, watch[w], kept)

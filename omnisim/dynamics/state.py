@@ -172,7 +172,7 @@ CLOCK = np.dtype(
 
 
 class Newton(NamedTuple):
-    """Room for the iteration of implicit steps on k coupled of n states; k = n = 0 when the method is explicit.
+    """Workspace for the iteration of implicit steps on k coupled of n states; k = n = 0 when the method is explicit.
 
     active (k,): those states, ascending; stages (7, n): increments z and derivatives of the three stages, and a
     derivative beside the state for the Jacobian; real (2 k + 1, k) float, complex (k + 1, k): Jacobian, factors and

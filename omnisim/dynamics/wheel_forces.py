@@ -53,8 +53,8 @@ def free_wheel(parameters, mode, piece, t, w, body, y, dy):
 
 @kernel
 def set_part(parameters, mode, w, free, body, load):
-    """A FreeWheel into its part of the room."""
-    part, wheel, state, rollers = parameters.room.parts[w], parameters.wheels[w], free.state, free.rollers
+    """A FreeWheel into its part of the workspace."""
+    part, wheel, state, rollers = parameters.workspace.parts[w], parameters.wheels[w], free.state, free.rollers
     part.drive_torque, part.free_spin = free.drive, free.spin
     part.contacts, part.loaded, part.normal_force = 1 + mode.shared, mode.loaded, load
     gyroscopic = wheel.axle_inertia * state.spin_rate * body.yaw_rate
@@ -74,7 +74,7 @@ def tell(free, load, watch):
 def slide_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch, kept):
     """A wheel that slides under a known load, N: the rates that follow; the Plane with it, heat and power (W).
 
-    If the contacts carry roll and pitch, `load` is 1 N, and what that does goes into the room.
+    If the contacts carry roll and pitch, `load` is 1 N, and what that does goes into the workspace.
     """
     machine, wheel = parameters.machine, parameters.wheels[w]
     free = free_wheel(parameters, mode, piece, t, w, body, y, dy)
@@ -88,7 +88,7 @@ def slide_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch, 
         rolling, spin, loss = twist(axis, state.turn, torque, rolling, spin, loss)
         yaw += (1.0 - axis.n * axis.n) * torque
     if kept:
-        contact = parameters.room.contacts[2 * w]
+        contact = parameters.workspace.contacts[2 * w]
         tell(free, load, watch)
         set_contact(contact, state, j, False)
         contact.force[0], contact.force[1], contact.torque, contact.factor = force.h, force.k, torque, factor
@@ -97,7 +97,7 @@ def slide_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch, 
     x, y = cos * force.h - sin * force.k, sin * force.h + cos * force.k
     if machine.upright == CONTACTS:
         set_part(parameters, mode, w, free, body, load)
-        part = parameters.room.parts[w]
+        part = parameters.workspace.parts[w]
         set_point(wheel, part, state.contact.l)
         part.push[0], part.push[1], part.push[2] = x, y, yaw
         about_h = machine.height * force.k - axis.h * rolling
@@ -115,12 +115,12 @@ def slide_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch, 
 @merged
 def press_wheel(parameters, mode, w, dy, watch, kept):
     """Rates of a wheel that slides under the load that has been found for it, and its heat, W."""
-    wheel, part = parameters.wheels[w], parameters.room.parts[w]
+    wheel, part = parameters.wheels[w], parameters.workspace.parts[w]
     normal = max(part.normal_force, 0.0) if mode.loaded else 0.0
     dy[rate_place(parameters, mode.roller, w, 0)] += part.rolling * normal * wheel.axial_mobility
     dy[places(parameters).spin_rate + w] = (part.free_spin + part.turning * normal) * wheel.spin_mobility
     if kept:
-        contact = parameters.room.contacts[2 * w]
+        contact = parameters.workspace.contacts[2 * w]
         contact.force[0], contact.force[1] = contact.force[0] * normal, contact.force[1] * normal
         contact.torque *= normal
         watch.factor[0], watch.normal_force = contact.factor * normal, part.normal_force
@@ -129,11 +129,12 @@ def press_wheel(parameters, mode, w, dy, watch, kept):
 
 @merged
 def observe_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch, kept):
-    """What a wheel finds at its contacts, into the room; the Plane with its own moment, and the power of its drive.
+    """What a wheel finds at its contacts, into the workspace; the Plane with its own moment, and the power of its
+    drive.
 
     load: of the wheel, N, unless the contacts carry roll and pitch.
     """
-    part = parameters.room.parts[w]
+    part = parameters.workspace.parts[w]
     free = free_wheel(parameters, mode, piece, t, w, body, y, dy)
     set_part(parameters, mode, w, free, body, load)
     if kept:
@@ -143,9 +144,9 @@ def observe_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch
     if mode.shared:
         observe_contact(parameters, mode, w, 1, body, contact_state(parameters, mode, w, 1, body, y))
     if parameters.machine.upright == CONTACTS:
-        place_load(parameters.wheels[w], parameters.room, w)
-    if holds(part, parameters.room.contacts[2 * w]):
-        plane = held_body(parameters.machine, parameters.room.loads, parameters.room.contacts[2 * w], plane)
+        place_load(parameters.wheels[w], parameters.workspace, w)
+    if holds(part, parameters.workspace.contacts[2 * w]):
+        plane = held_body(parameters.machine, parameters.workspace.loads, parameters.workspace.contacts[2 * w], plane)
     return pushed_plane(plane, 0.0, 0.0, free.yaw_moment), free.drive * free.state.spin_rate
 
 
@@ -167,8 +168,8 @@ def twist(axis, turn, torque, rolling, spin, heat):
 
 @kernel
 def observe_contact(parameters, mode, w, side, body, state):
-    """A contact of wheel w and its friction by the load, into the room; state: its ContactState."""
-    machine, wheel, contact = parameters.machine, parameters.wheels[w], parameters.room.contacts[2 * w + side]
+    """A contact of wheel w and its friction by the load, into the workspace; state: its ContactState."""
+    machine, wheel, contact = parameters.machine, parameters.wheels[w], parameters.workspace.contacts[2 * w + side]
     j = slip_jacobian(wheel, state.axis, state.contact)
     set_contact(contact, state, j, mode.shared)
     set_lever(wheel, contact, state.axis, j)
@@ -179,12 +180,13 @@ def observe_contact(parameters, mode, w, side, body, state):
 
 @kernel
 def find_friction(parameters, mode, w, side, body, state, j):
-    """Friction by the load at a contact of wheel w, and how it holds if it rests, into the room; j: its Jacobian."""
-    machine, wheel, contact = parameters.machine, parameters.wheels[w], parameters.room.contacts[2 * w + side]
+    """Friction by the load at a contact of wheel w, and how it holds if it rests, into the workspace; j: its
+    Jacobian."""
+    machine, wheel, contact = parameters.machine, parameters.wheels[w], parameters.workspace.contacts[2 * w + side]
     slip = state.slip
     contact.rest = machine.law == COULOMB and mode.grip[side] != SLIP
     if contact.rest:
-        spin = 0.0 if mode.shared else parameters.room.parts[w].free_spin * wheel.spin_mobility
+        spin = 0.0 if mode.shared else parameters.workspace.parts[w].free_spin * wheel.spin_mobility
         roller = bearing_torque(wheel, state.joint) * wheel.axial_mobility if machine.bearings else 0.0
         centre = centre_acceleration(wheel, body, 0.0, 0.0, 0.0)
         bias = slip_acceleration(wheel, state, Motion(centre.h, centre.k, spin, 0.0, roller))
@@ -211,11 +213,11 @@ def find_friction(parameters, mode, w, side, body, state, j):
 @merged
 def move_wheel(parameters, mode, w, acceleration, y, dy, watch, kept):
     """Forces on wheel w from the body's acceleration and the loads, and the rates that follow."""
-    machine, wheel, room, at = parameters.machine, parameters.wheels[w], parameters.room, places(parameters)
-    part = room.parts[w]
+    machine, wheel, workspace, at = parameters.machine, parameters.wheels[w], parameters.workspace, places(parameters)
+    part = workspace.parts[w]
     spin, loss = part.free_spin, 0.0
     for side in range(part.contacts):
-        contact = room.contacts[2 * w + side]
+        contact = workspace.contacts[2 * w + side]
         react(machine, mode, part, contact, side, acceleration, watch, kept)
         force, slip = Slip(contact.force[0], contact.force[1]), Slip(contact.slip[0], contact.slip[1])
         j = Jacobian(contact.spin[0], contact.spin[1], 0.0, 0.0, contact.arm[0], contact.arm[1])
@@ -227,14 +229,14 @@ def move_wheel(parameters, mode, w, acceleration, y, dy, watch, kept):
         spin, loss = spin + turning, loss + heat
     dy[at.spin_rate + w] = 0.0 if mode.shared else spin * wheel.spin_mobility
     if kept:
-        tell_loads(mode, part, room.contacts[2 * w], watch)
+        tell_loads(mode, part, workspace.contacts[2 * w], watch)
     return loss
 
 
 @kernel
 def react(machine, mode, part, contact, side, acceleration, watch, kept):
-    """Force at a contact of a wheel from the body's acceleration and the loads, into the room; if `kept`, what events
-    want to know of it."""
+    """Force at a contact of a wheel from the body's acceleration and the loads, into the workspace; if `kept`, what
+    events want to know of it."""
     normal = load = max(part.normal_force, 0.0) if part.loaded else 0.0
     if not part.loaded:
         contact.force[0], contact.force[1], contact.torque = 0.0, 0.0, 0.0

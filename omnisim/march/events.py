@@ -184,7 +184,7 @@ def carried(parameters, run):
     count, x, y, xx, xy, yy = 0, 0.0, 0.0, 0.0, 0.0, 0.0
     for w in range(len(run.mode)):
         if run.mode[w].loaded:
-            point = parameters.room.parts[w].point
+            point = parameters.workspace.parts[w].point
             count, x, y = count + 1, x + point[0], y + point[1]
             xx, xy, yy = xx + point[0] * point[0], xy + point[0] * point[1], yy + point[1] * point[1]
     if count < 3:

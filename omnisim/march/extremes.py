@@ -27,7 +27,7 @@ POSITION_SQUARE, LEAST_YAW, MOST_YAW = range(3)
 
 @kernel
 def begin_interval(parameters, run, rows, row):
-    """The interval that ends with `row` begins with the state as it is, of which the room has the forces."""
+    """The interval that ends with `row` begins with the state as it is, of which the workspace has the forces."""
     if row == len(rows.extremes):
         return
     for w in range(len(run.mode)):
@@ -67,10 +67,10 @@ def widen(pair, value):
 
 @kernel
 def follow(parameters, run, rows, row):
-    """Take in the state as it is into the interval that ends with `row`; the room has its forces."""
-    room, spin_rate = parameters.room, places(parameters).spin_rate
+    """Take in the state as it is into the interval that ends with `row`; the workspace has its forces."""
+    workspace, spin_rate = parameters.workspace, places(parameters).spin_rate
     for w in range(len(run.mode)):
-        part, seen = room.parts[w], rows.extremes[row, w]
+        part, seen = workspace.parts[w], rows.extremes[row, w]
         widen(seen.normal_force, max(part.normal_force, 0.0) if part.loaded else 0.0)
         widen(seen.drive_torque, part.drive_torque)
         widen(seen.drive_power, part.drive_torque * run.y[spin_rate + w])
@@ -79,7 +79,7 @@ def follow(parameters, run, rows, row):
             widen(seen.current, part.current)
             widen(seen.electrical_power, part.voltage * part.current)
         for side in range(1 + run.mode[w].shared):
-            force, slip = room.contacts[2 * w + side].force, room.contacts[2 * w + side].slip
+            force, slip = workspace.contacts[2 * w + side].force, workspace.contacts[2 * w + side].slip
             seen.friction_square = max(seen.friction_square, force[0] * force[0] + force[1] * force[1])
             seen.slip_square = max(seen.slip_square, slip[0] * slip[0] + slip[1] * slip[1])
     if len(rows.odometry_extremes):
@@ -111,7 +111,7 @@ def follow_odometry(parameters, y, found):
 @outlined
 def follow_bearings(parameters, run, found):
     """The loads of every bearing into found (W, N + 1, 4): across its axis and along it, N, and tilting, N m."""
-    machine, joints, y, at = parameters.machine, parameters.room.joints, run.y, places(parameters)
+    machine, joints, y, at = parameters.machine, parameters.workspace.joints, run.y, places(parameters)
     for w in range(len(run.mode)):
         wheel = parameters.wheels[w]
         if machine.formulation != MULTIBODY:

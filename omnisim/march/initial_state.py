@@ -32,7 +32,7 @@ def begin(config: Config, parameters: Parameters) -> Run:
         watch=blank(WATCH, count),
         watch_end=blank(WATCH, count),
         clock=clock_at_start(config.time, choice, tableau.stability_limit, machine.mass * machine.slip_mobility),
-        newton=newton_room(parameters, len(y) if choice != EXPLICIT else 0),
+        newton=newton_workspace(parameters, len(y) if choice != EXPLICIT else 0),
     )
 
 
@@ -56,8 +56,8 @@ def clock_at_start(time: Time, choice: int, stability_limit: float, lightness: f
     return records(CLOCK, [dict.fromkeys(CLOCK.names, 0) | begun])[0]
 
 
-def newton_room(parameters: Parameters, states: int) -> Newton:
-    """Room for implicit steps: forces depend on yaw, spin angles and all rates."""
+def newton_workspace(parameters: Parameters, states: int) -> Newton:
+    """Workspace for implicit steps: forces depend on yaw, spin angles and all rates."""
     at = places_in(parameters)
     active = np.arange(YAW, at.friction_loss) if states else np.zeros(0, np.int64)
     count = len(active)
@@ -71,7 +71,7 @@ def newton_room(parameters: Parameters, states: int) -> Newton:
 
 
 def blank_rows(run: Run, count: int, bearings: bool = False, odometry: bool = False) -> Rows:
-    """Room for `count` rows of a run; of bearing loads and of the odometry's error if asked for."""
+    """Space for `count` rows of a run; of bearing loads and of the odometry's error if asked for."""
     wheels, rollers = run.rates.shape
     return Rows(
         y=np.empty((count, len(run.y))),

@@ -65,21 +65,21 @@ class Observed(NamedTuple):
 @kernel
 def observe(parameters, rows, times, watch, observed):
     """Evaluate every row."""
-    at, room = places(parameters), parameters.room
+    at, workspace = places(parameters), parameters.workspace
     for row in range(len(times)):
         y, mode, slopes = rows.y[row], rows.mode[row], observed.slopes[row]
         evaluate(parameters, mode, rows.piece[row], times[row], y, slopes, watch)
         body, multibody = body_motion(parameters, y), parameters.machine.formulation == MULTIBODY
         wrench, turning = external_wrench(parameters, rows.piece[row], times[row], body), slopes[at.yaw_rate]
         if multibody:
-            observed.servo[row, 0], observed.servo[row, 1] = room.loads.servo[0], room.loads.servo[1]
+            observed.servo[row, 0], observed.servo[row, 1] = workspace.loads.servo[0], workspace.loads.servo[1]
         else:
             observed.servo[row, 0], observed.servo[row, 1] = servo(
-                parameters.machine, parameters.wheels, room, wrench, body.yaw_rate, turning
+                parameters.machine, parameters.wheels, workspace, wrench, body.yaw_rate, turning
             )
         for w in range(len(parameters.wheels)):
-            wheel, seen, part = parameters.wheels[w], observed.contacts[row, w], room.parts[w]
-            contact, heading = room.contacts[2 * w], world_heading(wheel, body)
+            wheel, seen, part = parameters.wheels[w], observed.contacts[row, w], workspace.parts[w]
+            contact, heading = workspace.contacts[2 * w], world_heading(wheel, body)
             seen.normal_force = max(part.normal_force, 0.0) if part.loaded else 0.0
             seen.drive_torque, seen.share, seen.contact_torque = part.drive_torque, contact.share, contact.torque
             seen.voltage, seen.current = part.voltage, part.current

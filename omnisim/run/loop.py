@@ -170,7 +170,7 @@ class Loop(Sensors):
         if piece < self._held.pieces and self.parameters.starts[piece] <= self.time:
             here = self.copy()
             here.march(0)  # the row of this instant is renewed by what was set last
-        parameters = here.parameters._replace(room=copied(here.parameters.room))
+        parameters = here.parameters._replace(workspace=copied(here.parameters.workspace))
         scene = with_tables(self.scene, parameters, self._held)
         return collect(scene, parameters, here.run, here.rows, here.log, self.wall_time)
 

@@ -142,11 +142,12 @@ class Sensors:
 
     @property
     def _observed(self) -> Observed:
-        """Of a row that holds this instant; `room` is a copy, since searches in it begin where the last one ended."""
+        """Of a row that holds this instant; `workspace` is a copy, since searches in it begin where the last one
+        ended."""
         if self._seen is None:
             rows, run = blank_rows(self.run, 1), self.run
             rows.y[0], rows.rates[0], rows.piece[0] = run.y, run.rates, run.clock.piece
             np.asarray(rows.mode)[0] = np.asarray(run.mode)  # quicker than as records
-            parameters = self.parameters._replace(room=copied(self.parameters.room))
+            parameters = self.parameters._replace(workspace=copied(self.parameters.workspace))
             self._seen = observed_rows(parameters, rows, np.array([self.time]))
         return self._seen

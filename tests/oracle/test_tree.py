@@ -90,21 +90,21 @@ def solutions(request):
         assert loop.advance(0.02)  # to the next row
         dy, piece = np.zeros_like(run.y), int(run.clock.piece)
         evaluate(parameters, run.mode, piece, loop.time, run.y, dy, run.watch)
-        bodies, room = bodies_of(run.y, parameters, chassis), parameters.room
+        bodies, workspace = bodies_of(run.y, parameters, chassis), parameters.workspace
         mode = oracle.mode(loop.time, [int(one.roller) for one in run.mode])
         if sticks:
             assert (run.mode.grip[:, 0] == STICK).all()
             oracle.forces = [
                 force[0] * np.cross(bodies[wheel.disk, AXIS], UP) + force[1] * bodies[wheel.disk, AXIS]
-                for wheel, force in zip(oracle.wheels, room.contacts.force[::2], strict=True)
+                for wheel, force in zip(oracle.wheels, workspace.contacts.force[::2], strict=True)
             ]
         rates = bodies_of(dy, parameters, chassis)
         joints = [
-            np.concatenate([room.joints[w, i].force, room.joints[w, i].moment])
+            np.concatenate([workspace.joints[w, i].force, workspace.joints[w, i].moment])
             for w, rollers in enumerate(parameters.wheels.rollers.tolist())
             for i in range(0 if chassis else 1, rollers + 1)
         ]
-        ours = rates[:, 12:], room.parts.normal_force.copy(), room.loads.servo.copy(), np.array(joints)
+        ours = rates[:, 12:], workspace.parts.normal_force.copy(), workspace.loads.servo.copy(), np.array(joints)
         energies = loop.trajectory()["energy/kinetic"][-1], oracle.kinetic_energy(bodies)
         theirs = oracle.solve(loop.time, bodies, mode)
         left = [slip_rate(*of, bodies, theirs.acceleration) for of in zip(oracle.wheels, mode.contacts, strict=True)]

@@ -1,7 +1,7 @@
 """What every bearing carries, recovered from a motion that is known: inverse dynamics, from the rollers inwards.
 
-Positions and rates are in a row, accelerations in its derivative, and the forces of the floor in the room. Newton and
-Euler for each roller give the force and the moment of its bearing, and for each disk, which the
+Positions and rates are in a row, accelerations in its derivative, and the forces of the floor in the workspace. Newton
+and Euler for each roller give the force and the moment of its bearing, and for each disk, which the
 rollers load, those of the axle. Axes of the results are fixed in what carries the bearing:
 
     roller    radial d (outwards), lateral a x d, axial a          axle    h, k, n of the wheel
@@ -29,10 +29,10 @@ def mounting(wheel, heading, i, spin_angle):
 
 @outlined
 def recover(parameters, mode, w, y, dy, rates):
-    """Force and moment of the joints of wheel w, from its motion and the floor's forces, into the room; rates (N,):
-    absolute axial rates of its rollers, rad/s."""
-    machine, wheel, room, at = parameters.machine, parameters.wheels[w], parameters.room, places(parameters)
-    body, part, up = body_motion(parameters, y), parameters.room.parts[w], Vec3(0.0, 0.0, 1.0)
+    """Force and moment of the joints of wheel w, from its motion and the floor's forces, into the workspace; rates
+    (N,): absolute axial rates of its rollers, rad/s."""
+    machine, wheel, workspace, at = parameters.machine, parameters.wheels[w], parameters.workspace, places(parameters)
+    body, part, up = body_motion(parameters, y), parameters.workspace.parts[w], Vec3(0.0, 0.0, 1.0)
     heading, spin_rate, yaw_rate = world_heading(wheel, body), y[at.spin_rate + w], body.yaw_rate
     h, k = Vec3(heading.cos, heading.sin, 0.0), Vec3(-heading.sin, heading.cos, 0.0)
     rate = plus(times(spin_rate, k), times(yaw_rate, up))
@@ -52,7 +52,7 @@ def recover(parameters, mode, w, y, dy, rates):
         pressed, twisted = Vec3(0.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.0)
         for side in range(part.contacts):
             if (i + side - here) % wheel.rollers == 0:
-                contact = room.contacts[2 * w + side]
+                contact = workspace.contacts[2 * w + side]
                 floor = plus(times(contact.force[0], h), times(contact.force[1], k))
                 floor = plus(floor, times(contact.share * normal, up))
                 arm = minus(plus(times(contact.l, k), times(-wheel.radius, up)), rho)
@@ -67,9 +67,9 @@ def recover(parameters, mode, w, y, dy, rates):
             wheel.roller_mass, wheel.transverse_inertia, wheel.axial_inertia, axis, rolling_rate, acceleration, angular
         )
         pull, turn = minus(pull, pressed), minus(turn, twisted)
-        keep_joint(room.joints[w, i + 1], turn, pull)
+        keep_joint(workspace.joints[w, i + 1], turn, pull)
         force, moment = plus(force, pull), plus(moment, plus(turn, cross(rho, pull)))
-    keep_joint(room.joints[w, 0], moment, force)
+    keep_joint(workspace.joints[w, 0], moment, force)
 
 
 @kernel
@@ -81,8 +81,8 @@ def keep_joint(record, moment, force):
 
 @merged
 def resolve_joints(parameters, w, y, found):
-    """The joints of wheel w in the room along their own axes: found (N + 1, 2, 3), force (N) and moment (N m)."""
-    wheel, at, joints = parameters.wheels[w], places(parameters), parameters.room.joints
+    """The joints of wheel w in the workspace along their own axes: found (N + 1, 2, 3), force (N) and moment (N m)."""
+    wheel, at, joints = parameters.wheels[w], places(parameters), parameters.workspace.joints
     heading = world_heading(wheel, body_motion(parameters, y))
     h, k, up = Vec3(heading.cos, heading.sin, 0.0), Vec3(-heading.sin, heading.cos, 0.0), Vec3(0.0, 0.0, 1.0)
     resolve(joints[w, 0], h, k, up, found[0])

@@ -70,7 +70,7 @@ class Place(NamedTuple):
 @outlined
 def multibody_rhs(parameters, mode, piece, t, y, dy, watch, kept):
     """Write y' into `dy`, and with `kept` what events and observers want to know, as `dynamics.rhs` does."""
-    machine, wheels, room, at = parameters.machine, parameters.wheels, parameters.room, places(parameters)
+    machine, wheels, workspace, at = parameters.machine, parameters.wheels, parameters.workspace, places(parameters)
     carrier = chassis_of(parameters, y)
     rate = carrier.body.rate
     body = Body(carrier.x.x, carrier.x.y, dot(carrier.velocity, carrier.x), dot(carrier.velocity, carrier.y), rate.z)
@@ -84,28 +84,28 @@ def multibody_rhs(parameters, mode, piece, t, y, dy, watch, kept):
         own, work, loss = join_wheel(parameters, mode[w], piece, t, w, carrier, y, dy)
         balance, power, bearing_loss = joined(balance, own), power + work, bearing_loss + loss
     load, plane = -balance.known.z, plane_of(balance)
-    set_tilt_rows(balance, room.loads.tilt)
+    set_tilt_rows(balance, workspace.loads.tilt)
     pushing = machine.upright != CONTACTS or machine.law == VISCOUS
     for w in range(len(wheels)):
-        part = room.parts[w]
+        part = workspace.parts[w]
         part.normal_force = load / len(wheels)
         for side in range(part.contacts):
             meet(parameters, mode[w], w, side, carrier, body, y)
-        place_load(wheels[w], room, w)
+        place_load(wheels[w], workspace, w)
         sought += part.sought
         pushing = pushing or mode[w].shared == 1
-        if holds(part, room.contacts[2 * w]):
-            plane = held_body(machine, room.loads, room.contacts[2 * w], plane)
+        if holds(part, workspace.contacts[2 * w]):
+            plane = held_body(machine, workspace.loads, workspace.contacts[2 * w], plane)
     if sought:
-        acceleration, regular = settle_forces(machine, wheels, room, load, plane, pushing)
+        acceleration, regular = settle_forces(machine, wheels, workspace, load, plane, pushing)
     else:
-        acceleration, _, regular = solve(machine, room, load, plane, pushing)
+        acceleration, _, regular = solve(machine, workspace, load, plane, pushing)
     angular = times(acceleration.yaw, UP)
     linear = plus(times(acceleration.x, carrier.x), times(acceleration.y, carrier.y))
     for w in range(len(wheels)):
-        part = room.parts[w]
+        part = workspace.parts[w]
         for side in range(part.contacts):
-            contact = room.contacts[2 * w + side]
+            contact = workspace.contacts[2 * w + side]
             react(machine, mode[w], part, contact, side, acceleration, watch[w], kept)
             heat -= contact.force[0] * contact.slip[0] + contact.force[1] * contact.slip[1]
             heat -= contact.torque * contact.turn
@@ -113,7 +113,7 @@ def multibody_rhs(parameters, mode, piece, t, y, dy, watch, kept):
             watch[w].regular = regular
             watch[w].share, watch[w].share_margin = 1.0, 0.0
             watch[w].demand = part.demand
-            tell_loads(mode[w], part, room.contacts[2 * w], watch[w])
+            tell_loads(mode[w], part, workspace.contacts[2 * w], watch[w])
         move_bodies(parameters, mode[w], w, carrier, linear, angular, y, dy)
     reference = plus(linear, plus(cross(angular, carrier.arm), cross(rate, cross(rate, carrier.arm))))
     rate_states(dy, body_place(parameters, -1, 0), carrier.body, reference, angular)
@@ -124,14 +124,14 @@ def multibody_rhs(parameters, mode, piece, t, y, dy, watch, kept):
     if machine.bearings:
         dy[at.bearing_loss] = bearing_loss
     if kept:
-        find_servo(machine, room, balance, acceleration)
+        find_servo(machine, workspace, balance, acceleration)
 
 
 @merged
 def join_wheel(parameters, mode, piece, t, w, carrier, y, dy):
     """A wheel eliminated onto the chassis, without its contacts: the Balance that the chassis feels of it, power of its
     drive and loss of its bearings (W)."""
-    room, at = parameters.room, places(parameters)
+    workspace, at = parameters.workspace, places(parameters)
     art, loss = articulate(parameters, w, y)
     disk = rigid_body(y, body_place(parameters, w, 0))
     arm, held = minus(disk.position, carrier.centre), mode.shared == 1
@@ -144,12 +144,12 @@ def join_wheel(parameters, mode, piece, t, w, carrier, y, dy):
     _, turning = transmitted(art, resistance(art, UP, cross(UP, arm)), 0.0, held)
     needed = moving(art, carrier.body.rate, spin_rate, arm, nothing, nothing)
     _, free = transmitted(art, needed, drive, held)
-    part = room.parts[w]
+    part = workspace.parts[w]
     part.slides, part.contacts, part.loaded = 0, 1 + mode.shared, mode.loaded
     part.sought = mode.loaded and (mode.shared or mode.grip[0] == CREEP)
     part.demand, part.drive_torque, part.free_spin = demand, drive, drive - dot(art.axle, needed.moment)
     part.tilt[0], part.tilt[1] = 0.0, 0.0  # it is in the rows of all
-    keep_articulated(room.articulated[w], art, drive)
+    keep_articulated(workspace.articulated[w], art, drive)
     balance = Balance(
         resisting(carrier, arm, along_x),
         resisting(carrier, arm, along_y),
@@ -211,8 +211,8 @@ def place_of(parameters, mode, w, side, y, l):
 
 @merged
 def meet(parameters, mode, w, side, carrier, body, y):
-    """A contact of wheel w from the bodies as they stand, and its friction by the load, into the room."""
-    machine, wheel, room = parameters.machine, parameters.wheels[w], parameters.room
+    """A contact of wheel w from the bodies as they stand, and its friction by the load, into the workspace."""
+    machine, wheel, workspace = parameters.machine, parameters.wheels[w], parameters.workspace
     index = (mode.roller - side) % wheel.rollers
     disk = rigid_body(y, body_place(parameters, w, 0))
     roller = rigid_body(y, body_place(parameters, w, index + 1))
@@ -239,7 +239,7 @@ def meet(parameters, mode, w, side, carrier, body, y):
         spin_rate,
         body.yaw_rate,
     )
-    art, held, nothing = kept_articulated(room.articulated[w]), mode.shared == 1, Vec3(0.0, 0.0, 0.0)
+    art, held, nothing = kept_articulated(workspace.articulated[w]), mode.shared == 1, Vec3(0.0, 0.0, 0.0)
     arm = minus(disk.position, carrier.centre)
     by_h = handed_on(a, rho, point.arm, h, nothing)
     by_k = handed_on(a, rho, point.arm, k, nothing)
@@ -248,7 +248,7 @@ def meet(parameters, mode, w, side, carrier, body, y):
         dot(k, by_h.moment), dot(k, by_k.moment), 0.0, 0.0,
         dot(a, cross(point.arm, h)), dot(a, cross(point.arm, k)),
     )  # fmt: skip
-    contact = room.contacts[2 * w + side]
+    contact = workspace.contacts[2 * w + side]
     set_contact(contact, state, j, mode.shared)
     set_lever_column(contact.lever, 0, floor_rows(carrier, arm, art, by_h, held))
     set_lever_column(contact.lever, 1, floor_rows(carrier, arm, art, by_k, held))
@@ -273,8 +273,8 @@ def floor_rows(carrier, arm, art, given, held):
 @merged
 def move_bodies(parameters, mode, w, carrier, linear, angular, y, dy):
     """Accelerations of the bodies of a wheel, and what its joints carry, from those of the chassis (of C)."""
-    machine, wheel, room, at = parameters.machine, parameters.wheels[w], parameters.room, places(parameters)
-    part, art, rate = room.parts[w], kept_articulated(room.articulated[w]), carrier.body.rate
+    machine, wheel, workspace, at = parameters.machine, parameters.wheels[w], parameters.workspace, places(parameters)
+    part, art, rate = workspace.parts[w], kept_articulated(workspace.articulated[w]), carrier.body.rate
     disk = rigid_body(y, body_place(parameters, w, 0))
     arm, spin_rate = minus(disk.position, carrier.centre), dot(minus(disk.rate, rate), art.axle)
     needed = moving(art, rate, spin_rate, arm, angular, linear)
@@ -282,12 +282,12 @@ def move_bodies(parameters, mode, w, carrier, linear, angular, y, dy):
         point, force, torque = floor_force(parameters, mode, w, side, y)
         given = handed_on(point.axis, point.rho, point.arm, force, torque)
         needed = Wrench3(minus(needed.moment, given.moment), minus(needed.force, given.force))
-    spin, axle = transmitted(art, needed, room.articulated[w].drive, mode.shared == 1)
+    spin, axle = transmitted(art, needed, workspace.articulated[w].drive, mode.shared == 1)
     dy[at.spin_rate + w] = spin
     bent = plus(angular, plus(times(spin_rate, cross(rate, art.axle)), times(spin, art.axle)))
     centre = plus(linear, plus(cross(angular, arm), cross(rate, cross(rate, arm))))
     rate_states(dy, body_place(parameters, w, 0), disk, centre, bent)
-    keep_joint(room.joints[w, 0], axle.moment, axle.force)
+    keep_joint(workspace.joints[w, 0], axle.moment, axle.force)
     across, along, here = wheel.transverse_inertia, wheel.axial_inertia, mode.roller % wheel.rollers
     for i in range(wheel.rollers):
         first = body_place(parameters, w, i + 1)
@@ -307,13 +307,13 @@ def move_bodies(parameters, mode, w, carrier, linear, angular, y, dy):
         dy[wheel.rates + i] = rolling
         lifted = plus(acceleration, against_gravity(machine))
         force, moment = needed_wrench(wheel.roller_mass, across, along, axis, roller.rate, lifted, turned)
-        keep_joint(room.joints[w, i + 1], minus(moment, twisted), minus(force, pressed))
+        keep_joint(workspace.joints[w, i + 1], minus(moment, twisted), minus(force, pressed))
 
 
 @kernel
 def floor_force(parameters, mode, w, side, y):
     """The Place of a contact, and force and torque (Vec3) of the floor on its roller."""
-    contact, part = parameters.room.contacts[2 * w + side], parameters.room.parts[w]
+    contact, part = parameters.workspace.contacts[2 * w + side], parameters.workspace.parts[w]
     point = place_of(parameters, mode, w, side, y, contact.l)
     normal = contact.share * max(part.normal_force, 0.0) if part.loaded else 0.0
     along = plus(times(contact.force[0], point.h), times(contact.force[1], point.k))
