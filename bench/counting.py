@@ -112,14 +112,14 @@ def counts_of(scene: Scene) -> dict[str, list[float]]:
     wheels = [opened(wheel, float) for wheel in parameters.wheels]
     parameters = parameters._replace(machine=opened(parameters.machine, float), wheels=wheels, workspace=workspace)
     arrays = ("y", "trial", "stage", "carry", "increment", "slopes")
-    records = ("mode", "watch", "watch_end")
+    records = ("mode", "monitors", "monitors_end")
     run = run._replace(
         **{name: counted_array(getattr(run, name)) for name in arrays},
         **{name: [opened(one, Counted) for one in getattr(run, name)] for name in records},
     )
     t, dt = float(run.clock.step * run.clock.dt), float(run.clock.dt)
     taken()
-    rhs(parameters, run.mode, 0, t, run.y, run.slopes[0], run.watch, True)
+    rhs(parameters, run.mode, 0, t, run.y, run.slopes[0], run.monitors, True)
     of_rhs = taken()
     explicit_step(parameters, march.stages, run, t, dt)
     accept(run)

@@ -91,7 +91,7 @@ def test_the_slip_acceleration_is_a_f_plus_b(psi):
         )  # fmt: skip
         b = slip_acceleration(wheel, state, free)
         hh, hk, kk = inverse_mass(parameters.machine, wheel, state.axis, state.contact)
-        force = -run.watch[0].factor[0] * np.array(state.slip)
+        force = -run.monitors[0].factor[0] * np.array(state.slip)
         expected = np.array([[hh, hk], [hk, kk]]) @ force + np.array(b)
         scale = 1.0 + np.abs(expected).max()
         np.testing.assert_allclose((ahead - back) / (2 * step), expected, rtol=0, atol=1e-7 * scale)

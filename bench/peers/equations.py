@@ -224,7 +224,7 @@ def rates(held, t, y, out):
 def evaluate_motion(parameters, run, motion, t, y, out):
     for m in range(len(motion)):
         run.y[motion[m]] = y[m]
-    evaluate(parameters, run.mode, run.clock.piece, t, run.y, run.slopes[0], run.watch)
+    evaluate(parameters, run.mode, run.clock.piece, t, run.y, run.slopes[0], run.monitors)
     for m in range(len(motion)):
         out[m] = run.slopes[0, motion[m]]
 
@@ -235,8 +235,8 @@ def jacobian(held, t, y, out):
     parameters, run, motion, speed = held.parameters, held.run, held.motion, 1.0
     here, there, shifted = np.empty(len(y)), np.empty(len(y)), y.copy()
     evaluate_motion(parameters, run, motion, t, y, here)
-    for w in range(len(run.watch)):
-        speed = min(speed, math.sqrt(run.watch[w].slip_square[0]) + parameters.machine.slip_floor)
+    for w in range(len(run.monitors)):
+        speed = min(speed, math.sqrt(run.monitors[w].slip_square[0]) + parameters.machine.slip_floor)
     shift = min(max(STEEP * speed, 1e-11), 1e-7)
     for j in range(len(y)):
         shifted[j] = y[j] + shift

@@ -29,14 +29,14 @@ from omnisim.dynamics.wheel_forces import move_wheel, observe_wheel, press_wheel
 
 
 @kernel
-def rhs(parameters, mode, piece, t, y, dy, watch, kept):
-    """Write y' into `dy`; if `kept`, also what the events need to know of each wheel into `watch` and what else is of
-    interest into the workspace: inside a step nobody looks at them.
+def rhs(parameters, mode, piece, t, y, dy, monitors, kept):
+    """Write y' into `dy`; if `kept`, also what the events need to know of each wheel into `monitors` and what else is
+    of interest into the workspace: inside a step nobody looks at them.
     """
     if parameters.machine.formulation == MULTIBODY:
-        multibody_rhs(parameters, mode, piece, t, y, dy, watch, kept)
+        multibody_rhs(parameters, mode, piece, t, y, dy, monitors, kept)
     else:
-        reduced_rhs(parameters, mode, piece, t, y, dy, watch, kept)
+        reduced_rhs(parameters, mode, piece, t, y, dy, monitors, kept)
     if parameters.machine.odometry:
         odometry_rates(parameters, y, dy)
     if parameters.machine.tracking == IMPLICIT_TRACKING:
@@ -44,7 +44,7 @@ def rhs(parameters, mode, piece, t, y, dy, watch, kept):
 
 
 @merged
-def reduced_rhs(parameters, mode, piece, t, y, dy, watch, kept):
+def reduced_rhs(parameters, mode, piece, t, y, dy, monitors, kept):
     """The same of the reduced formulation, without odometry and rho."""
     machine, wheels, workspace, at = parameters.machine, parameters.wheels, parameters.workspace, places(parameters)
     # Rates of positions first: the sine and cosine of the next stage can then start while the forces are computed.
@@ -68,7 +68,9 @@ def reduced_rhs(parameters, mode, piece, t, y, dy, watch, kept):
         part = workspace.parts[w]
         part.slides = mode[w].grip[0] == SLIP and not mode[w].shared and not (carried and machine.law == VISCOUS)
         if part.slides:
-            plane, loss, work = slide_wheel(parameters, mode[w], piece, t, w, body, share, plane, y, dy, watch[w], kept)
+            plane, loss, work = slide_wheel(
+                parameters, mode[w], piece, t, w, body, share, plane, y, dy, monitors[w], kept
+            )
             heat, power = heat + loss, power + work
         else:
             others += 1
@@ -77,7 +79,9 @@ def reduced_rhs(parameters, mode, piece, t, y, dy, watch, kept):
         for w in range(len(wheels)):
             part = workspace.parts[w]
             if not part.slides:
-                plane, work = observe_wheel(parameters, mode[w], piece, t, w, body, share, plane, y, dy, watch[w], kept)
+                plane, work = observe_wheel(
+                    parameters, mode[w], piece, t, w, body, share, plane, y, dy, monitors[w], kept
+                )
                 power, sought = power + work, sought + part.sought
                 pushing = pushing or mode[w].shared == 1
     if others or carried:
@@ -88,11 +92,11 @@ def reduced_rhs(parameters, mode, piece, t, y, dy, watch, kept):
             acceleration, _, regular = solve(machine, workspace, load, plane, pushing)
         for w in range(len(wheels)):
             if kept:
-                watch[w].regular = regular
+                monitors[w].regular = regular
             if not workspace.parts[w].slides:
-                heat += move_wheel(parameters, mode[w], w, acceleration, y, dy, watch[w], kept)
+                heat += move_wheel(parameters, mode[w], w, acceleration, y, dy, monitors[w], kept)
             elif carried:
-                heat += press_wheel(parameters, mode[w], w, dy, watch[w], kept)
+                heat += press_wheel(parameters, mode[w], w, dy, monitors[w], kept)
     else:
         mobility = machine.mobility
         acceleration = Acceleration(plane.x * mobility, plane.y * mobility, plane.yaw * machine.yaw_mobility)

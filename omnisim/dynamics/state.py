@@ -114,7 +114,7 @@ MODE = np.dtype(
         ("air_sum", np.float64),
     ]
 )
-WATCH = np.dtype(
+MONITORS = np.dtype(
     [
         ("normal_force", np.float64),  # of the whole wheel, N; below 0 of one that the floor does not carry
         ("demand", np.float64),  # of the drive: torque (N m) or voltage (V) without its limits
@@ -191,8 +191,8 @@ class Run(NamedTuple):
 
     y, trial, stage, carry, increment (n,), the last two of compensated summation; slopes (s + 1, n): stage
     derivatives, the first at the start of the step and the last at its end; rates (W, N): absolute axial rate of every
-    roller, rad/s (of the one in contact as of its last exchange); mode (W,): records MODE; watch, watch_end (W,):
-    records WATCH at the start and end of the step; clock: record CLOCK; newton: Newton.
+    roller, rad/s (of the one in contact as of its last exchange); mode (W,): records MODE; monitors, monitors_end (W,):
+    records MONITORS at the start and end of the step; clock: record CLOCK; newton: Newton.
     """
 
     y: np.ndarray
@@ -203,8 +203,8 @@ class Run(NamedTuple):
     slopes: np.ndarray
     rates: np.ndarray
     mode: np.recarray
-    watch: np.recarray
-    watch_end: np.recarray
+    monitors: np.recarray
+    monitors_end: np.recarray
     clock: np.record
     newton: Newton
 

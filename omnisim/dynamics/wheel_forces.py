@@ -64,14 +64,14 @@ def set_part(parameters, mode, w, free, body, load):
 
 
 @kernel
-def tell(free, load, watch):
+def monitor_wheel(free, load, monitors):
     """What events want to know of a wheel, unless its contacts tell more."""
-    watch.demand, watch.normal_force, watch.regular = free.demand, load, 1.0
-    watch.share, watch.share_margin = 1.0, 0.0
+    monitors.demand, monitors.normal_force, monitors.regular = free.demand, load, 1.0
+    monitors.share, monitors.share_margin = 1.0, 0.0
 
 
 @merged
-def slide_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch, kept):
+def slide_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, monitors, kept):
     """A wheel that slides under a known load, N: the rates that follow; the Plane with it, heat and power (W).
 
     If the contacts carry roll and pitch, `load` is 1 N, and what that does goes into the workspace.
@@ -89,10 +89,10 @@ def slide_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch, 
         yaw += (1.0 - axis.n * axis.n) * torque
     if kept:
         contact = parameters.workspace.contacts[2 * w]
-        tell(free, load, watch)
+        monitor_wheel(free, load, monitors)
         set_contact(contact, state, j, False)
         contact.force[0], contact.force[1], contact.torque, contact.factor = force.h, force.k, torque, factor
-        watch.slip_square[0], watch.factor[0], watch.margin[0] = slip.h * slip.h + slip.k * slip.k, factor, 0.0
+        monitors.slip_square[0], monitors.factor[0], monitors.margin[0] = slip.h * slip.h + slip.k * slip.k, factor, 0.0
     power, cos, sin = free.drive * state.spin_rate, wheel.cos_heading, wheel.sin_heading
     x, y = cos * force.h - sin * force.k, sin * force.h + cos * force.k
     if machine.upright == CONTACTS:
@@ -113,7 +113,7 @@ def slide_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch, 
 
 
 @merged
-def press_wheel(parameters, mode, w, dy, watch, kept):
+def press_wheel(parameters, mode, w, dy, monitors, kept):
     """Rates of a wheel that slides under the load that has been found for it, and its heat, W."""
     wheel, part = parameters.wheels[w], parameters.workspace.parts[w]
     normal = max(part.normal_force, 0.0) if mode.loaded else 0.0
@@ -123,12 +123,12 @@ def press_wheel(parameters, mode, w, dy, watch, kept):
         contact = parameters.workspace.contacts[2 * w]
         contact.force[0], contact.force[1] = contact.force[0] * normal, contact.force[1] * normal
         contact.torque *= normal
-        watch.factor[0], watch.normal_force = contact.factor * normal, part.normal_force
+        monitors.factor[0], monitors.normal_force = contact.factor * normal, part.normal_force
     return part.heat * normal
 
 
 @merged
-def observe_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch, kept):
+def observe_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, monitors, kept):
     """What a wheel finds at its contacts, into the workspace; the Plane with its own moment, and the power of its
     drive.
 
@@ -138,7 +138,7 @@ def observe_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, watch
     free = free_wheel(parameters, mode, piece, t, w, body, y, dy)
     set_part(parameters, mode, w, free, body, load)
     if kept:
-        tell(free, load, watch)
+        monitor_wheel(free, load, monitors)
     part.sought = mode.loaded and (mode.shared or mode.grip[0] == CREEP)
     observe_contact(parameters, mode, w, 0, body, free.state)
     if mode.shared:
@@ -211,14 +211,14 @@ def find_friction(parameters, mode, w, side, body, state, j):
 
 
 @merged
-def move_wheel(parameters, mode, w, acceleration, y, dy, watch, kept):
+def move_wheel(parameters, mode, w, acceleration, y, dy, monitors, kept):
     """Forces on wheel w from the body's acceleration and the loads, and the rates that follow."""
     machine, wheel, workspace, at = parameters.machine, parameters.wheels[w], parameters.workspace, places(parameters)
     part = workspace.parts[w]
     spin, loss = part.free_spin, 0.0
     for side in range(part.contacts):
         contact = workspace.contacts[2 * w + side]
-        react(machine, mode, part, contact, side, acceleration, watch, kept)
+        react(machine, mode, part, contact, side, acceleration, monitors, kept)
         force, slip = Slip(contact.force[0], contact.force[1]), Slip(contact.slip[0], contact.slip[1])
         j = Jacobian(contact.spin[0], contact.spin[1], 0.0, 0.0, contact.arm[0], contact.arm[1])
         rolling, turning, heat = yield_to(j, slip, force)
@@ -229,12 +229,12 @@ def move_wheel(parameters, mode, w, acceleration, y, dy, watch, kept):
         spin, loss = spin + turning, loss + heat
     dy[at.spin_rate + w] = 0.0 if mode.shared else spin * wheel.spin_mobility
     if kept:
-        tell_loads(mode, part, workspace.contacts[2 * w], watch)
+        monitor_loads(mode, part, workspace.contacts[2 * w], monitors)
     return loss
 
 
 @kernel
-def react(machine, mode, part, contact, side, acceleration, watch, kept):
+def react(machine, mode, part, contact, side, acceleration, monitors, kept):
     """Force at a contact of a wheel from the body's acceleration and the loads, into the workspace; if `kept`, what
     events want to know of it."""
     normal = load = max(part.normal_force, 0.0) if part.loaded else 0.0
@@ -252,21 +252,21 @@ def react(machine, mode, part, contact, side, acceleration, watch, kept):
     if not kept:
         return
     force, slip = contact.force, contact.slip
-    watch.slip_square[side] = slip[0] * slip[0] + slip[1] * slip[1]
-    watch.factor[side] = contact.factor * (contact.share * part.loaded if machine.law == VISCOUS else load)
-    watch.margin[side] = 0.0
+    monitors.slip_square[side] = slip[0] * slip[0] + slip[1] * slip[1]
+    monitors.factor[side] = contact.factor * (contact.share * part.loaded if machine.law == VISCOUS else load)
+    monitors.margin[side] = 0.0
     if contact.rest and not mode.shared:
-        watch.margin[side] = machine.friction * normal - math.sqrt(force[0] * force[0] + force[1] * force[1])
+        monitors.margin[side] = machine.friction * normal - math.sqrt(force[0] * force[0] + force[1] * force[1])
         if part.sought:  # slip along the direction in which it creeps
-            watch.margin[side] = contact.creep[0] * slip[0] + contact.creep[1] * slip[1]
+            monitors.margin[side] = contact.creep[0] * slip[0] + contact.creep[1] * slip[1]
 
 
 @kernel
-def tell_loads(mode, part, contact, watch):
+def monitor_loads(mode, part, contact, monitors):
     """What events want to know of the load of a wheel; contact: its first."""
-    watch.normal_force = part.normal_force
+    monitors.normal_force = part.normal_force
     if mode.shared:
-        watch.share, watch.share_margin = contact.share, part.share_margin
+        monitors.share, monitors.share_margin = contact.share, part.share_margin
 
 
 @outlined

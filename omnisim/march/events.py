@@ -67,8 +67,8 @@ EVENT = np.dtype(
 
 
 @kernel
-def guard(parameters, clock, mode, kind, w, side, y, watch):
-    """Value of a guard of wheel w or its contact `side` at state `y`, by-products `watch`: >= 0 while it holds."""
+def guard(parameters, clock, mode, kind, w, side, y, monitors):
+    """Value of a guard of wheel w or its contact `side` at state `y`, by-products `monitors`: >= 0 while it holds."""
     machine, wheel, at = parameters.machine, parameters.wheels[w], places(parameters)
     direction = mode[w].direction
     if kind == TURN:
@@ -78,44 +78,46 @@ def guard(parameters, clock, mode, kind, w, side, y, watch):
         rounding = ANGLE_ROUNDING * (1.0 + abs(spin_angle))  # an edge reached to rounding is reached
         return direction * (roller_end(wheel, mode[w].roller, direction) - spin_angle) - rounding
     if kind == SHARE:
-        return watch[w].share_margin + edge_rounding(parameters, mode[w], w, y, watch[w]) if mode[w].shared else 0.0
+        return (
+            monitors[w].share_margin + edge_rounding(parameters, mode[w], w, y, monitors[w]) if mode[w].shared else 0.0
+        )
     if kind == LOAD:
         play = LOAD_PLAY * machine.mass * machine.gravity
-        return watch[w].normal_force if mode[w].loaded else play - watch[w].normal_force
+        return monitors[w].normal_force if mode[w].loaded else play - monitors[w].normal_force
     if kind == JAM:
-        return watch[w].regular - LEAST_REGULAR
+        return monitors[w].regular - LEAST_REGULAR
     if kind == DRIVE:
-        return limit_guard(wheel, mode[w].drive, watch[w].demand, y[at.spin_rate + w])
+        return limit_guard(wheel, mode[w].drive, monitors[w].demand, y[at.spin_rate + w])
     if kind == KINK:
         if machine.law != SATURATED:
             return 0.0
-        excess = math.sqrt(watch[w].slip_square[side]) - machine.slip_speed
+        excess = math.sqrt(monitors[w].slip_square[side]) - machine.slip_speed
         return excess if mode[w].saturated[side] else -excess
     if machine.law != COULOMB or mode[w].grip[side] == SLIP:
         return 0.0
     if kind == GRIP and mode[w].grip[side] == STICK:
-        return watch[w].margin[side] + cone_rounding(machine, watch[w])
+        return monitors[w].margin[side] + cone_rounding(machine, monitors[w])
     if kind == GRIP:  # contacts that let go together leave one another some rounding
-        return watch[w].margin[side] + CREEP_ROUNDING * rest_speed(parameters, mode[w], w, side, y)
+        return monitors[w].margin[side] + CREEP_ROUNDING * rest_speed(parameters, mode[w], w, side, y)
     if mode[w].shared:
-        return CREEP_SPEED - math.sqrt(watch[w].slip_square[side])
-    return youth(parameters, clock, mode[w], watch[w]) if mode[w].grip[side] == CREEP else 0.0
+        return CREEP_SPEED - math.sqrt(monitors[w].slip_square[side])
+    return youth(parameters, clock, mode[w], monitors[w]) if mode[w].grip[side] == CREEP else 0.0
 
 
 @kernel
-def all_hold(parameters, clock, mode, w, y, watch):
+def all_hold(parameters, clock, mode, w, y, monitors):
     """Whether every guard of wheel w holds: what most steps ask, and all that they ask."""
-    held = guard(parameters, clock, mode, TURN, w, 0, y, watch) >= 0.0
-    held = held and guard(parameters, clock, mode, EXIT, w, 0, y, watch) >= 0.0
-    held = held and guard(parameters, clock, mode, SHARE, w, 0, y, watch) >= 0.0
-    held = held and guard(parameters, clock, mode, LOAD, w, 0, y, watch) >= 0.0
-    held = held and guard(parameters, clock, mode, JAM, w, 0, y, watch) >= 0.0
-    held = held and guard(parameters, clock, mode, DRIVE, w, 0, y, watch) >= 0.0
+    held = guard(parameters, clock, mode, TURN, w, 0, y, monitors) >= 0.0
+    held = held and guard(parameters, clock, mode, EXIT, w, 0, y, monitors) >= 0.0
+    held = held and guard(parameters, clock, mode, SHARE, w, 0, y, monitors) >= 0.0
+    held = held and guard(parameters, clock, mode, LOAD, w, 0, y, monitors) >= 0.0
+    held = held and guard(parameters, clock, mode, JAM, w, 0, y, monitors) >= 0.0
+    held = held and guard(parameters, clock, mode, DRIVE, w, 0, y, monitors) >= 0.0
     if parameters.machine.law in (COULOMB, SATURATED):
         for side in range(1 + mode[w].shared):
-            held = held and guard(parameters, clock, mode, KINK, w, side, y, watch) >= 0.0
-            held = held and guard(parameters, clock, mode, GRIP, w, side, y, watch) >= 0.0
-            held = held and guard(parameters, clock, mode, YOUNG, w, side, y, watch) >= 0.0
+            held = held and guard(parameters, clock, mode, KINK, w, side, y, monitors) >= 0.0
+            held = held and guard(parameters, clock, mode, GRIP, w, side, y, monitors) >= 0.0
+            held = held and guard(parameters, clock, mode, YOUNG, w, side, y, monitors) >= 0.0
     return held
 
 
@@ -146,7 +148,7 @@ def transition(parameters, run, log, kind, w, side, time):
         clock.status, clock.wheel = JAMMED, heaviest(run)
     elif kind == DRIVE:
         spin_rate = run.y[places(parameters).spin_rate + w]
-        mode.drive = next_limit(parameters.wheels[w], mode.drive, run.watch[w].demand, spin_rate)
+        mode.drive = next_limit(parameters.wheels[w], mode.drive, run.monitors[w].demand, spin_rate)
         refresh(parameters, run, time)
     elif kind == KINK:
         mode.saturated[side] = 1 - mode.saturated[side]
@@ -198,7 +200,7 @@ def heaviest(run):
     """The wheel with the largest load."""
     found = 0
     for w in range(len(run.mode)):
-        if run.watch[w].normal_force > run.watch[found].normal_force:
+        if run.monitors[w].normal_force > run.monitors[found].normal_force:
             found = w
     return found
 
@@ -216,7 +218,7 @@ def settle_others(parameters, run, log, time):
                 sticks = run.mode[w].grip[0] == STICK and not run.mode[w].shared
                 if run.clock.status != RUNNING or (kind == GRIP and not sticks):
                     continue
-                if guard(parameters, run.clock, run.mode, kind, w, 0, run.y, run.watch) < 0.0:
+                if guard(parameters, run.clock, run.mode, kind, w, 0, run.y, run.monitors) < 0.0:
                     transition(parameters, run, log, kind, w, 0, time)
                     changed = kind
         if changed < 0 or run.clock.status != RUNNING:
@@ -246,7 +248,7 @@ def find_loads(parameters, run, log, time):
         agrees = True
         for w in range(count):
             for kind in (LOAD, JAM):
-                agrees = agrees and guard(parameters, run.clock, run.mode, kind, w, 0, run.y, run.watch) >= 0.0
+                agrees = agrees and guard(parameters, run.clock, run.mode, kind, w, 0, run.y, run.monitors) >= 0.0
         if agrees:
             for w in range(count):
                 if (before ^ chosen) >> w & 1:

@@ -73,15 +73,15 @@ def step_length(parameters, run, t, h):
     relaxation, turning, pace = max(machine.bearing_relaxation, machine.current_relaxation, TINY), TINY, TINY
     for w in range(len(run.mode)):
         for side in range(1 + run.mode[w].shared):
-            factor, grip = run.watch[w].factor[side], run.mode[w].grip[side]
+            factor, grip = run.monitors[w].factor[side], run.mode[w].grip[side]
             if grip == CREEP:  # it will stop or have a direction of its own soon
                 rate, _, _ = slip_rate(parameters, run, w, side)
-                speed = max(math.sqrt(run.watch[w].slip_square[side]), 2.0 * CREEP_SPEED)
+                speed = max(math.sqrt(run.monitors[w].slip_square[side]), 2.0 * CREEP_SPEED)
                 h = min(h, CREEP_STEP * speed / max(math.sqrt(rate.h * rate.h + rate.k * rate.k), TINY))
             elif grip == SLIP and factor > 0.0:
                 rate, slip, a = slip_rate(parameters, run, w, side)
                 mobility = largest(a)
-                scale = run.watch[w].slip_square[side] + floor * floor
+                scale = run.monitors[w].slip_square[side] + floor * floor
                 size = math.sqrt((rate.h * rate.h + rate.k * rate.k) * scale)
                 sine = abs(slip.h * rate.k - slip.k * rate.h) / max(size, TINY)
                 pace, relaxation = max(pace, size / scale), max(relaxation, factor * mobility)
@@ -149,9 +149,9 @@ def outrun(parameters, run, h):
         return False
     for w in range(len(run.mode)):
         for side in range(1 + run.mode[w].shared):
-            relaxation = run.watch_end[w].factor[side] * parameters.machine.slip_mobility
+            relaxation = run.monitors_end[w].factor[side] * parameters.machine.slip_mobility
             stiff = run.mode[w].grip[side] == SLIP and h * relaxation > OUTRUN * clock.stability_limit
-            if stiff or not math.isfinite(run.watch_end[w].slip_square[side]):
+            if stiff or not math.isfinite(run.monitors_end[w].slip_square[side]):
                 return True
     return False
 
@@ -159,12 +159,12 @@ def outrun(parameters, run, h):
 @kernel
 def rests(parameters, run, w, side):
     """Whether a contact of wheel w slips so slowly that it is at rest; in the air nothing holds it there."""
-    mode, watch, limit = run.mode[w], run.watch[w], parameters.machine.friction * run.watch[w].normal_force
+    mode, monitors, limit = run.mode[w], run.monitors[w], parameters.machine.friction * run.monitors[w].normal_force
     if mode.loaded == 0 or limit <= 0.0:
         return False
     if mode.grip[side] == CREEP and mode.stopping:  # together with another one whose end has been found
-        return watch.margin[side] <= stopped_speed(parameters, run, w, side)
-    slow = watch.slip_square[side] < rest_speed(parameters, mode, w, side, run.y) ** 2
+        return monitors.margin[side] <= stopped_speed(parameters, run, w, side)
+    slow = monitors.slip_square[side] < rest_speed(parameters, mode, w, side, run.y) ** 2
     return mode.grip[side] == SLIP and slow
 
 
@@ -179,38 +179,39 @@ def stopped_speed(parameters, run, w, side):
 def stops(parameters, run, w):
     """Whether a contact slips that will stop within a step in a direction that attracts, and is so near to it that the
     error of a step hides what it slips across: by the turning of the slip, |v x v'|, and the rate of attraction."""
-    mode, watch = run.mode[w], run.watch[w]
-    if mode.shared or mode.grip[0] != SLIP or watch.factor[0] == 0.0:
+    mode, monitors = run.mode[w], run.monitors[w]
+    if mode.shared or mode.grip[0] != SLIP or monitors.factor[0] == 0.0:
         return False
     if mode.freed_step == run.clock.step and mode.freed >= MOST_FREED:
         return False
     rate, slip, (hh, hk, kk) = slip_rate(parameters, run, w, 0)
-    along, turn, square = slip.h * rate.h + slip.k * rate.k, slip.h * rate.k - slip.k * rate.h, watch.slip_square[0]
-    attraction = watch.factor[0] * (hh * slip.k * slip.k - 2.0 * hk * slip.h * slip.k + kk * slip.h * slip.h) + along
-    soon = square < -along * run.clock.dt and stiffness(parameters, run.clock, watch) > LEAST_STIFF
+    along, turn, square = slip.h * rate.h + slip.k * rate.k, slip.h * rate.k - slip.k * rate.h, monitors.slip_square[0]
+    attraction = monitors.factor[0] * (hh * slip.k * slip.k - 2.0 * hk * slip.h * slip.k + kk * slip.h * slip.h) + along
+    soon = square < -along * run.clock.dt and stiffness(parameters, run.clock, monitors) > LEAST_STIFF
     speed = math.sqrt(square)
     return soon and abs(turn) * speed < attraction * unseen(run.clock, True, speed)
 
 
 @kernel
-def stiffness(parameters, clock, watch):
+def stiffness(parameters, clock, monitors):
     """Relaxation of slip within a grid step, at most, 1."""
-    return watch.factor[0] * parameters.machine.slip_mobility * clock.dt
+    return monitors.factor[0] * parameters.machine.slip_mobility * clock.dt
 
 
 @kernel
-def across(watch):
+def across(monitors):
     """Slip of a creeping contact across the direction of the contact equation, m/s."""
-    return math.sqrt(max(watch.slip_square[0] - watch.margin[0] * watch.margin[0], 0.0))
+    return math.sqrt(max(monitors.slip_square[0] - monitors.margin[0] * monitors.margin[0], 0.0))
 
 
 @kernel
-def youth(parameters, clock, mode, watch):
+def youth(parameters, clock, mode, monitors):
     """Positive while creeping slip is too young for a direction of its own: so slow, or else so little of it across
     the direction of the contact equation that the error of a step hides it, while sub-steps would have to be short."""
-    speed = math.sqrt(watch.slip_square[0])
+    speed = math.sqrt(monitors.slip_square[0])
     hidden = min(
-        unseen(clock, mode.stopping, speed) - across(watch), stiffness(parameters, clock, watch) - 0.5 * LEAST_STIFF
+        unseen(clock, mode.stopping, speed) - across(monitors),
+        stiffness(parameters, clock, monitors) - 0.5 * LEAST_STIFF,
     )
     return max(CREEP_SPEED - speed, hidden)
 
@@ -227,9 +228,9 @@ def rest_speed(parameters, mode, w, side, y):
 
 
 @kernel
-def cone_rounding(machine, watch):
+def cone_rounding(machine, monitors):
     """By how much a sticking force may pass the cone, N: one that is about to lift has forces of the others' size."""
-    return CONE * machine.friction * (abs(watch.normal_force) + machine.mass * machine.gravity)
+    return CONE * machine.friction * (abs(monitors.normal_force) + machine.mass * machine.gravity)
 
 
 @outlined
@@ -251,8 +252,8 @@ def come_to_rest(parameters, run, w, side, others, t):
     align_slip(parameters, run)
     refresh(parameters, run, t)
     for v in range(len(run.mode)):
-        mode, watch = run.mode[v], run.watch[v]
-        outside = watch.margin[0] < -cone_rounding(parameters.machine, watch)
+        mode, monitors = run.mode[v], run.monitors[v]
+        outside = monitors.margin[0] < -cone_rounding(parameters.machine, monitors)
         if mode.stopped[0] and not mode.shared and outside:
             mode.stopped[0] = 0
             start_creep(parameters, run, v, t)
@@ -274,7 +275,7 @@ def begin_to_stop(parameters, run, t):
     for w in range(len(run.mode)):
         if stops(parameters, run, w):
             mode, slip = run.mode[w], parameters.workspace.contacts[2 * w].slip
-            mode.grip[0], mode.stopping, speed = CREEP, 1, math.sqrt(run.watch[w].slip_square[0])
+            mode.grip[0], mode.stopping, speed = CREEP, 1, math.sqrt(run.monitors[w].slip_square[0])
             mode.creep[0], mode.creep[1] = slip[0] / speed, slip[1] / speed
     refresh(parameters, run, t)
     for w in range(len(run.mode)):
@@ -311,15 +312,15 @@ def hold(parameters, run, t):
     have a direction that turns, and their slip follows."""
     drifts = False
     for w in range(len(run.mode)):
-        mode, watch = run.mode[w], run.watch[w]
+        mode, monitors = run.mode[w], run.monitors[w]
         if mode.shared:
             continue
         if mode.grip[0] == STICK:
             rest = rest_speed(parameters, mode, w, 0, run.y)
-            drifts = drifts or watch.slip_square[0] > 0.01 * rest * rest
+            drifts = drifts or monitors.slip_square[0] > 0.01 * rest * rest
         elif mode.grip[0] == CREEP:
             keep_creep(parameters, run, w)
-            drifts = drifts or across(watch) > 0.0
+            drifts = drifts or across(monitors) > 0.0
     if drifts:
         align_slip(parameters, run)
         refresh(parameters, run, t)

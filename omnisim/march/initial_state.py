@@ -8,7 +8,7 @@ from omnisim.base.methods import EXPLICIT, METHODS
 from omnisim.base.records import blank, plain, records
 from omnisim.contact.tracking import IMPLICIT_TRACKING
 from omnisim.dynamics.parameters import MULTIBODY, Parameters
-from omnisim.dynamics.state import CLOCK, EXTREME, MODE, WATCH, YAW, Newton, Rows, Run, X, Y, places_in
+from omnisim.dynamics.state import CLOCK, EXTREME, MODE, MONITORS, YAW, Newton, Rows, Run, X, Y, places_in
 from omnisim.march.friction_modes import alignment, fineness, stopping_alignment
 from omnisim.march.stiffness import resolve
 from omnisim.scene.schema import Config, Time
@@ -29,8 +29,8 @@ def begin(config: Config, parameters: Parameters) -> Run:
         slopes=np.zeros((tableau.stages + 1, len(y))),
         rates=rates,
         mode=blank(MODE, count),
-        watch=blank(WATCH, count),
-        watch_end=blank(WATCH, count),
+        monitors=blank(MONITORS, count),
+        monitors_end=blank(MONITORS, count),
         clock=clock_at_start(config.time, choice, tableau.stability_limit, machine.mass * machine.slip_mobility),
         newton=newton_workspace(parameters, len(y) if choice != EXPLICIT else 0),
     )

@@ -256,13 +256,13 @@ def cut_at_event(parameters, method, run, t, h):
     fired, wheel, contact = -1, -1, 0
     undisturbed = True
     for w in range(len(run.mode)):
-        undisturbed = undisturbed and all_hold(parameters, run.clock, run.mode, w, run.trial, run.watch_end)
+        undisturbed = undisturbed and all_hold(parameters, run.clock, run.mode, w, run.trial, run.monitors_end)
     if undisturbed:
         return h, fired, wheel, contact
     for kind in range(GUARDS):
         for w in range(len(run.mode)):
             for side in range(2 if kind >= OF_WHEEL and run.mode[w].shared else 1):
-                value = guard(parameters, run.clock, run.mode, kind, w, side, run.trial, run.watch_end)
+                value = guard(parameters, run.clock, run.mode, kind, w, side, run.trial, run.monitors_end)
                 if value < 0.0:
                     h = locate(parameters, method, run, t, h, kind, w, side, value)
                     fired, wheel, contact = kind, w, side
@@ -278,7 +278,7 @@ def locate(parameters, method, run, t, h, kind, w, side, value):
     is sought at which the guard holds. Then a safeguarded secant iteration.
     """
     low, high = 0.0, h
-    g_low, g_high = guard(parameters, run.clock, run.mode, kind, w, side, run.y, run.watch), value
+    g_low, g_high = guard(parameters, run.clock, run.mode, kind, w, side, run.y, run.monitors), value
     at_once = g_low <= 0.0 and leaves_at_once(parameters, run, kind, w, side)
     while g_low <= 0.0:
         s = SHRINKING * high
@@ -379,4 +379,4 @@ def advance_again(parameters, method, run, t, h):
 def trial_guard(parameters, method, run, t, s, kind, w, side):
     """Value of a guard after a step of length s."""
     advance_again(parameters, method, run, t, s)
-    return guard(parameters, run.clock, run.mode, kind, w, side, run.trial, run.watch_end)
+    return guard(parameters, run.clock, run.mode, kind, w, side, run.trial, run.monitors_end)

@@ -56,9 +56,9 @@ def take_first(parameters, run):
         take_rollers(parameters, run, w, behind if mode.direction < 0 else ahead, False)
     refresh(parameters, run, 0.0)
     for w in range(len(run.mode)):
-        mode, watch = run.mode[w], run.watch[w]
-        turned = hold_of(parameters, mode, w, run.slopes[0], watch)
-        if on_edge(parameters, run, w) and turned < -edge_rounding(parameters, mode, w, run.y, watch):
+        mode, monitors = run.mode[w], run.monitors[w]
+        turned = hold_of(parameters, mode, w, run.slopes[0], monitors)
+        if on_edge(parameters, run, w) and turned < -edge_rounding(parameters, mode, w, run.y, monitors):
             mode.direction = -1
             take_rollers(parameters, run, w, mode.roller - 1, False)
 
@@ -87,7 +87,7 @@ def find_friction(parameters, run, log):
     elif parameters.machine.law == SATURATED:
         for w in range(len(run.mode)):
             for side in range(1 + run.mode[w].shared):
-                fast = run.watch[w].slip_square[side] > slip_speed * slip_speed
+                fast = run.monitors[w].slip_square[side] > slip_speed * slip_speed
                 run.mode[w].saturated[side] = fast
         refresh(parameters, run, 0.0)
     settle_others(parameters, run, log, 0.0)

@@ -22,7 +22,7 @@ STEEP = 1e-3  # of the slip over which friction changes, by which states are shi
 
 @outlined
 def implicit_step(parameters, method, run, t, h):
-    """One step of length h from run.y into run.trial, with the derivative and `watch` at its end.
+    """One step of length h from run.y into run.trial, with the derivative and `monitors` at its end.
 
     Whether the iteration converged; if not, the trial means nothing and a shorter step is to be taken.
     """
@@ -42,7 +42,7 @@ def implicit_step(parameters, method, run, t, h):
         for i in range(3):
             for m in range(n):
                 run.stage[m] = y[m] + z[i, m]
-            evaluate(parameters, mode, piece, t + radau.c[i] * h, run.stage, slopes[i], run.watch_end)
+            evaluate(parameters, mode, piece, t + radau.c[i] * h, run.stage, slopes[i], run.monitors_end)
         run.clock.rhs += 3
         change = correct(radau, newton, y, h)
         if not math.isfinite(change):
@@ -54,7 +54,7 @@ def implicit_step(parameters, method, run, t, h):
     for m in range(n):
         run.increment[m] = run.carry[m] + z[2, m]
         run.trial[m] = y[m] + run.increment[m]
-    evaluate(parameters, mode, piece, t + h, run.trial, run.slopes[-1], run.watch_end)
+    evaluate(parameters, mode, piece, t + h, run.trial, run.slopes[-1], run.monitors_end)
     run.clock.rhs += 1
     return converged
 
@@ -67,16 +67,16 @@ def differentiate(parameters, run, t):
     """
     newton, speed = run.newton, 1.0
     shifted, jacobian = newton.stages[6], newton.real[: len(newton.active)]
-    for w in range(len(run.watch)):
+    for w in range(len(run.monitors)):
         for side in range(1 + run.mode[w].shared):
-            speed = min(speed, math.sqrt(run.watch[w].slip_square[side]) + parameters.machine.slip_floor)
+            speed = min(speed, math.sqrt(run.monitors[w].slip_square[side]) + parameters.machine.slip_floor)
     shift = min(max(STEEP * speed, 1e-11), 1e-7)
     copy(run.y, run.stage)
     for j in range(len(newton.active)):
         m = newton.active[j]
         run.stage[m] = run.y[m] + shift
         taken = run.stage[m] - run.y[m]
-        evaluate(parameters, run.mode, run.clock.piece, t, run.stage, shifted, run.watch_end)
+        evaluate(parameters, run.mode, run.clock.piece, t, run.stage, shifted, run.monitors_end)
         run.stage[m] = run.y[m]
         for i in range(len(newton.active)):
             row = newton.active[i]

@@ -49,9 +49,9 @@ def hold_on(parameters, run, w, t):
     with which each pushes back. Where that is lost in rounding, it is what it will be some moments later: the first is
     seen of a torque that grows from nothing, the next of the slip that follows, and of smooth friction. Else 0.
     """
-    clock, trial, slope, watch = run.clock, run.trial, run.slopes[1], run.watch_end[w]
-    rounding = edge_rounding(parameters, run.mode[w], w, run.y, run.watch[w])
-    torque = hold_of(parameters, run.mode[w], w, run.slopes[0], run.watch[w])
+    clock, trial, slope, monitors = run.clock, run.trial, run.slopes[1], run.monitors_end[w]
+    rounding = edge_rounding(parameters, run.mode[w], w, run.y, run.monitors[w])
+    torque = hold_of(parameters, run.mode[w], w, run.slopes[0], run.monitors[w])
     if abs(torque) > rounding:
         return torque
     moment = SWING * clock.dt
@@ -60,31 +60,31 @@ def hold_on(parameters, run, w, t):
     for later in range(MOMENTS):
         for m in range(len(trial)):
             trial[m] += moment * slope[m]
-        evaluate(parameters, run.mode, clock.piece, t + (later + 1) * moment, trial, slope, run.watch_end)
+        evaluate(parameters, run.mode, clock.piece, t + (later + 1) * moment, trial, slope, run.monitors_end)
         clock.rhs += 1
-        torque = hold_of(parameters, run.mode[w], w, slope, watch)
+        torque = hold_of(parameters, run.mode[w], w, slope, monitors)
         if abs(torque) > rounding:
-            run.watch[w].share = watch.share  # which of the two will carry on
+            run.monitors[w].share = monitors.share  # which of the two will carry on
             return torque
     return 0.0
 
 
 @kernel
-def hold_of(parameters, mode, w, slope, watch):
-    """That torque by the derivative `slope` and the by-products `watch` of a state."""
+def hold_of(parameters, mode, w, slope, monitors):
+    """That torque by the derivative `slope` and the by-products `monitors` of a state."""
     if mode.shared:
-        return watch.share_margin
+        return monitors.share_margin
     return mode.direction * slope[places(parameters).spin_rate + w] / parameters.wheels[w].spin_mobility
 
 
 @kernel
-def edge_rounding(parameters, mode, w, y, watch):
+def edge_rounding(parameters, mode, w, y, monitors):
     """Rounding of such a torque, N m: of the load, and on two rollers of friction of tiny slip."""
-    force = LOST * abs(watch.normal_force)
+    force = LOST * abs(monitors.normal_force)
     if mode.shared:
         for side in range(2):
             if mode.grip[side] == SLIP:
-                force += SLIP_ROUNDING * rest_speed(parameters, mode, w, side, y) * watch.factor[side]
+                force += SLIP_ROUNDING * rest_speed(parameters, mode, w, side, y) * monitors.factor[side]
     return force * parameters.wheels[w].radius
 
 
@@ -104,7 +104,7 @@ def leave_edge(parameters, run, w, t):
     """The wheel goes on upon the roller whose push alone has ceased; the one that is left behind."""
     mode = run.mode[w]
     release_rollers(parameters, run, w)
-    onto_behind = run.watch[w].share < 0.5
+    onto_behind = run.monitors[w].share < 0.5
     left, kept = (mode.roller, mode.roller - 1) if onto_behind else (mode.roller - 1, mode.roller)
     mode.direction = -1 if onto_behind else 1
     stand_on(parameters, run, w, kept, False, t)
@@ -130,7 +130,7 @@ def renew_friction(parameters, run, w, t):
             if rests(parameters, run, w, side):
                 come_to_rest(parameters, run, w, side, False, t)
         elif parameters.machine.law == SATURATED:
-            mode.saturated[side] = run.watch[w].slip_square[side] > slip_speed * slip_speed
+            mode.saturated[side] = run.monitors[w].slip_square[side] > slip_speed * slip_speed
             refresh(parameters, run, t)
 
 

@@ -8,7 +8,7 @@ from omnisim.dynamics.right_hand_side import rhs
 
 @merged
 def explicit_step(parameters, method, run, t, h):
-    """One Runge-Kutta step of length h from run.y into run.trial, with the derivative and `watch` at its end."""
+    """One Runge-Kutta step of length h from run.y into run.trial, with the derivative and `monitors` at its end."""
     a, b, c, first = method.a, method.b, method.c, method.first
     y, trial, stage, slopes, carry, increment = run.y, run.trial, run.stage, run.slopes, run.carry, run.increment
     stages = len(b)
@@ -31,7 +31,7 @@ def explicit_step(parameters, method, run, t, h):
                 rate = increment[m] + (b[i - 2] * slopes[i - 2, m] + b[i - 1] * slopes[i - 1, m])
                 increment[m] = carry[m] + h * rate
                 trial[m] = y[m] + increment[m]
-        rhs(parameters, run.mode, run.clock.piece, time, point, slopes[i], run.watch_end, last)
+        rhs(parameters, run.mode, run.clock.piece, time, point, slopes[i], run.monitors_end, last)
     run.clock.rhs += stages
 
 
@@ -70,14 +70,14 @@ def accept(run):
         carry[m] = increment[m] - (trial[m] - y[m])
         y[m] = trial[m]
         slopes[0, m] = slopes[-1, m]
-    for w in range(len(run.watch)):
-        run.watch[w] = run.watch_end[w]
+    for w in range(len(run.monitors)):
+        run.monitors[w] = run.monitors_end[w]
 
 
 @outlined
-def evaluate(parameters, mode, piece, t, y, dy, watch):
+def evaluate(parameters, mode, piece, t, y, dy, monitors):
     """The right-hand side, compiled once for all its uses but the stages of explicit steps."""
-    rhs(parameters, mode, piece, t, y, dy, watch, True)
+    rhs(parameters, mode, piece, t, y, dy, monitors, True)
 
 
 @merged
@@ -85,7 +85,7 @@ def refresh(parameters, run, t):
     """Derivative at the state itself, after the mode or the state have changed; bodies follow."""
     if parameters.machine.formulation == MULTIBODY:
         hold_bodies(parameters, run, False)
-    evaluate(parameters, run.mode, run.clock.piece, t, run.y, run.slopes[0], run.watch)
+    evaluate(parameters, run.mode, run.clock.piece, t, run.y, run.slopes[0], run.monitors)
     run.clock.rhs += 1
 
 

@@ -101,7 +101,7 @@ def fastest(parameters, run):
 @kernel
 def too_fast(parameters, run, w):
     """Whether friction at wheel w relaxes slip faster than explicit steps can follow."""
-    clock, machine, factor = run.clock, parameters.machine, run.watch[w].factor[0]
+    clock, machine, factor = run.clock, parameters.machine, run.monitors[w].factor[0]
     if machine.law == COULOMB or clock.choice != EXPLICIT:
         return False
     if factor * machine.slip_mobility * clock.dt <= clock.stability_limit:
@@ -113,7 +113,7 @@ def too_fast(parameters, run, w):
 def too_stiff(parameters, run, w):
     """Stop for friction at wheel w, with the largest rate at which it relaxes slip anywhere on a roller."""
     machine = parameters.machine
-    at_rest = friction_factor(machine, 0, run.watch[w].normal_force, Slip(0.0, 0.0))
+    at_rest = friction_factor(machine, 0, run.monitors[w].normal_force, Slip(0.0, 0.0))
     run.clock.rate = at_rest * roller_mobility(machine, parameters.wheels[w])
     run.clock.wheel, run.clock.status = w, TOO_STIFF
 

@@ -15,7 +15,7 @@ from omnisim.dynamics.multibody.joint_forces import recover, resolve_joints
 from omnisim.dynamics.multibody.residuals import residuals
 from omnisim.dynamics.normal_forces import servo
 from omnisim.dynamics.parameters import DRIVE, MULTIBODY, SERVO, Parameters
-from omnisim.dynamics.state import WATCH, YAW, Places, Rows, X, Y, places, places_in
+from omnisim.dynamics.state import MONITORS, YAW, Places, Rows, X, Y, places, places_in
 from omnisim.dynamics.wheel import (
     azimuth,
     body_motion,
@@ -63,12 +63,12 @@ class Observed(NamedTuple):
 
 
 @kernel
-def observe(parameters, rows, times, watch, observed):
+def observe(parameters, rows, times, monitors, observed):
     """Evaluate every row."""
     at, workspace = places(parameters), parameters.workspace
     for row in range(len(times)):
         y, mode, slopes = rows.y[row], rows.mode[row], observed.slopes[row]
-        evaluate(parameters, mode, rows.piece[row], times[row], y, slopes, watch)
+        evaluate(parameters, mode, rows.piece[row], times[row], y, slopes, monitors)
         body, multibody = body_motion(parameters, y), parameters.machine.formulation == MULTIBODY
         wrench, turning = external_wrench(parameters, rows.piece[row], times[row], body), slopes[at.yaw_rate]
         if multibody:
@@ -154,7 +154,7 @@ def observed_rows(parameters: Parameters, rows: Rows, times: np.ndarray, bearing
         motion=np.empty((3, count, wheels, rollers, 3)),
         bearings=np.zeros((count if bearings else 0, wheels, rollers + 1, 2, 3)),
     )
-    direct(observe, parameters, rows, times, blank(WATCH, wheels), observed)
+    direct(observe, parameters, rows, times, blank(MONITORS, wheels), observed)
     return observed
 
 

@@ -171,7 +171,7 @@ def test_the_multipliers_hold_at_every_accepted_step(step, overrides):
     while run.clock.step < run.clock.steps and run.clock.status == RUNNING:
         run.clock.pause = run.clock.rhs + 1  # one step
         march(parameters, stages, run, rows, log)
-        grip, limit = run.mode[0].grip[0], parameters.machine.friction * run.watch[0].normal_force
+        grip, limit = run.mode[0].grip[0], parameters.machine.friction * run.monitors[0].normal_force
         heading = body_motion(parameters, run.y)
         state = contact_state(parameters, run.mode[0], 0, 0, heading, run.y)
         acceleration = np.hypot(*slip_rate(parameters, run, 0, 0)[0])

@@ -89,7 +89,7 @@ def solutions(request):
     for _ in range(4):
         assert loop.advance(0.02)  # to the next row
         dy, piece = np.zeros_like(run.y), int(run.clock.piece)
-        evaluate(parameters, run.mode, piece, loop.time, run.y, dy, run.watch)
+        evaluate(parameters, run.mode, piece, loop.time, run.y, dy, run.monitors)
         bodies, workspace = bodies_of(run.y, parameters, chassis), parameters.workspace
         mode = oracle.mode(loop.time, [int(one.roller) for one in run.mode])
         if sticks:

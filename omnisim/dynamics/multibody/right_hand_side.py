@@ -54,7 +54,7 @@ from omnisim.dynamics.parameters import CONTACTS
 from omnisim.dynamics.planar_body import holds, set_contact
 from omnisim.dynamics.state import YAW, X, Y, places
 from omnisim.dynamics.wheel import Body, ContactState, bearing_torque, external_wrench, rho_of
-from omnisim.dynamics.wheel_forces import find_friction, react, tell_loads
+from omnisim.dynamics.wheel_forces import find_friction, monitor_loads, react
 
 
 class Place(NamedTuple):
@@ -68,7 +68,7 @@ class Place(NamedTuple):
 
 
 @outlined
-def multibody_rhs(parameters, mode, piece, t, y, dy, watch, kept):
+def multibody_rhs(parameters, mode, piece, t, y, dy, monitors, kept):
     """Write y' into `dy`, and with `kept` what events and observers want to know, as `dynamics.rhs` does."""
     machine, wheels, workspace, at = parameters.machine, parameters.wheels, parameters.workspace, places(parameters)
     carrier = chassis_of(parameters, y)
@@ -106,14 +106,14 @@ def multibody_rhs(parameters, mode, piece, t, y, dy, watch, kept):
         part = workspace.parts[w]
         for side in range(part.contacts):
             contact = workspace.contacts[2 * w + side]
-            react(machine, mode[w], part, contact, side, acceleration, watch[w], kept)
+            react(machine, mode[w], part, contact, side, acceleration, monitors[w], kept)
             heat -= contact.force[0] * contact.slip[0] + contact.force[1] * contact.slip[1]
             heat -= contact.torque * contact.turn
         if kept:
-            watch[w].regular = regular
-            watch[w].share, watch[w].share_margin = 1.0, 0.0
-            watch[w].demand = part.demand
-            tell_loads(mode[w], part, workspace.contacts[2 * w], watch[w])
+            monitors[w].regular = regular
+            monitors[w].share, monitors[w].share_margin = 1.0, 0.0
+            monitors[w].demand = part.demand
+            monitor_loads(mode[w], part, workspace.contacts[2 * w], monitors[w])
         move_bodies(parameters, mode[w], w, carrier, linear, angular, y, dy)
     reference = plus(linear, plus(cross(angular, carrier.arm), cross(rate, cross(rate, carrier.arm))))
     rate_states(dy, body_place(parameters, -1, 0), carrier.body, reference, angular)
