@@ -29,14 +29,14 @@ from omnisim.dynamics.wheel_forces import move_wheel, observe_wheel, press_wheel
 
 
 @kernel
-def rhs(parameters, mode, piece, t, y, dy, monitors, kept):
-    """Write y' into `dy`; if `kept`, also what the events need to know of each wheel into `monitors` and what else is
-    of interest into the workspace: inside a step nobody looks at them.
+def rhs(parameters, mode, piece, t, y, dy, monitors, monitoring):
+    """Write y' into `dy`; if `monitoring`, also what the events need to know of each wheel into `monitors` and what
+    else is of interest into the workspace: inside a step nobody looks at them.
     """
     if parameters.machine.formulation == MULTIBODY:
-        multibody_rhs(parameters, mode, piece, t, y, dy, monitors, kept)
+        multibody_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring)
     else:
-        reduced_rhs(parameters, mode, piece, t, y, dy, monitors, kept)
+        reduced_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring)
     if parameters.machine.odometry:
         odometry_rates(parameters, y, dy)
     if parameters.machine.tracking == IMPLICIT_TRACKING:
@@ -44,7 +44,7 @@ def rhs(parameters, mode, piece, t, y, dy, monitors, kept):
 
 
 @merged
-def reduced_rhs(parameters, mode, piece, t, y, dy, monitors, kept):
+def reduced_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring):
     """The same of the reduced formulation, without odometry and rho."""
     machine, wheels, workspace, at = parameters.machine, parameters.wheels, parameters.workspace, places(parameters)
     # Rates of positions first: the sine and cosine of the next stage can then start while the forces are computed.
@@ -69,7 +69,7 @@ def reduced_rhs(parameters, mode, piece, t, y, dy, monitors, kept):
         part.slides = mode[w].grip[0] == SLIP and not mode[w].shared and not (carried and machine.law == VISCOUS)
         if part.slides:
             plane, loss, work = slide_wheel(
-                parameters, mode[w], piece, t, w, body, share, plane, y, dy, monitors[w], kept
+                parameters, mode[w], piece, t, w, body, share, plane, y, dy, monitors[w], monitoring
             )
             heat, power = heat + loss, power + work
         else:
@@ -80,7 +80,7 @@ def reduced_rhs(parameters, mode, piece, t, y, dy, monitors, kept):
             part = workspace.parts[w]
             if not part.slides:
                 plane, work = observe_wheel(
-                    parameters, mode[w], piece, t, w, body, share, plane, y, dy, monitors[w], kept
+                    parameters, mode[w], piece, t, w, body, share, plane, y, dy, monitors[w], monitoring
                 )
                 power, sought = power + work, sought + part.sought
                 pushing = pushing or mode[w].shared == 1
@@ -91,12 +91,12 @@ def reduced_rhs(parameters, mode, piece, t, y, dy, monitors, kept):
         else:
             acceleration, _, regular = solve(machine, workspace, load, plane, pushing)
         for w in range(len(wheels)):
-            if kept:
+            if monitoring:
                 monitors[w].regular = regular
             if not workspace.parts[w].slides:
-                heat += move_wheel(parameters, mode[w], w, acceleration, y, dy, monitors[w], kept)
+                heat += move_wheel(parameters, mode[w], w, acceleration, y, dy, monitors[w], monitoring)
             elif carried:
-                heat += press_wheel(parameters, mode[w], w, dy, monitors[w], kept)
+                heat += press_wheel(parameters, mode[w], w, dy, monitors[w], monitoring)
     else:
         mobility = machine.mobility
         acceleration = Acceleration(plane.x * mobility, plane.y * mobility, plane.yaw * machine.yaw_mobility)

@@ -71,7 +71,7 @@ def monitor_wheel(free, load, monitors):
 
 
 @merged
-def slide_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, monitors, kept):
+def slide_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, monitors, monitoring):
     """A wheel that slides under a known load, N: the rates that follow; the Plane with it, heat and power (W).
 
     If the contacts carry roll and pitch, `load` is 1 N, and what that does goes into the workspace.
@@ -87,7 +87,7 @@ def slide_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, monitor
     if machine.patch_radius > 0.0:
         rolling, spin, loss = twist(axis, state.turn, torque, rolling, spin, loss)
         yaw += (1.0 - axis.n * axis.n) * torque
-    if kept:
+    if monitoring:
         contact = parameters.workspace.contacts[2 * w]
         monitor_wheel(free, load, monitors)
         set_contact(contact, state, j, False)
@@ -105,7 +105,7 @@ def slide_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, monitor
         part.push[TILT_Y], part.push[TILT_X] = tilt_rows(wheel, about_h, about_k)
         part.rolling, part.turning, part.heat = rolling, spin, loss
         return pushed_plane(plane, 0.0, 0.0, free.yaw_moment), 0.0, power
-    if kept:
+    if monitoring:
         set_part(parameters, mode, w, free, body, load)
     dy[rate_place(parameters, mode.roller, w, 0)] += rolling * wheel.axial_mobility
     dy[places(parameters).spin_rate + w] = (free.spin + spin) * wheel.spin_mobility
@@ -113,13 +113,13 @@ def slide_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, monitor
 
 
 @merged
-def press_wheel(parameters, mode, w, dy, monitors, kept):
+def press_wheel(parameters, mode, w, dy, monitors, monitoring):
     """Rates of a wheel that slides under the load that has been found for it, and its heat, W."""
     wheel, part = parameters.wheels[w], parameters.workspace.parts[w]
     normal = max(part.normal_force, 0.0) if mode.loaded else 0.0
     dy[rate_place(parameters, mode.roller, w, 0)] += part.rolling * normal * wheel.axial_mobility
     dy[places(parameters).spin_rate + w] = (part.free_spin + part.turning * normal) * wheel.spin_mobility
-    if kept:
+    if monitoring:
         contact = parameters.workspace.contacts[2 * w]
         contact.force[0], contact.force[1] = contact.force[0] * normal, contact.force[1] * normal
         contact.torque *= normal
@@ -128,7 +128,7 @@ def press_wheel(parameters, mode, w, dy, monitors, kept):
 
 
 @merged
-def observe_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, monitors, kept):
+def observe_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, monitors, monitoring):
     """What a wheel finds at its contacts, into the workspace; the Plane with its own moment, and the power of its
     drive.
 
@@ -137,7 +137,7 @@ def observe_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, monit
     part = parameters.workspace.parts[w]
     free = free_wheel(parameters, mode, piece, t, w, body, y, dy)
     set_part(parameters, mode, w, free, body, load)
-    if kept:
+    if monitoring:
         monitor_wheel(free, load, monitors)
     part.sought = mode.loaded and (mode.shared or mode.grip[0] == CREEP)
     observe_contact(parameters, mode, w, 0, body, free.state)
@@ -211,14 +211,14 @@ def find_friction(parameters, mode, w, side, body, state, j):
 
 
 @merged
-def move_wheel(parameters, mode, w, acceleration, y, dy, monitors, kept):
+def move_wheel(parameters, mode, w, acceleration, y, dy, monitors, monitoring):
     """Forces on wheel w from the body's acceleration and the loads, and the rates that follow."""
     machine, wheel, workspace, at = parameters.machine, parameters.wheels[w], parameters.workspace, places(parameters)
     part = workspace.parts[w]
     spin, loss = part.free_spin, 0.0
     for side in range(part.contacts):
         contact = workspace.contacts[2 * w + side]
-        react(machine, mode, part, contact, side, acceleration, monitors, kept)
+        react(machine, mode, part, contact, side, acceleration, monitors, monitoring)
         force, slip = Slip(contact.force[0], contact.force[1]), Slip(contact.slip[0], contact.slip[1])
         j = Jacobian(contact.spin[0], contact.spin[1], 0.0, 0.0, contact.arm[0], contact.arm[1])
         rolling, turning, heat = yield_to(j, slip, force)
@@ -228,15 +228,15 @@ def move_wheel(parameters, mode, w, acceleration, y, dy, monitors, kept):
         dy[rate_place(parameters, mode.roller, w, side)] += rolling * wheel.axial_mobility
         spin, loss = spin + turning, loss + heat
     dy[at.spin_rate + w] = 0.0 if mode.shared else spin * wheel.spin_mobility
-    if kept:
+    if monitoring:
         monitor_loads(mode, part, workspace.contacts[2 * w], monitors)
     return loss
 
 
 @kernel
-def react(machine, mode, part, contact, side, acceleration, monitors, kept):
-    """Force at a contact of a wheel from the body's acceleration and the loads, into the workspace; if `kept`, what
-    events want to know of it."""
+def react(machine, mode, part, contact, side, acceleration, monitors, monitoring):
+    """Force at a contact of a wheel from the body's acceleration and the loads, into the workspace; if `monitoring`,
+    what events want to know of it."""
     normal = load = max(part.normal_force, 0.0) if part.loaded else 0.0
     if not part.loaded:
         contact.force[0], contact.force[1], contact.torque = 0.0, 0.0, 0.0
@@ -249,7 +249,7 @@ def react(machine, mode, part, contact, side, acceleration, monitors, kept):
         contact.force[1] = contact.constant[1] + contact.unit[1] * normal
         if machine.patch_radius > 0.0:
             contact.torque = contact.unit_torque * normal
-    if not kept:
+    if not monitoring:
         return
     force, slip = contact.force, contact.slip
     monitors.slip_square[side] = slip[0] * slip[0] + slip[1] * slip[1]

@@ -68,8 +68,8 @@ class Place(NamedTuple):
 
 
 @outlined
-def multibody_rhs(parameters, mode, piece, t, y, dy, monitors, kept):
-    """Write y' into `dy`, and with `kept` what events and observers want to know, as `dynamics.rhs` does."""
+def multibody_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring):
+    """Write y' into `dy`, and with `monitoring` what events and observers want to know, as `dynamics.rhs` does."""
     machine, wheels, workspace, at = parameters.machine, parameters.wheels, parameters.workspace, places(parameters)
     carrier = chassis_of(parameters, y)
     rate = carrier.body.rate
@@ -106,10 +106,10 @@ def multibody_rhs(parameters, mode, piece, t, y, dy, monitors, kept):
         part = workspace.parts[w]
         for side in range(part.contacts):
             contact = workspace.contacts[2 * w + side]
-            react(machine, mode[w], part, contact, side, acceleration, monitors[w], kept)
+            react(machine, mode[w], part, contact, side, acceleration, monitors[w], monitoring)
             heat -= contact.force[0] * contact.slip[0] + contact.force[1] * contact.slip[1]
             heat -= contact.torque * contact.turn
-        if kept:
+        if monitoring:
             monitors[w].regular = regular
             monitors[w].share, monitors[w].share_margin = 1.0, 0.0
             monitors[w].demand = part.demand
@@ -123,7 +123,7 @@ def multibody_rhs(parameters, mode, piece, t, y, dy, monitors, kept):
     dy[at.wrench_work] = wrench.x * body.x + wrench.y * body.y + wrench.yaw * rate.z
     if machine.bearings:
         dy[at.bearing_loss] = bearing_loss
-    if kept:
+    if monitoring:
         find_servo(machine, workspace, balance, acceleration)
 
 
