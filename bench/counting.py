@@ -1,6 +1,6 @@
 """Operations of omnisim's own kernels, run as plain Python on numbers that count what is done to them.
 
-NUMBA_DISABLE_JIT=1 python bench/counting.py                    JSON: by scene, of one right-hand side and one step
+NUMBA_DISABLE_JIT=1 python -m bench.counting                    JSON: by scene, of one right-hand side and one step
 
 What constants alone give is not counted, as in the C loops: they stay ordinary numbers.
 """
@@ -12,10 +12,10 @@ from collections.abc import Callable
 from types import SimpleNamespace
 
 import numpy as np
-from common import ready
-from limit import OPERATIONS
-from peers.c_loop import LOOPS
 
+from bench.common import ready
+from bench.limit import OPERATIONS
+from bench.peers.c_loop import LOOPS
 from omnisim.dynamics.right_hand_side import rhs
 from omnisim.march.runge_kutta import accept, explicit_step
 from omnisim.scene.scene import Scene

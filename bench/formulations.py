@@ -8,10 +8,9 @@ reduced one after the run.
 import statistics
 from functools import partial
 
-from common import Claim, interleaved, marching, median_ratio, ready, simulation, table
-from machine_scenes import platform, ring
-
 import omnisim
+from bench.common import Claim, interleaved, marching, median_ratio, ready, simulation, table
+from bench.machine_scenes import platform, ring
 from omnisim.results.comparison import distance
 from omnisim.scene.scene import Scene, load, parse
 

@@ -7,8 +7,9 @@ the energy of every case is balanced and friction never does positive work.
 from pathlib import Path
 
 import numpy as np
-from common import Claim, table
-from hard_claims import (
+
+from bench.common import Claim, table
+from bench.hard_claims import (
     BRAKE,
     FREE,
     JUMPS,
@@ -46,7 +47,6 @@ from hard_claims import (
     turns_on_the_edge,
     wrench,
 )
-
 from omnisim.results.comparison import energy_error
 
 PSI30 = str(Path(__file__).parents[1] / "tests/reference/testbench_psi30.toml")

@@ -3,8 +3,8 @@
 import statistics
 
 import numba
-from common import Claim, bare_wheel, interleaved, ready, table
 
+from bench.common import Claim, bare_wheel, interleaved, ready, table
 from omnisim.base.methods import TABLEAUX
 from omnisim.dynamics.right_hand_side import rhs
 

@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from common import Claim, interleaved, marching, median_ratio, simulation, table
 
 import omnisim
+from bench.common import Claim, interleaved, marching, median_ratio, simulation, table
 from omnisim.base.methods import TABLEAUX
 from omnisim.results.trajectory import Trajectory
 from omnisim.scene.scene import Scene

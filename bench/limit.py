@@ -25,8 +25,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from common import Claim, interleaved, ready, table
-from peers.c_loop import FLAGS, FOLDER, LOOPS, Loop, build, compiled, prepare
+
+from bench.common import Claim, interleaved, ready, table
+from bench.peers.c_loop import FLAGS, FOLDER, LOOPS, Loop, build, compiled, prepare
 
 # Each operation is measured from such a number, which keeps its results usual: azimuths of rollers are small angles.
 OPERATIONS = {"addition": 1.0, "multiplication": 1.000001, "division": 1.3, "root": 1.3, "sine and cosine": 0.25}
@@ -125,9 +126,10 @@ def count(loop: Loop, latency: list[float]) -> tuple[Count, Count]:
 
 def own_counts() -> dict[str, dict[str, list[float]]]:
     """How often omnisim itself does each of OPERATIONS: of every scene "rhs" and "step"."""
-    command = [sys.executable, str(Path(__file__).with_name("counting.py"))]
-    environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
-    return json.loads(subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout)
+    command = [sys.executable, "-m", "bench.counting"]
+    environment, root = os.environ | {"NUMBA_DISABLE_JIT": "1"}, Path(__file__).parents[1]
+    done = subprocess.run(command, env=environment, cwd=root, capture_output=True, text=True, check=True)
+    return json.loads(done.stdout)
 
 
 def counted(values: np.ndarray) -> np.ndarray:

@@ -5,9 +5,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from common import Claim, table
-
 import omnisim
+from bench.common import Claim, table
 
 SCENES = ("six_rollers", "thirty_two_rollers", "kiwi", "youbot")
 IMPORTS = ("import numba", "import omnisim.run.simulation")

@@ -10,10 +10,9 @@ from itertools import product
 from pathlib import Path
 from typing import NamedTuple
 
-from common import Claim, table
-from machine_scenes import platform
-
 import omnisim
+from bench.common import Claim, table
+from bench.machine_scenes import platform
 from omnisim.run import work_precision
 from omnisim.run.work_precision import Setting, finest_orders, ladder
 from omnisim.scene.scene import Scene, parse

@@ -1,7 +1,7 @@
 """Run the benchmarks: Markdown on stdout, progress on stderr.
 
-python bench/run.py [--quick] [--report FOLDER] [BENCHMARK | ours | peers]...
-python bench/run.py --check [--report FOLDER]         a few minutes; exits with 1 if a claim is beyond its alarm
+python -m bench [--quick] [--report FOLDER] [BENCHMARK | ours | peers]...
+python -m bench --check [--report FOLDER]         a few minutes; exits with 1 if a claim is beyond its alarm
 """
 
 import argparse
@@ -21,9 +21,8 @@ from typing import NamedTuple
 # As `omnisim bench`, before the first import of NumPy: more threads gain nothing in small solves.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("MKL_NUM_THREADS", "1")
-from common import Claim, claims_table
-
 import omnisim
+from bench.common import Claim, claims_table
 
 
 class Benchmark(NamedTuple):
@@ -36,26 +35,27 @@ class Benchmark(NamedTuple):
 
 
 OURS = {
-    "precision": Benchmark("precision", "Speed against error", 5, 1),
-    "laws": Benchmark("laws", "Set-valued against regularized friction at equal error", 20, 2),
-    "whole_machines": Benchmark("whole_machines", "Whole machines", 20, 1),
-    "hard_cases": Benchmark("hard_cases", "Hard cases", 1, 1),
-    "targets": Benchmark("targets", "Steps picked for an error", 2, 1),
-    "formulations": Benchmark("formulations", "Every body against the reduced equations", 15, 2),
-    "kernels": Benchmark("kernels", "Kernels", 31, 5),
-    "scaling": Benchmark("scaling", "64 rollers against 8", 31, 5),
-    "startup": Benchmark("startup", "Whole command", 5, 1),
-    "memory": Benchmark("memory", "Memory of the whole command", 3, 1),
-    "vehicle": Benchmark("vehicle", "The authors' vehicle against its ideal", 20, 2),  # simulated s, as of the next
-    "twists": Benchmark("twists", "Machines that follow a twist", 4, 4),
+    "precision": Benchmark("bench.precision", "Speed against error", 5, 1),
+    "laws": Benchmark("bench.laws", "Set-valued against regularized friction at equal error", 20, 2),
+    "whole_machines": Benchmark("bench.whole_machines", "Whole machines", 20, 1),
+    "hard_cases": Benchmark("bench.hard_cases", "Hard cases", 1, 1),
+    "targets": Benchmark("bench.targets", "Steps picked for an error", 2, 1),
+    "formulations": Benchmark("bench.formulations", "Every body against the reduced equations", 15, 2),
+    "kernels": Benchmark("bench.kernels", "Kernels", 31, 5),
+    "scaling": Benchmark("bench.scaling", "64 rollers against 8", 31, 5),
+    "startup": Benchmark("bench.startup", "Whole command", 5, 1),
+    "memory": Benchmark("bench.memory", "Memory of the whole command", 3, 1),
+    # rounds of the next two are simulated seconds
+    "vehicle": Benchmark("bench.vehicle", "The authors' vehicle against its ideal", 20, 2),
+    "twists": Benchmark("bench.twists", "Machines that follow a twist", 4, 4),
 }
 PEERS = {
-    "c_loop": Benchmark("peers.c_loop", "RK4 against C loops", 31, 5),
-    "limit": Benchmark("limit", "The limit of the arithmetic", 31, 5),
-    "scipy_peer": Benchmark("peers.scipy_peer", "Against SciPy's solvers at equal error", 3, 1),
-    "mujoco_peer": Benchmark("peers.mujoco_peer", "One wheel in MuJoCo", 5, 1),
-    "mujoco_platform": Benchmark("peers.mujoco_platform", "The mecanum platform in MuJoCo", 5, 1),
-    "drake_peer": Benchmark("peers.drake_peer", "One wheel in Drake", 5, 1),
+    "c_loop": Benchmark("bench.peers.c_loop", "RK4 against C loops", 31, 5),
+    "limit": Benchmark("bench.limit", "The limit of the arithmetic", 31, 5),
+    "scipy_peer": Benchmark("bench.peers.scipy_peer", "Against SciPy's solvers at equal error", 3, 1),
+    "mujoco_peer": Benchmark("bench.peers.mujoco_peer", "One wheel in MuJoCo", 5, 1),
+    "mujoco_platform": Benchmark("bench.peers.mujoco_platform", "The mecanum platform in MuJoCo", 5, 1),
+    "drake_peer": Benchmark("bench.peers.drake_peer", "One wheel in Drake", 5, 1),
 }
 GROUPS = {"ours": OURS, "peers": PEERS}
 BENCHMARKS = OURS | PEERS
@@ -75,6 +75,7 @@ class Run(NamedTuple):
 def main(arguments: Sequence[str] | None = None) -> None:
     """Exits with 1, and names the claims, if a check finds one beyond its alarm."""
     options = parsed(arguments)
+    print(f"omnisim from {Path(omnisim.__file__).parent}", file=sys.stderr)
     print(f"Measured on: {machine()}, {', '.join(' '.join(pair) for pair in versions().items())}", flush=True)
     claims = []
     for name in chosen(options):
@@ -92,7 +93,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def parsed(arguments: Sequence[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description="Speed of omnisim as ratios of one run")
+    parser = argparse.ArgumentParser("python -m bench", description="Speed of omnisim as ratios of one run")
     names = [[], *BENCHMARKS, *GROUPS]
     parser.add_argument("benchmarks", nargs="*", choices=names, metavar="BENCHMARK", default=[])
     parser.add_argument("--quick", action="store_true", help="few rounds: shows that everything runs")
@@ -127,7 +128,7 @@ def write(folder: Path, name: str, done: Run, quick: bool) -> None:
     """The numbers with their circumstances, and what was said of them, as FOLDER/NAME.json."""
     data = {
         "title": BENCHMARKS[name].title,
-        "command": f"python bench/run.py {'--quick ' * quick}{name}",
+        "command": f"python -m bench {'--quick ' * quick}{name}",
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "machine": machine(),
         "versions": versions(),
@@ -158,8 +159,3 @@ def versions() -> dict[str, str]:
         said = subprocess.run(["gcc", "-dumpfullversion", "-dumpversion"], capture_output=True, text=True, check=True)
         found["gcc"] = said.stdout.strip()
     return found
-
-
-if __name__ == "__main__":
-    print(f"omnisim from {Path(omnisim.__file__).parent}", file=sys.stderr)
-    main()

@@ -5,7 +5,7 @@ What is left is that exchanges come eight times as often, and each is a handful 
 
 import statistics
 
-from common import Claim, bare_wheel, interleaved, median_ratio, ready, table
+from bench.common import Claim, bare_wheel, interleaved, median_ratio, ready, table
 
 TARGET, ALARM = 1.15, 1.5  # times the 8-roller wheel
 STEPS = [1e-4, 2e-5]

@@ -8,8 +8,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from common import Claim, table
-
+from bench.common import Claim, table
 from omnisim.scene.scene import packaged_scenes
 
 IMPORTS = ("omnisim", "omnisim.scene.scene", "omnisim.run.simulation", "numba", "numpy")

@@ -5,9 +5,8 @@ import time
 from pathlib import Path
 from typing import NamedTuple
 
-from common import Claim, table
-
 import omnisim
+from bench.common import Claim, table
 from omnisim.results.comparison import distance
 from omnisim.run.work_precision import Reference, converged
 from omnisim.scene.scene import Scene

@@ -16,9 +16,9 @@ In the rotation the wheels' l differ, the four conditions contradict each other,
 from typing import NamedTuple
 
 import numpy as np
-from common import Claim, table
 
 import omnisim
+from bench.common import Claim, table
 from omnisim.results.trajectory import Trajectory
 
 RAMP, HOLD = 0.5, 2.0  # s: the command rises linearly; from HOLD on the motion is steady

@@ -1,6 +1,6 @@
 """The authors' vehicle of three omni wheels against its ideal, whose rollers have no mass.
 
-    python bench/vehicle.py 1000        as long as the authors ran it: about twenty minutes
+    python -m bench.vehicle 1000        as long as the authors ran it: about twenty minutes
 
 The ideal. Axles are radial, rollers lie along the rim (psi = 0). Without slip along the axis of the roller in contact
 wheel i, at distance rho, rolls forward as fast as it moves: r phi_i' = v . h_i + rho omega, h_i its heading. That holds
@@ -25,9 +25,9 @@ import sys
 from typing import NamedTuple
 
 import numpy as np
-from common import Claim, table
 
 import omnisim
+from bench.common import Claim, table
 from omnisim.results.comparison import energy_error
 from omnisim.results.trajectory import Trajectory
 from omnisim.scene.ideal_kinematics import wheel_rows

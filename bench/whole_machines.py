@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from common import Claim, bare_wheel, interleaved, marching, median_ratio, ready, simulation, table
-from machine_scenes import END, MOTIONS, platform, ring
 
 import omnisim
+from bench.common import Claim, bare_wheel, interleaved, marching, median_ratio, ready, simulation, table
+from bench.machine_scenes import END, MOTIONS, platform, ring
 from omnisim.results.trajectory import Trajectory
 from omnisim.run.loop import Loop
 

@@ -1,4 +1,4 @@
-"""Writes docs/pages/file.md, what a trajectory file holds, from omnisim/results/layout.py: python docs/file_reference.py"""
+"""Writes docs/pages/file.md, what a trajectory file holds, from omnisim/results/layout.py: python -m docs.file_reference"""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ from omnisim.results.layout import ATTRIBUTES, LABELS, OPTIONAL_ATTRIBUTES, TABL
 PAGE = Path(__file__).parent / "pages/file.md"
 INTRODUCTION = f"""# Trajectory file
 
-Written by `python docs/file_reference.py` from the table that checks every trajectory.
+Written by `python -m docs.file_reference` from the table that checks every trajectory.
 
 A run is one HDF5 file (format `{FORMAT}`). Every dataset has `units`, a `description`, and a dimension scale on each
 axis, so that HDF5 tools, netCDF and xarray all read it. Numbers are float64 or int64 and always finite, text is UTF-8.

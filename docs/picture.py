@@ -1,4 +1,4 @@
-"""Draws docs/pages/pictures/picture.png for README and site: python docs/picture.py (needs the extra `docs`)."""
+"""Draws docs/pages/pictures/picture.png for README and site: python -m docs.picture (needs the extra `docs`)."""
 
 from pathlib import Path
 

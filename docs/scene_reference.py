@@ -1,4 +1,4 @@
-"""Writes docs/pages/scene.md, every key of a scene file, from omnisim/scene/schema.py: python docs/scene_reference.py"""
+"""Writes docs/pages/scene.md, every key of a scene file, from omnisim/scene/schema.py: python -m docs.scene_reference"""
 
 import inspect
 import math
@@ -12,7 +12,7 @@ from omnisim.scene.schema import DATA_SHEET, DRIVE_KEYS, FRICTION_DEFAULTS, FRIC
 PAGE = Path(__file__).parent / "pages/scene.md"
 INTRODUCTION = """# Scene file
 
-Written by `python docs/scene_reference.py` from the schema that checks every scene.
+Written by `python -m docs.scene_reference` from the schema that checks every scene.
 
 A scene is a TOML file. Units are SI; angles are radians, and degrees in keys that end in `_deg`. Integers pass for
 numbers; booleans and strings never do. An unknown key, a missing one or a value out of bounds is answered with file,

@@ -1,4 +1,4 @@
-"""Draws the sketches of the pages, docs/pages/pictures/NAME.svg: python docs/sketches.py
+"""Draws the sketches of the pages, docs/pages/pictures/NAME.svg: python -m docs.sketches
 
 A sketch is a function that fills a Sheet, in units of its own with y up; shapes follow from the formulas they explain.
 """
@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable
 from pathlib import Path
 
-from sketch_sheet import COOL, DASHED, FLOOR, INK, PALE, WARM, Sheet
+from docs.sketch_sheet import COOL, DASHED, FLOOR, INK, PALE, WARM, Sheet
 
 FOLDER = Path(__file__).parent / "pages/pictures"
 Points = list[tuple[float, float]]

@@ -1,17 +1,15 @@
-"""Writes docs/pages/speed, pages and plots: python docs/speed_page.py (needs the extra `docs`).
+"""Writes docs/pages/speed, pages and plots: python -m docs.speed_page (needs the extra `docs`).
 
-Nothing is measured here: the numbers stand in bench/results, from `python bench/run.py --report bench/results`.
+Nothing is measured here: the numbers stand in bench/results, from `python -m bench --report bench/results`.
 """
 
 import json
-import sys
 from itertools import groupby
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "bench"))
-from common import Claim, claims_table, table
-from speed_plots import draw
-from speed_short import in_short
+from bench.common import Claim, claims_table, table
+from docs.speed_plots import draw
+from docs.speed_short import in_short
 
 HERE = Path(__file__).parent
 RESULTS, FOLDER = HERE.parent / "bench/results", HERE / "pages/speed"
@@ -29,14 +27,12 @@ PAGES = {
     "hard_cases": ("Hard cases", ("hard_cases",)),
 }
 SECTIONS = [name for _, names in PAGES.values() for name in names]
-WRITTEN = """Written by `python docs/speed_page.py` from the numbers in `bench/results`"""
+WRITTEN = """Written by `python -m docs.speed_page` from the numbers in `bench/results`"""
 INTRODUCTION = f"""# Speed and accuracy
 
 {WRITTEN}. Ratios are medians of rounds in which the contestants took turns; the rules stand in `bench/README.md`. Speeds were measured before a march followed its extremes between rows, which takes 3 %
 more time on the bare wheel and 5.5 % on the youBot; what concerns both formulations and the loads of bearings, after it."""
-CLAIMS = (
-    """A target is what is aimed at. Beyond its alarm a value is no noise of a machine; `bench/run.py --check` fails."""
-)
+CLAIMS = """A target is what is aimed at. Beyond its alarm a value is no noise of a machine; `python -m bench --check` fails."""
 
 
 def main() -> None:
@@ -47,7 +43,7 @@ def main() -> None:
 
 
 def read(folder: Path) -> dict[str, dict]:
-    """What `bench/run.py --report` wrote, by benchmark."""
+    """What `python -m bench --report` wrote, by benchmark."""
     return {path.stem: json.loads(path.read_text(encoding="utf-8")) for path in sorted(folder.glob("*.json"))}
 
 

@@ -1,4 +1,4 @@
-"""Plots of the pages on speed and accuracy, from what `bench/run.py --report` wrote."""
+"""Plots of the pages on speed and accuracy, from what `python -m bench --report` wrote."""
 
 from collections.abc import Callable
 from itertools import groupby

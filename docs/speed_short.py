@@ -1,6 +1,6 @@
-"""The page on speed in short: a few tables and sentences out of what `bench/run.py --report` wrote."""
+"""The page on speed in short: a few tables and sentences out of what `python -m bench --report` wrote."""
 
-from common import table
+from bench.common import table
 
 ROLLERS, STOPS, PLATFORM = "six_rollers", "coulomb_wheel", "platform"
 

@@ -13,19 +13,10 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "bench"))
-import laws
-import limit
-import machine_scenes
-import memory
-import precision
-import run
-import targets
-import whole_machines
-from common import Claim, bare_wheel, claims_table, ready, table
-from peers import c_loop
-
 import omnisim
+from bench import laws, limit, machine_scenes, memory, precision, run, targets, whole_machines
+from bench.common import Claim, bare_wheel, claims_table, ready, table
+from bench.peers import c_loop
 from omnisim.dynamics.packing import bodies
 from omnisim.run.loop import Loop
 from omnisim.run.work_precision import converged
@@ -81,7 +72,7 @@ def test_the_peak_of_a_command_is_its_own():
 @pytest.fixture(scope="module")
 def scipy_peer():
     pytest.importorskip("scipy", reason="a peer needs SciPy")
-    from peers import scipy_peer
+    from bench.peers import scipy_peer
 
     return scipy_peer
 
@@ -301,7 +292,7 @@ def test_a_report_holds_the_numbers_and_their_circumstances(fake, tmp_path):
     data = json.loads((tmp_path / "new/fake.json").read_text())
     assert data["result"] == {"rounds": 3} and data["report"] == "3 rounds"
     assert Claim(**data["claims"][0]) == claim(3.0)
-    assert data["command"] == "python bench/run.py fake"
+    assert data["command"] == "python -m bench fake"
     assert {"title", "date", "machine", "versions"} < set(data)
 
 
@@ -326,9 +317,9 @@ def test_groups_are_opened_and_nothing_runs_twice():
 
 
 def test_every_benchmark_runs_and_reports(tmp_path):
-    """The whole of `python bench/run.py --quick` but commands and other engines, with its claims."""
+    """The whole of `python -m bench --quick` but commands and other engines, with its claims."""
     parts = ("c_loop", "limit", "laws", "scaling", "kernels", "whole_machines", "vehicle", "twists", "precision")
-    command = [sys.executable, "bench/run.py", "--quick", "--report", str(tmp_path), *parts]
+    command = [sys.executable, "-m", "bench", "--quick", "--report", str(tmp_path), *parts]
     done = subprocess.run(command, cwd=Path(__file__).parents[1], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "## Kernels" in done.stdout

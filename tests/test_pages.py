@@ -1,18 +1,12 @@
 """The pages: those on files are what the schema and the table say; what others name is there."""
 
 import re
-import sys
-from pathlib import Path
 
 import pytest
 
 import omnisim
+from docs import file_reference, scene_reference, sketches
 from omnisim.scene.schema import Config
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "docs"))
-import file_reference
-import scene_reference
-import sketches
 
 pytestmark = pytest.mark.short
 
@@ -55,7 +49,6 @@ def test_every_test_and_module_that_a_page_names_is_there():
     for name in named:
         homes = (root, root / "omnisim", root / "tests")
         assert any((home / name).exists() for home in homes), name
-
 
 
 def test_the_committed_sketches_are_what_the_script_draws_and_stand_on_a_page():

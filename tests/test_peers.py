@@ -2,15 +2,11 @@
 
 import json
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "bench"))
-from peers import drake_peer, mujoco_peer, mujoco_platform, wheel_scene
-
+from bench.peers import drake_peer, mujoco_peer, mujoco_platform, wheel_scene
 from omnisim.cad.geometry import roller_frames
 from omnisim.contact.roller_profile import axial_coordinate, profile_radius
 from omnisim.dynamics.packing import bodies, pack

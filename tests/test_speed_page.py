@@ -1,25 +1,20 @@
 """The pages on speed and accuracy say what the results say."""
 
 import json
-import sys
-from pathlib import Path
 
 import pytest
 
 pytest.importorskip("matplotlib", reason="needs matplotlib")
-sys.path.insert(0, str(Path(__file__).parents[1] / "docs"))
-import speed_page
-import speed_plots
-import speed_short
+from docs import speed_page, speed_plots, speed_short
 
 BOUND = {"bound": "at most", "target": 1.2, "alarm": 2.5}
 
 
 def record(name, result, report="| a |\n| --- |\n| 1 |", value=1.0):
-    """What `bench/run.py --report` writes."""
+    """What `python -m bench --report` writes."""
     return {
         "title": name.capitalize(),
-        "command": f"python bench/run.py {name}",
+        "command": f"python -m bench {name}",
         "date": "2026-01-02T03:04:05+00:00",
         "machine": "a processor",
         "versions": {"numba": "0.1"},
@@ -52,7 +47,7 @@ def test_the_page_begins_with_a_verdict_and_shows_what_is_missed(records):
 def test_each_section_names_machine_day_and_command(records):
     page = speed_page.pages(records, {})["cost"]
     assert page.index("## Kernels") < page.index("## Scaling")
-    assert "a processor; numba 0.1; 2026-01-02; `python bench/run.py scaling`" in page
+    assert "a processor; numba 0.1; 2026-01-02; `python -m bench scaling`" in page
 
 
 def test_long_tables_are_folded_and_short_ones_are_not(records):

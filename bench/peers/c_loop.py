@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from common import Claim, March, bare_wheel, interleaved, median_ratio, ready, table
-from machine_scenes import slipping_platform
 
+from bench.common import Claim, March, bare_wheel, interleaved, median_ratio, ready, table
+from bench.machine_scenes import slipping_platform
 from omnisim.dynamics.state import YAW, X, Y, places_of
 from omnisim.scene.scene import Scene
 

@@ -9,11 +9,11 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from common import Claim, table
 
+from bench.common import Claim, table
+from bench.peers import wheel_scene
+from bench.peers.wheel_scene import BEST, CELLS, FAILED, FASTEST, LEVEL, NOTES, SMOOTH
 from omnisim.cad.geometry import roller_frames
-from peers import wheel_scene
-from peers.wheel_scene import BEST, CELLS, FAILED, FASTEST, LEVEL, NOTES, SMOOTH
 
 try:
     from pydrake.geometry import (

@@ -7,11 +7,10 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from common import March
 from scipy.integrate import ODEintWarning, odeint, solve_ivp
 
-from omnisim.march.march import march as go_on
-from peers.equations import (
+from bench.common import March
+from bench.peers.equations import (
     SPIN,
     SPIN_RATE,
     ahead,
@@ -25,6 +24,7 @@ from peers.equations import (
     rates,
     scalar_form,
 )
+from omnisim.march.march import march as go_on
 
 NEAR = 0.15  # rad: from here to the end of its roller a wheel goes by the angle
 MOST_OF_THE_WAY = 0.9  # in one go by the rate of the moment, so that a wheel that speeds up stays on its roller

@@ -14,9 +14,9 @@ from functools import cache
 
 import numba
 import numpy as np
-from common import March
 from numba.experimental import structref
 
+from bench.common import March
 from omnisim.dynamics.parameters import DRIVE
 from omnisim.dynamics.state import places, places_in
 from omnisim.march.roller_exchange import release_rollers, take_rollers

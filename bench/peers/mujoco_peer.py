@@ -10,13 +10,12 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
-from common import Claim, table
-
+from bench.common import Claim, table
+from bench.peers import wheel_scene
+from bench.peers.wheel_scene import BEST, CAPSULE, CELLS, FASTEST, LEVEL, NOTES, SMOOTH, Shape
 from omnisim.cad.geometry import roller_frames
 from omnisim.cad.robot_description import numbers
 from omnisim.scene.schema import WheelType
-from peers import wheel_scene
-from peers.wheel_scene import BEST, CAPSULE, CELLS, FASTEST, LEVEL, NOTES, SMOOTH, Shape
 
 try:
     import mujoco

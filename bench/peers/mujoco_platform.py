@@ -11,18 +11,18 @@ from functools import cache, partial
 from typing import NamedTuple
 
 import numpy as np
-from common import Claim, interleaved, median_ratio, simulation, table
-from machine_scenes import END, RAMP, platform
-from whole_machines import reference
 
 import omnisim
+from bench.common import Claim, interleaved, median_ratio, simulation, table
+from bench.machine_scenes import END, RAMP, platform
+from bench.peers import wheel_scene
+from bench.peers.mujoco_peer import CONTACTS, MISSING, geometry, mujoco, roller_bodies
+from bench.peers.wheel_scene import LEVEL, LOST, SMOOTH
+from bench.whole_machines import reference
 from omnisim.cad.robot_description import numbers
 from omnisim.dynamics.packing import pack
 from omnisim.results.trajectory import Trajectory
 from omnisim.scene.scene import Scene
-from peers import wheel_scene
-from peers.mujoco_peer import CONTACTS, MISSING, geometry, mujoco, roller_bodies
-from peers.wheel_scene import LEVEL, LOST, SMOOTH
 
 SHAPES = {LEVEL: wheel_scene.level_ellipsoid, SMOOTH: wheel_scene.smooth_ellipsoid}
 STRAIGHT = ("forward", "sideways")  # motions whose odometry needs no yaw

@@ -18,13 +18,13 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from common import Claim, bare_wheel, interleaved, median_ratio, ready, table
-from machine_scenes import platform
 
 import omnisim
+from bench.common import Claim, bare_wheel, interleaved, median_ratio, ready, table
+from bench.machine_scenes import platform
+from bench.peers.driver import Stalled, integrate
+from bench.peers.equations import motion
 from omnisim.scene.scene import Scene, parse
-from peers.driver import Stalled, integrate
-from peers.equations import motion
 
 HAND, COMPILED = ("NumPy", "scalars"), ("compiled",)
 EQUATIONS = {"NumPy": "equations in NumPy", "compiled": "omnisim's compiled equations"}

@@ -26,9 +26,9 @@ from pathlib import Path
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from common import Claim, interleaved, median_ratio, ready, simulation, table
 
 import omnisim
+from bench.common import Claim, interleaved, median_ratio, ready, simulation, table
 from omnisim.cad.mesh import roller
 from omnisim.contact.roller_profile import length
 from omnisim.dynamics.packing import pack

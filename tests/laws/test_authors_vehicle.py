@@ -1,17 +1,12 @@
 """The authors' vehicle tends to its ideal, whose rollers have no mass, in proportion to it; bench/vehicle.py."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import omnisim
+from bench import vehicle
+from bench.vehicle import SCENE, STARTS, Ideal, light
 from omnisim.results.comparison import energy_error
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "bench"))
-import vehicle
-from vehicle import SCENE, STARTS, Ideal, light
 
 
 @pytest.mark.parametrize("start", STARTS)

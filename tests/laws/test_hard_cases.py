@@ -1,14 +1,11 @@
 """The table of hard cases, bench/hard_cases.py: every scene in it moves as is claimed there, or says why it stops."""
 
-import sys
 from functools import cache
-from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "bench"))
-import hard_cases
-from hard_cases import CASES
+from bench import hard_cases
+from bench.hard_cases import CASES
 
 LEAST = 24  # hard scenes
 

@@ -1,15 +1,12 @@
 """The youBot and the kiwi follow twists: where odometry is right, and by how much it is wrong; bench/twists.py."""
 
-import sys
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "bench"))
-import twists
-from twists import TWISTS, follow, rolled
+from bench import twists
+from bench.twists import TWISTS, follow, rolled
 
 RADIUS, ALPHA = 0.0475, np.pi / 6  # of the youBot's wheels, six rollers
 
