@@ -32,11 +32,11 @@ ROUNDING = 1e-11  # a change below which, if it no longer falls, is rounding
 
 
 @outlined
-def settle_forces(machine, wheels, workspace, load, plane, pushing):
+def settle_forces(machine, wheels, workspace, load, equations, pushing):
     """Find the sought forces of an instant and all loads; returns what `solve` does."""
     acceleration, regular, last = Acceleration(0.0, 0.0, 0.0), 1.0, 1e300
     for _ in range(MOST_ROUNDS):
-        acceleration, mobility, regular = solve(machine, workspace, load, plane, pushing)
+        acceleration, mobility, regular = solve(machine, workspace, load, equations, pushing)
         change = settle_shared(machine, wheels, workspace, mobility, acceleration)
         for w in range(len(wheels)):
             part = workspace.parts[w]

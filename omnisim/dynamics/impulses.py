@@ -4,8 +4,8 @@ from omnisim.base.kernel import outlined
 from omnisim.contact.kinematics import Slip, inverse_mass, slip_jacobian
 from omnisim.contact.set_valued import CREEP, SLIP
 from omnisim.dynamics.planar_body import (
-    free_plane,
-    held_plane,
+    free_equations,
+    held_equations,
     holding_force,
     inverse,
     set_contact,
@@ -26,7 +26,7 @@ def align_slip(parameters, run):
     """
     machine, workspace, y, at = parameters.machine, parameters.workspace, run.y, places(parameters)
     body = body_motion(parameters, run.y)
-    plane = free_plane(machine, 0.0, 0.0, 0.0)
+    equations = free_equations(machine, 0.0, 0.0, 0.0)
     for w in range(len(run.mode)):
         contact, mode, wheel = workspace.contacts[2 * w], run.mode[w], parameters.wheels[w]
         if mode.grip[0] != SLIP and not mode.shared:
@@ -39,8 +39,8 @@ def align_slip(parameters, run):
             rest = Slip(slip.h - along * u[0], slip.k - along * u[1])
             contact.bias[0], contact.bias[1] = rest.h, rest.k
             set_hold(machine, wheel, contact, state.axis, j, rest)
-            plane = held_plane(contact, plane)
-    change = yielding(inverse(machine, plane), plane.x, plane.y, plane.yaw)
+            equations = held_equations(contact, equations)
+    change = yielding(inverse(machine, equations), equations.x, equations.y, equations.yaw)
     for w in range(len(run.mode)):
         if run.mode[w].grip[0] != SLIP and not run.mode[w].shared:
             wheel, contact = parameters.wheels[w], workspace.contacts[2 * w]

@@ -1,6 +1,6 @@
 """What the floor carries: heave, roll and pitch of the machine, by a load that lies on a plane over the chassis.
 
-Three wheels: any load; more: a rigid chassis on equal springs. With the plane rows of planar_body.py six linear
+Three wheels: any load; more: a rigid chassis on equal springs. With the equations of planar_body.py six linear
 equations:
 
     unknowns   A_x, A_y (of C along chassis axes), theta''      b_0, b_1, b_2:   N_w = b_0 + b_1 x_w + b_2 y_w
@@ -21,7 +21,15 @@ from typing import NamedTuple
 from omnisim.base.kernel import kernel, merged
 from omnisim.contact.friction import VISCOUS
 from omnisim.dynamics.parameters import CONTACTS
-from omnisim.dynamics.planar_body import Acceleration, held_plane, holds, inverse, plane_balance, push_of, yielding
+from omnisim.dynamics.planar_body import (
+    Acceleration,
+    balanced_equations,
+    held_equations,
+    holds,
+    inverse,
+    push_of,
+    yielding,
+)
 
 TILT_Y, TILT_X = 3, 4  # rows of levers and pushes, about -y and about x, after x, y and yaw
 LEAST_REGULAR = 1e-2  # determinant of the loads over that without friction, below which friction jams
@@ -36,7 +44,7 @@ class ByLoad(NamedTuple):
 
 
 class Pushes(NamedTuple):
-    """What they do to the rows of the plane."""
+    """What they do to the equations of the body."""
 
     x: ByLoad
     y: ByLoad
@@ -120,12 +128,12 @@ def set_body_tilt(machine, loads, wrench, yaw_rate):
 
 
 @kernel
-def held_body(machine, loads, contact, plane):
-    """A Plane with a sticking contact, which goes into the rows of tilt as well."""
+def held_body(machine, loads, contact, equations):
+    """BodyEquations with a sticking contact, which goes into the rows of tilt as well."""
     if machine.upright == CONTACTS:
         hold_tilt(loads.tilt[0], contact, TILT_Y)
         hold_tilt(loads.tilt[1], contact, TILT_X)
-    return held_plane(contact, plane)
+    return held_equations(contact, equations)
 
 
 @kernel
@@ -157,16 +165,16 @@ def tilt_of(machine, contact, force_h, force_k, torque):
 
 
 @kernel
-def solve(machine, workspace, load, plane, pushing):
+def solve(machine, workspace, load, equations, pushing):
     """The Acceleration of the body, its Mobility, and how regular the loads are; normal forces into the workspace.
 
     load: M g - f_z, N; plane: what is known at once; pushing: whether some contact pushes by a load that is known, or
     without. Regular: the determinant of the equations of the loads over that without friction.
     """
     if pushing:
-        plane = plane_balance(machine, workspace, plane)
-    mobility = inverse(machine, plane)
-    motion = yielding(mobility, plane.x, plane.y, plane.yaw)
+        equations = balanced_equations(machine, workspace, equations)
+    mobility = inverse(machine, equations)
+    motion = yielding(mobility, equations.x, equations.y, equations.yaw)
     if machine.upright != CONTACTS:
         return motion, mobility, 1.0
     return share_out(machine, workspace, load, mobility, motion)

@@ -22,8 +22,9 @@ class Acceleration(NamedTuple):
     yaw: float
 
 
-class Plane(NamedTuple):
-    """The plane rows: what resists the acceleration, a symmetric matrix over (x, y, yaw), and what drives it; SI."""
+class BodyEquations(NamedTuple):
+    """The equations of the body: what resists the acceleration, a symmetric matrix over (x, y, yaw), and what drives
+    it; SI."""
 
     xx: float
     xy: float
@@ -118,46 +119,56 @@ def holds(part, contact):
 
 
 @kernel
-def free_plane(machine, x, y, yaw):
-    """The Plane of a machine under a force (x, y) and a moment alone."""
-    return Plane(machine.mass, 0.0, 0.0, machine.mass, 0.0, machine.yaw_inertia, x, y, yaw)
+def free_equations(machine, x, y, yaw):
+    """The BodyEquations of a machine under a force (x, y) and a moment alone."""
+    return BodyEquations(machine.mass, 0.0, 0.0, machine.mass, 0.0, machine.yaw_inertia, x, y, yaw)
 
 
 @kernel
-def pushed_plane(plane, x, y, yaw):
-    """A Plane with one more force and moment."""
-    return Plane(plane.xx, plane.xy, plane.xw, plane.yy, plane.yw, plane.ww, plane.x + x, plane.y + y, plane.yaw + yaw)
-
-
-@kernel
-def inclined_plane(machine, body, plane):
-    """A Plane with the weight along an inclined floor, which acts at C."""
-    x, y = machine.mass * machine.downhill[0], machine.mass * machine.downhill[1]
-    return pushed_plane(plane, x * body.cos + y * body.sin, y * body.cos - x * body.sin, 0.0)
-
-
-@kernel
-def held_plane(contact, plane):
-    """A Plane with a sticking contact."""
-    lever, hold = contact.lever, contact.hold
-    x_h, x_k, y_h, y_k, w_h, w_k = lever[0, 0], lever[0, 1], lever[1, 0], lever[1, 1], lever[2, 0], lever[2, 1]
-    return Plane(
-        plane.xx - x_h * hold[0, 0] - x_k * hold[1, 0],
-        plane.xy - x_h * hold[0, 1] - x_k * hold[1, 1],
-        plane.xw - x_h * hold[0, 2] - x_k * hold[1, 2],
-        plane.yy - y_h * hold[0, 1] - y_k * hold[1, 1],
-        plane.yw - y_h * hold[0, 2] - y_k * hold[1, 2],
-        plane.ww - w_h * hold[0, 2] - w_k * hold[1, 2],
-        plane.x + x_h * hold[0, 3] + x_k * hold[1, 3],
-        plane.y + y_h * hold[0, 3] + y_k * hold[1, 3],
-        plane.yaw + w_h * hold[0, 3] + w_k * hold[1, 3],
+def pushed_equations(equations, x, y, yaw):
+    """BodyEquations with one more force and moment."""
+    return BodyEquations(
+        equations.xx,
+        equations.xy,
+        equations.xw,
+        equations.yy,
+        equations.yw,
+        equations.ww,
+        equations.x + x,
+        equations.y + y,
+        equations.yaw + yaw,
     )
 
 
 @kernel
-def plane_balance(machine, workspace, plane):
-    """A Plane with what contacts push that do not stick, by their loads where they are known."""
-    carried, x, y, yaw = machine.upright == CONTACTS, plane.x, plane.y, plane.yaw
+def inclined_equations(machine, body, equations):
+    """BodyEquations with the weight along an inclined floor, which acts at C."""
+    x, y = machine.mass * machine.downhill[0], machine.mass * machine.downhill[1]
+    return pushed_equations(equations, x * body.cos + y * body.sin, y * body.cos - x * body.sin, 0.0)
+
+
+@kernel
+def held_equations(contact, equations):
+    """BodyEquations with a sticking contact."""
+    lever, hold = contact.lever, contact.hold
+    x_h, x_k, y_h, y_k, w_h, w_k = lever[0, 0], lever[0, 1], lever[1, 0], lever[1, 1], lever[2, 0], lever[2, 1]
+    return BodyEquations(
+        equations.xx - x_h * hold[0, 0] - x_k * hold[1, 0],
+        equations.xy - x_h * hold[0, 1] - x_k * hold[1, 1],
+        equations.xw - x_h * hold[0, 2] - x_k * hold[1, 2],
+        equations.yy - y_h * hold[0, 1] - y_k * hold[1, 1],
+        equations.yw - y_h * hold[0, 2] - y_k * hold[1, 2],
+        equations.ww - w_h * hold[0, 2] - w_k * hold[1, 2],
+        equations.x + x_h * hold[0, 3] + x_k * hold[1, 3],
+        equations.y + y_h * hold[0, 3] + y_k * hold[1, 3],
+        equations.yaw + w_h * hold[0, 3] + w_k * hold[1, 3],
+    )
+
+
+@kernel
+def balanced_equations(machine, workspace, equations):
+    """BodyEquations with what contacts push that do not stick, by their loads where they are known."""
+    carried, x, y, yaw = machine.upright == CONTACTS, equations.x, equations.y, equations.yaw
     for w in range(len(workspace.parts)):
         part = workspace.parts[w]
         if part.slides or not part.loaded:
@@ -175,14 +186,14 @@ def plane_balance(machine, workspace, plane):
                 torque = contact.unit_torque * normal
             push_x, push_y, push_yaw = push_of(machine, contact, force_h, force_k, torque)
             x, y, yaw = x + push_x, y + push_y, yaw + push_yaw
-    return Plane(plane.xx, plane.xy, plane.xw, plane.yy, plane.yw, plane.ww, x, y, yaw)
+    return BodyEquations(equations.xx, equations.xy, equations.xw, equations.yy, equations.yw, equations.ww, x, y, yaw)
 
 
 @kernel
-def inverse(machine, plane):
-    """The Mobility of a Plane; diagonal unless some contact holds the body."""
-    xx, xy, xw, yy, yw, ww = plane.xx, plane.xy, plane.xw, plane.yy, plane.yw, plane.ww
-    if plane.xx == machine.mass:
+def inverse(machine, equations):
+    """The Mobility of BodyEquations; diagonal unless some contact holds the body."""
+    xx, xy, xw, yy, yw, ww = equations.xx, equations.xy, equations.xw, equations.yy, equations.yw, equations.ww
+    if equations.xx == machine.mass:
         return Mobility(False, machine.mobility, 0.0, 0.0, machine.mobility, 0.0, machine.yaw_mobility)
     c_xx, c_xy, c_xw = yy * ww - yw * yw, xw * yw - xy * ww, xy * yw - xw * yy
     scale = 1.0 / (xx * c_xx + xy * c_xy + xw * c_xw)

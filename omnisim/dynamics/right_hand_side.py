@@ -22,7 +22,7 @@ from omnisim.dynamics.contact_forces import settle_forces
 from omnisim.dynamics.multibody.right_hand_side import multibody_rhs
 from omnisim.dynamics.normal_forces import set_body_tilt, solve
 from omnisim.dynamics.parameters import CONTACTS, MULTIBODY
-from omnisim.dynamics.planar_body import Acceleration, free_plane, inclined_plane
+from omnisim.dynamics.planar_body import Acceleration, free_equations, inclined_equations
 from omnisim.dynamics.state import YAW, X, Y, places
 from omnisim.dynamics.wheel import body_motion, external_wrench, rho_index, rho_of, world_heading
 from omnisim.dynamics.wheel_forces import move_wheel, observe_wheel, press_wheel, slide_wheel
@@ -54,9 +54,9 @@ def reduced_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring):
     if machine.upright == CONTACTS:
         set_body_tilt(machine, workspace.loads, wrench, body.yaw_rate)
     load, others, sought = machine.mass * machine.gravity - wrench.z, 0, 0
-    plane = free_plane(machine, wrench.x, wrench.y, wrench.yaw)
+    equations = free_equations(machine, wrench.x, wrench.y, wrench.yaw)
     if machine.inclined:
-        plane = inclined_plane(machine, body, plane)
+        equations = inclined_equations(machine, body, equations)
     heat, power = 0.0, 0.0  # of friction and of the drives, W
     if machine.bearings:
         dy[at.bearing_loss] = 0.0
@@ -68,8 +68,8 @@ def reduced_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring):
         part = workspace.parts[w]
         part.slides = mode[w].grip[0] == SLIP and not mode[w].shared and not (carried and machine.law == VISCOUS)
         if part.slides:
-            plane, loss, work = slide_wheel(
-                parameters, mode[w], piece, t, w, body, share, plane, y, dy, monitors[w], monitoring
+            equations, loss, work = slide_wheel(
+                parameters, mode[w], piece, t, w, body, share, equations, y, dy, monitors[w], monitoring
             )
             heat, power = heat + loss, power + work
         else:
@@ -79,17 +79,17 @@ def reduced_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring):
         for w in range(len(wheels)):
             part = workspace.parts[w]
             if not part.slides:
-                plane, work = observe_wheel(
-                    parameters, mode[w], piece, t, w, body, share, plane, y, dy, monitors[w], monitoring
+                equations, work = observe_wheel(
+                    parameters, mode[w], piece, t, w, body, share, equations, y, dy, monitors[w], monitoring
                 )
                 power, sought = power + work, sought + part.sought
                 pushing = pushing or mode[w].shared == 1
     if others or carried:
         regular = 1.0
         if sought:
-            acceleration, regular = settle_forces(machine, wheels, workspace, load, plane, pushing)
+            acceleration, regular = settle_forces(machine, wheels, workspace, load, equations, pushing)
         else:
-            acceleration, _, regular = solve(machine, workspace, load, plane, pushing)
+            acceleration, _, regular = solve(machine, workspace, load, equations, pushing)
         for w in range(len(wheels)):
             if monitoring:
                 monitors[w].regular = regular
@@ -99,7 +99,9 @@ def reduced_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring):
                 heat += press_wheel(parameters, mode[w], w, dy, monitors[w], monitoring)
     else:
         mobility = machine.mobility
-        acceleration = Acceleration(plane.x * mobility, plane.y * mobility, plane.yaw * machine.yaw_mobility)
+        acceleration = Acceleration(
+            equations.x * mobility, equations.y * mobility, equations.yaw * machine.yaw_mobility
+        )
     dy[at.friction_loss], dy[at.drive_work] = heat, power
     dy[at.velocity] = acceleration.x * body.cos - acceleration.y * body.sin
     dy[at.velocity + 1] = acceleration.x * body.sin + acceleration.y * body.cos

@@ -19,7 +19,7 @@ from omnisim.dynamics.normal_forces import (
     tilt_rows,
 )
 from omnisim.dynamics.parameters import CONTACTS
-from omnisim.dynamics.planar_body import holding_force, holds, pushed_plane, set_contact, set_hold, set_lever
+from omnisim.dynamics.planar_body import holding_force, holds, pushed_equations, set_contact, set_hold, set_lever
 from omnisim.dynamics.state import places, rate_place
 from omnisim.dynamics.wheel import (
     FreeWheel,
@@ -71,8 +71,8 @@ def monitor_wheel(free, load, monitors):
 
 
 @merged
-def slide_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, monitors, monitoring):
-    """A wheel that slides under a known load, N: the rates that follow; the Plane with it, heat and power (W).
+def slide_wheel(parameters, mode, piece, t, w, body, load, equations, y, dy, monitors, monitoring):
+    """A wheel that slides under a known load, N: the rates that follow; the BodyEquations with it, heat and power (W).
 
     If the contacts carry roll and pitch, `load` is 1 N, and what that does goes into the workspace.
     """
@@ -104,12 +104,12 @@ def slide_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, monitor
         about_k = (wheel.radius - machine.height) * force.h + rotor_part(wheel, False) * spin
         part.push[TILT_Y], part.push[TILT_X] = tilt_rows(wheel, about_h, about_k)
         part.rolling, part.turning, part.heat = rolling, spin, loss
-        return pushed_plane(plane, 0.0, 0.0, free.yaw_moment), 0.0, power
+        return pushed_equations(equations, 0.0, 0.0, free.yaw_moment), 0.0, power
     if monitoring:
         set_part(parameters, mode, w, free, body, load)
     dy[rate_place(parameters, mode.roller, w, 0)] += rolling * wheel.axial_mobility
     dy[places(parameters).spin_rate + w] = (free.spin + spin) * wheel.spin_mobility
-    return pushed_plane(plane, x, y, free.yaw_moment + yaw), loss, power
+    return pushed_equations(equations, x, y, free.yaw_moment + yaw), loss, power
 
 
 @merged
@@ -128,9 +128,9 @@ def press_wheel(parameters, mode, w, dy, monitors, monitoring):
 
 
 @merged
-def observe_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, monitors, monitoring):
-    """What a wheel finds at its contacts, into the workspace; the Plane with its own moment, and the power of its
-    drive.
+def observe_wheel(parameters, mode, piece, t, w, body, load, equations, y, dy, monitors, monitoring):
+    """What a wheel finds at its contacts, into the workspace; the BodyEquations with its own moment, and the power of
+    its drive.
 
     load: of the wheel, N, unless the contacts carry roll and pitch.
     """
@@ -146,8 +146,10 @@ def observe_wheel(parameters, mode, piece, t, w, body, load, plane, y, dy, monit
     if parameters.machine.upright == CONTACTS:
         place_load(parameters.wheels[w], parameters.workspace, w)
     if holds(part, parameters.workspace.contacts[2 * w]):
-        plane = held_body(parameters.machine, parameters.workspace.loads, parameters.workspace.contacts[2 * w], plane)
-    return pushed_plane(plane, 0.0, 0.0, free.yaw_moment), free.drive * free.state.spin_rate
+        equations = held_body(
+            parameters.machine, parameters.workspace.loads, parameters.workspace.contacts[2 * w], equations
+        )
+    return pushed_equations(equations, 0.0, 0.0, free.yaw_moment), free.drive * free.state.spin_rate
 
 
 @kernel

@@ -15,7 +15,7 @@ from omnisim.dynamics.multibody.rigid_body import (
     third_axis,
 )
 from omnisim.dynamics.normal_forces import tilt_of
-from omnisim.dynamics.planar_body import Plane
+from omnisim.dynamics.planar_body import BodyEquations
 
 
 class Carrier(NamedTuple):
@@ -105,10 +105,10 @@ def joined(a, b):
 
 
 @kernel
-def plane_of(balance):
-    """The Plane of a Balance, as planar_body.py has it."""
+def equations_of(balance):
+    """The BodyEquations of a Balance, as planar_body.py has it."""
     x, y, yaw, known = balance
-    return Plane(-x.x, -x.y, -x.yaw, -y.y, -y.yaw, -yaw.yaw, known.x, known.y, known.yaw)
+    return BodyEquations(-x.x, -x.y, -x.yaw, -y.y, -y.yaw, -yaw.yaw, known.x, known.y, known.yaw)
 
 
 @kernel

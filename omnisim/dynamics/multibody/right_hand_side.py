@@ -20,9 +20,9 @@ from omnisim.dynamics.multibody.chassis import (
     Balance,
     chassis_balance,
     chassis_of,
+    equations_of,
     find_servo,
     joined,
-    plane_of,
     resisting,
     set_tilt_rows,
 )
@@ -83,7 +83,7 @@ def multibody_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring):
     for w in range(len(wheels)):
         own, work, loss = join_wheel(parameters, mode[w], piece, t, w, carrier, y, dy)
         balance, power, bearing_loss = joined(balance, own), power + work, bearing_loss + loss
-    load, plane = -balance.known.z, plane_of(balance)
+    load, equations = -balance.known.z, equations_of(balance)
     set_tilt_rows(balance, workspace.loads.tilt)
     pushing = machine.upright != CONTACTS or machine.law == VISCOUS
     for w in range(len(wheels)):
@@ -95,11 +95,11 @@ def multibody_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring):
         sought += part.sought
         pushing = pushing or mode[w].shared == 1
         if holds(part, workspace.contacts[2 * w]):
-            plane = held_body(machine, workspace.loads, workspace.contacts[2 * w], plane)
+            equations = held_body(machine, workspace.loads, workspace.contacts[2 * w], equations)
     if sought:
-        acceleration, regular = settle_forces(machine, wheels, workspace, load, plane, pushing)
+        acceleration, regular = settle_forces(machine, wheels, workspace, load, equations, pushing)
     else:
-        acceleration, _, regular = solve(machine, workspace, load, plane, pushing)
+        acceleration, _, regular = solve(machine, workspace, load, equations, pushing)
     angular = times(acceleration.yaw, UP)
     linear = plus(times(acceleration.x, carrier.x), times(acceleration.y, carrier.y))
     for w in range(len(wheels)):
