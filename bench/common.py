@@ -13,7 +13,7 @@ from omnisim.base.methods import METHODS, Stages
 from omnisim.base.status import COMPLETE, EVENTS_PER_STEP
 from omnisim.dynamics.packing import pack
 from omnisim.dynamics.parameters import Parameters
-from omnisim.dynamics.state import Rows, Run
+from omnisim.dynamics.state import Recording, Run
 from omnisim.march.events import EVENT
 from omnisim.march.initial_state import begin, blank_rows
 from omnisim.march.march import march
@@ -65,7 +65,7 @@ class March(NamedTuple):
     parameters: Parameters
     stages: Stages
     run: Run
-    rows: Rows
+    rows: Recording
     log: np.recarray
 
     @property

@@ -209,7 +209,7 @@ class Run(NamedTuple):
     newton: Newton
 
 
-class Rows(NamedTuple):
+class Recording(NamedTuple):
     """What is recorded at the T output times, and of the interval that each of them ends; the next one is under way.
 
     y (T, n): states; rates (T, W, N); mode (T, W); piece (T,); extremes (T, W): records EXTREME. bearing_extremes

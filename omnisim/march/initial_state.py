@@ -8,7 +8,7 @@ from omnisim.base.methods import EXPLICIT, METHODS
 from omnisim.base.records import blank, plain, records
 from omnisim.contact.tracking import IMPLICIT_TRACKING
 from omnisim.dynamics.parameters import MULTIBODY, Parameters
-from omnisim.dynamics.state import CLOCK, EXTREME, MODE, MONITORS, YAW, Newton, Rows, Run, X, Y, places_in
+from omnisim.dynamics.state import CLOCK, EXTREME, MODE, MONITORS, YAW, Newton, Recording, Run, X, Y, places_in
 from omnisim.march.friction_modes import alignment, fineness, stopping_alignment
 from omnisim.march.stiffness import resolve
 from omnisim.scene.schema import Config, Time
@@ -70,10 +70,10 @@ def newton_workspace(parameters: Parameters, states: int) -> Newton:
     )
 
 
-def blank_rows(run: Run, count: int, bearings: bool = False, odometry: bool = False) -> Rows:
+def blank_rows(run: Run, count: int, bearings: bool = False, odometry: bool = False) -> Recording:
     """Space for `count` rows of a run; of bearing loads and of the odometry's error if asked for."""
     wheels, rollers = run.rates.shape
-    return Rows(
+    return Recording(
         y=np.empty((count, len(run.y))),
         rates=np.empty((count, wheels, rollers)),
         mode=blank(MODE, count, wheels),

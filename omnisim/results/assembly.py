@@ -11,7 +11,7 @@ from omnisim.base.status import EVENT_KINDS
 from omnisim.base.version import VERSION
 from omnisim.dynamics.description import describe
 from omnisim.dynamics.parameters import Parameters
-from omnisim.dynamics.state import Rows, Run
+from omnisim.dynamics.state import Recording, Run
 from omnisim.march.events import STOP
 from omnisim.march.stiffness import method_used
 from omnisim.results.observables import datasets, energy
@@ -23,7 +23,7 @@ MODERATE = 1e100  # J
 
 
 def collect(
-    scene: Scene, parameters: Parameters, run: Run, rows: Rows, log: np.ndarray, wall_time: float
+    scene: Scene, parameters: Parameters, run: Run, rows: Recording, log: np.ndarray, wall_time: float
 ) -> Trajectory:
     """The Trajectory of a march as far as it has come; the Run may go on."""
     config, names = scene.config, [wheel.name for wheel in scene.config.wheels]
@@ -83,7 +83,7 @@ def ending(config: Config, run: Run, kept: int) -> Ending:
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def outcome(config: Config, parameters: Parameters, run: Run, rows: Rows) -> str:
+def outcome(config: Config, parameters: Parameters, run: Run, rows: Recording) -> str:
     """How a march has ended, in the sentence that `collect` would give it, from as little as that takes."""
     known = so_far(rows, run.clock)
     energies, kept = energy(parameters, known), len(known.y)
@@ -92,9 +92,9 @@ def outcome(config: Config, parameters: Parameters, run: Run, rows: Rows) -> str
     return ending(config, run, kept).sentence
 
 
-def so_far(rows: Rows, clock: np.record) -> Rows:
+def so_far(rows: Recording, clock: np.record) -> Recording:
     """The rows that are written."""
-    return Rows(*(values[: clock.row] for values in rows))
+    return Recording(*(values[: clock.row] for values in rows))
 
 
 def finite_rows(sampled: dict[str, np.ndarray]) -> int:

@@ -15,7 +15,7 @@ from omnisim.dynamics.multibody.joint_forces import recover, resolve_joints
 from omnisim.dynamics.multibody.residuals import residuals
 from omnisim.dynamics.normal_forces import servo
 from omnisim.dynamics.parameters import DRIVE, MULTIBODY, SERVO, Parameters
-from omnisim.dynamics.state import MONITORS, YAW, Places, Rows, X, Y, places, places_in
+from omnisim.dynamics.state import MONITORS, YAW, Places, Recording, X, Y, places, places_in
 from omnisim.dynamics.wheel import (
     azimuth,
     body_motion,
@@ -143,7 +143,7 @@ def store(target, vector):
     target[0], target[1], target[2] = vector.x, vector.y, vector.z
 
 
-def observed_rows(parameters: Parameters, rows: Rows, times: np.ndarray, bearings: bool = False) -> Observed:
+def observed_rows(parameters: Parameters, rows: Recording, times: np.ndarray, bearings: bool = False) -> Observed:
     """What `observe` finds in these rows, recorded at these times (T,), s."""
     count, wheels, rollers = rows.rates.shape
     observed = Observed(
@@ -159,7 +159,7 @@ def observed_rows(parameters: Parameters, rows: Rows, times: np.ndarray, bearing
 
 
 @np.errstate(over="ignore", invalid="ignore")  # the caller drops rows that are not finite
-def datasets(parameters: Parameters, rows: Rows, interval: float, config: Config) -> dict[str, np.ndarray]:
+def datasets(parameters: Parameters, rows: Recording, interval: float, config: Config) -> dict[str, np.ndarray]:
     """All datasets of T rows, `interval` seconds apart, but the events: by path in the trajectory file."""
     times, bearings = np.arange(len(rows.y)) * interval, config.bearing_loads
     observed, multibody = observed_rows(parameters, rows, times, bearings), parameters.machine.formulation == MULTIBODY
@@ -228,7 +228,7 @@ def odometry(parameters: Parameters, y: np.ndarray, position: np.ndarray) -> dic
     }
 
 
-def energy(parameters: Parameters, rows: Rows) -> dict[str, np.ndarray]:
+def energy(parameters: Parameters, rows: Recording) -> dict[str, np.ndarray]:
     """Kinetic energy, the works since t = 0, and what is missing between them."""
     machine, wheels, y, at = parameters.machine, np.asarray(parameters.wheels), rows.y, places_in(parameters)
     doubled = machine.mass * (y[:, at.velocity] ** 2 + y[:, at.velocity + 1] ** 2)
@@ -295,7 +295,7 @@ def bearing_loads(found: np.ndarray, rollers: int, chassis: bool) -> dict[str, n
     return own | {"rollers/bearing_force": force[:, 1:], "rollers/bearing_moment": moment[:, 1:]}
 
 
-def wheel_datasets(at: Places, w: int, rollers: int, rows: Rows, observed: Observed) -> dict[str, np.ndarray]:
+def wheel_datasets(at: Places, w: int, rollers: int, rows: Recording, observed: Observed) -> dict[str, np.ndarray]:
     """Datasets of wheel w with so many rollers, by path below its group."""
     contacts, mode = np.asarray(observed.contacts)[:, w], np.asarray(rows.mode)[:, w]
     position, velocity, acceleration = observed.motion[:, :, w, :rollers]

@@ -30,7 +30,7 @@ class Carrier(NamedTuple):
     velocity: Vec3  # of C
 
 
-class Rows(NamedTuple):
+class GeneralizedForce(NamedTuple):
     """A wrench on the chassis about C in the rows of normal_forces.py, and along the vertical."""
 
     x: float
@@ -44,10 +44,10 @@ class Rows(NamedTuple):
 class Balance(NamedTuple):
     """The equations of the chassis: what it feels of unit accelerations along x, y and about n, and without any."""
 
-    x: Rows
-    y: Rows
-    yaw: Rows
-    known: Rows
+    x: GeneralizedForce
+    y: GeneralizedForce
+    yaw: GeneralizedForce
+    known: GeneralizedForce
 
 
 @merged
@@ -81,21 +81,23 @@ def chassis_balance(machine, carrier, wrench):
     known = resisting(carrier, arm, Wrench3(cross(rate, momentum), times(mass, swept)))
     lever = machine.lever
     about_x, about_y = lever[1] * wrench.z - lever[2] * wrench.y, lever[2] * wrench.x - lever[0] * wrench.z
-    return Balance(x, y, yaw, together(known, Rows(wrench.x, wrench.y, wrench.yaw, -about_y, about_x, wrench.z)))
+    return Balance(
+        x, y, yaw, together(known, GeneralizedForce(wrench.x, wrench.y, wrench.yaw, -about_y, about_x, wrench.z))
+    )
 
 
 @kernel
 def resisting(carrier, arm, wrench):
-    """The Rows of a wrench that the chassis gives at `arm` from C: on itself it has the other sign."""
+    """The GeneralizedForce of a wrench that the chassis gives at `arm` from C: on itself it has the other sign."""
     moment, force = plus(wrench.moment, cross(arm, wrench.force)), wrench.force
     about_x, about_y = dot(moment, carrier.x), dot(moment, carrier.y)
-    return Rows(-dot(force, carrier.x), -dot(force, carrier.y), -moment.z, about_y, -about_x, -force.z)
+    return GeneralizedForce(-dot(force, carrier.x), -dot(force, carrier.y), -moment.z, about_y, -about_x, -force.z)
 
 
 @kernel
 def together(a, b):
-    """Sum of two Rows."""
-    return Rows(a.x + b.x, a.y + b.y, a.yaw + b.yaw, a.tilt_y + b.tilt_y, a.tilt_x + b.tilt_x, a.z + b.z)
+    """Sum of two GeneralizedForces."""
+    return GeneralizedForce(a.x + b.x, a.y + b.y, a.yaw + b.yaw, a.tilt_y + b.tilt_y, a.tilt_x + b.tilt_x, a.z + b.z)
 
 
 @kernel

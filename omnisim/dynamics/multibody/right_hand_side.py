@@ -250,9 +250,9 @@ def meet(parameters, mode, w, side, carrier, body, y):
     )  # fmt: skip
     contact = workspace.contacts[2 * w + side]
     set_contact(contact, state, j, mode.shared)
-    set_lever_column(contact.lever, 0, floor_rows(carrier, arm, art, by_h, held))
-    set_lever_column(contact.lever, 1, floor_rows(carrier, arm, art, by_k, held))
-    rows, twist = floor_rows(carrier, arm, art, by_n, held), contact.twist
+    set_lever_column(contact.lever, 0, felt_from_floor(carrier, arm, art, by_h, held))
+    set_lever_column(contact.lever, 1, felt_from_floor(carrier, arm, art, by_k, held))
+    rows, twist = felt_from_floor(carrier, arm, art, by_n, held), contact.twist
     twist[2], twist[TILT_Y], twist[TILT_X] = rows.yaw, rows.tilt_y, rows.tilt_x
     find_friction(parameters, mode, w, side, body, state, j)
 
@@ -264,8 +264,8 @@ def set_lever_column(lever, i, rows):
 
 
 @kernel
-def floor_rows(carrier, arm, art, given, held):
-    """The Rows in which the chassis feels a Wrench3 that the floor gives to a wheel."""
+def felt_from_floor(carrier, arm, art, given, held):
+    """The GeneralizedForce in which the chassis feels a Wrench3 that the floor gives to a wheel."""
     _, through = transmitted(art, Wrench3(times(-1.0, given.moment), times(-1.0, given.force)), 0.0, held)
     return resisting(carrier, arm, through)
 
