@@ -7,7 +7,7 @@ import pytest
 from scenes import packed, reference_scene
 
 from omnisim.dynamics.packing import lines
-from omnisim.dynamics.parameters import DRIVE, FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE
+from omnisim.dynamics.parameters import DRIVE_INPUT, FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE
 
 pytestmark = pytest.mark.short
 
@@ -62,7 +62,7 @@ def test_tables_are_linear_between_and_held_outside():
     scene = reference_scene("testbench_psi0", f"wheels.wheel.drive={{kind='torque', times={times}, torque={torque}}}")
     parameters, _ = packed(scene)
     for t in np.linspace(0.0, 3.0, 61):
-        assert value(parameters, DRIVE, t) == pytest.approx(np.interp(t, times, torque), abs=1e-15)
+        assert value(parameters, DRIVE_INPUT, t) == pytest.approx(np.interp(t, times, torque), abs=1e-15)
 
 
 def test_two_equal_times_are_a_jump_with_the_new_value_from_there_on():
@@ -70,8 +70,8 @@ def test_two_equal_times_are_a_jump_with_the_new_value_from_there_on():
         "testbench_psi0", "wheels.wheel.drive={kind='torque', times=[0.0, 1.0, 1.0, 2.0], torque=[0.0, 1.0, 5.0, 6.0]}"
     )
     parameters, _ = packed(scene)
-    assert value(parameters, DRIVE, 1.0 - 1e-9) == pytest.approx(1.0, abs=1e-8)
-    assert value(parameters, DRIVE, 1.0) == 5.0
+    assert value(parameters, DRIVE_INPUT, 1.0 - 1e-9) == pytest.approx(1.0, abs=1e-8)
+    assert value(parameters, DRIVE_INPUT, 1.0) == 5.0
 
 
 def test_a_jump_at_the_start_or_a_table_that_begins_before_it_starts_after_the_jump():
@@ -79,8 +79,8 @@ def test_a_jump_at_the_start_or_a_table_that_begins_before_it_starts_after_the_j
         "testbench_psi0", "wheels.wheel.drive={kind='torque', times=[-1.0, 0.0, 0.0, 2.0], torque=[9.0, 9.0, 1.0, 3.0]}"
     )
     parameters, _ = packed(scene)
-    assert value(parameters, DRIVE, 0.0) == 1.0
-    assert value(parameters, DRIVE, 1.0) == 2.0
+    assert value(parameters, DRIVE_INPUT, 0.0) == 1.0
+    assert value(parameters, DRIVE_INPUT, 1.0) == 2.0
     assert list(parameters.starts) == [0.0, 2.0]
 
 
@@ -95,7 +95,7 @@ def test_tables_with_different_knots_share_one_sequence_of_pieces():
     parameters, _ = packed(scene)
     assert list(parameters.starts) == [0.0, 0.5, 1.0, 1.5]
     for t in np.linspace(0.0, 2.0, 41):
-        assert value(parameters, DRIVE, t) == pytest.approx(np.interp(t, [0.0, 1.5], [0.0, 3.0]), abs=1e-14)
+        assert value(parameters, DRIVE_INPUT, t) == pytest.approx(np.interp(t, [0.0, 1.5], [0.0, 3.0]), abs=1e-14)
         assert value(parameters, FORCE_X, t) == pytest.approx(np.interp(t, [0.5, 1.0], [1.0, 2.0]), abs=1e-14)
         assert value(parameters, FORCE_Y, t) == pytest.approx(np.interp(t, [0.5, 1.0], [2.0, 0.0]), abs=1e-14)
         assert value(parameters, FORCE_Z, t) == pytest.approx(np.interp(t, [0.5, 1.0], [3.0, -3.0]), abs=1e-14)

@@ -17,7 +17,7 @@ import numpy as np
 from numba.experimental import structref
 
 from bench.common import March
-from omnisim.dynamics.parameters import DRIVE
+from omnisim.dynamics.parameters import DRIVE_INPUT
 from omnisim.dynamics.state import places, places_in
 from omnisim.march.roller_exchange import release_rollers, take_rollers
 from omnisim.march.runge_kutta import evaluate
@@ -33,7 +33,7 @@ def numpy_form(march: March) -> Callable:
     radius, r1, c, s = (float(wheel[name]) for name in ("radius", "roller_distance", "cos_psi", "sin_psi"))
     j_k, i_a, i_z, mass = wheel.axle_inertia, wheel.axial_inertia, machine.yaw_inertia, machine.mass
     limit, eps, air_cos, air_sin = machine.friction * mass * machine.gravity, machine.slip_speed, *air_sums(march)
-    torque, q_0 = march.parameters.inputs[0, DRIVE, 0], wheel.phase + 2.0 * wheel.alpha * mode.roller
+    torque, q_0 = march.parameters.inputs[0, DRIVE_INPUT, 0], wheel.phase + 2.0 * wheel.alpha * mode.roller
 
     def f(_, y):
         velocity, yaw, yaw_rate, spin_rate, roller_rate = y[4:6], y[YAW], y[YAW_RATE], y[SPIN_RATE], y[ROLLER]
@@ -90,7 +90,7 @@ def numpy_machine(march: March) -> Callable:
             -c * i_a * (cos_q * across - sin_q * mode.air_sin),
             -c * i_a * (sin_q * across + cos_q * mode.air_sin),
         )
-        g_k, target = s * i_a * (mode.air_sum + roller), inputs[DRIVE:, 0] + inputs[DRIVE:, 1] * (t - start)
+        g_k, target = s * i_a * (mode.air_sum + roller), inputs[DRIVE_INPUT:, 0] + inputs[DRIVE_INPUT:, 1] * (t - start)
         torque = wheels.drive_gain * target - wheels.drive_damping * spin
         errors = np.zeros(0)
         if machine.integrals:
@@ -128,7 +128,10 @@ def scalar_form(march: March) -> Callable:
     j_k, i_a = float(wheel.axle_inertia), float(wheel.axial_inertia)
     mass, i_z, tan_psi = float(machine.mass), float(machine.yaw_inertia), float(wheel.tan_psi)
     limit, eps_square = float(machine.friction * mass * machine.gravity), float(machine.slip_speed) ** 2
-    torque, q_0 = float(march.parameters.inputs[0, DRIVE, 0]), float(wheel.phase + 2.0 * wheel.alpha * mode.roller)
+    torque, q_0 = (
+        float(march.parameters.inputs[0, DRIVE_INPUT, 0]),
+        float(wheel.phase + 2.0 * wheel.alpha * mode.roller),
+    )
     air_cos, air_sin, cos, sin, sqrt = *air_sums(march), math.cos, math.sin, math.sqrt
 
     def f(_, y):

@@ -11,7 +11,7 @@ controller asks for the voltage that it found at its last sample; limits act at 
 import math
 
 from omnisim.base.kernel import kernel, outlined
-from omnisim.dynamics.parameters import DRIVE
+from omnisim.dynamics.parameters import DRIVE_INPUT
 from omnisim.dynamics.state import places
 
 FREE, BY_LIMIT, BY_CURRENT = range(3)  # which limit a drive is at; the sign is its sense
@@ -21,7 +21,7 @@ PLAY = 1e-12  # of a limit, between reaching and leaving it
 @kernel
 def drive_input(parameters, piece, t, w):
     """What the drive of wheel w is given: torque (N m), target rate (rad/s) or voltage (V)."""
-    value, slope = parameters.inputs[piece, DRIVE + w, 0], parameters.inputs[piece, DRIVE + w, 1]
+    value, slope = parameters.inputs[piece, DRIVE_INPUT + w, 0], parameters.inputs[piece, DRIVE_INPUT + w, 1]
     return value + slope * (t - parameters.starts[piece])
 
 

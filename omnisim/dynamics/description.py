@@ -62,7 +62,7 @@ def describe(config: Config, parameters: Parameters) -> Model:
 def integrated(config: Config, parameters: Parameters) -> Iterator[Part]:
     """What has states, or would have."""
     machine, at, (wheels, most) = parameters.machine, places_in(parameters), parameters.sector.shape[:2]
-    bearings, implicit = bool(machine.bearings), config.solver.tracking == "implicit"
+    bearings, implicit = bool(machine.bearing_friction), config.solver.tracking == "implicit"
     multibody, count = machine.formulation == MULTIBODY, at.integral - at.roller_rate
     every = bearings or multibody
     yield Part("plane motion", True, 6, motion_reason(config))
@@ -117,7 +117,7 @@ def algebraic(config: Config, parameters: Parameters) -> Iterator[Part]:
     loads, why = config.bearing_loads, "force and moment of every bearing, from the accelerations of a row"
     yield Part("bearing loads", loads, 0, why if loads else "output.bearing_loads = true writes them")
     yield Part("contact torque", friction.contact_torque != "none", 0, patch_reason(friction))
-    yield Part("bearing friction", bool(parameters.machine.bearings), 0, bearing_reason(config))
+    yield Part("bearing friction", bool(parameters.machine.bearing_friction), 0, bearing_reason(config))
 
 
 def drives(wheels: Sequence[Wheel]) -> Iterator[Part]:

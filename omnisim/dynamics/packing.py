@@ -14,7 +14,7 @@ from omnisim.dynamics.parameters import (
     ARTICULATED,
     CONTACT,
     CONTACTS,
-    DRIVE,
+    DRIVE_INPUT,
     FORCE_X,
     FORCE_Y,
     FORCE_Z,
@@ -58,7 +58,7 @@ def pack(config: Config) -> Parameters:
     machine["places"] = places_of(
         len(wheels),
         machine["slots"],
-        *(int(machine[flag]) for flag in ("integrals", "currents", "bearings", "motors", "odometry")),
+        *(int(machine[flag]) for flag in ("integrals", "currents", "bearing_friction", "motors", "odometry")),
         rhos=len(wheels) * most if config.solver.tracking == "implicit" else 0,
         bodies=1 + len(wheels) * (1 + most) if machine["formulation"] == MULTIBODY else 0,
     )
@@ -112,9 +112,9 @@ def exact_moments(masses: Sequence[float], points: Sequence[Sequence[float]]) ->
 def machine_values(config: Config, types: list[WheelType]) -> dict:
     """Values of the MACHINE record, but those that take all wheels to know."""
     friction, whole = config.friction, bodies(config)
-    bearings = any(kind.roller.has_bearing_friction for kind in types)
+    bearing_friction = any(kind.roller.has_bearing_friction for kind in types)
     formulation = FORMULATIONS[config.solver.formulation]
-    every_rate = bearings or formulation == MULTIBODY
+    every_rate = bearing_friction or formulation == MULTIBODY
     along, normal = gravity(config)
     laws = [drive_law(wheel.drive) for wheel in config.wheels]
     motors = [law.motor for law in laws if law.motor]
@@ -142,7 +142,7 @@ def machine_values(config: Config, types: list[WheelType]) -> dict:
         "formulation": formulation,
         "chassis_mass": config.chassis.mass if config.chassis else 0.0,
         "chassis_inertia": config.chassis.inertia if config.chassis else (0.0, 0.0, 0.0),
-        "bearings": bearings,
+        "bearing_friction": bearing_friction,
         "every_rate": every_rate,
         "bearing_relaxation": max(bearing_relaxation(kind.roller) for kind in types),
         "slots": max(kind.roller_count for kind in types) if every_rate else 2,
@@ -294,7 +294,7 @@ def merge_tables(config: Config, rows: np.ndarray) -> tuple[np.ndarray, np.ndarr
     edges = np.array([0.0, *knots, math.inf])
     lasting = edges[1:] - edges[:-1] > SHORTEST * (1.0 + edges[:-1])  # knots that rounding cannot part are a jump
     starts = edges[:-1][lasting]
-    inputs = np.zeros((len(starts), DRIVE + len(config.wheels), 2))
+    inputs = np.zeros((len(starts), DRIVE_INPUT + len(config.wheels), 2))
     for channels, times, values in merged:
         if len(times) == 1:
             inputs[:, channels, 0] = values
@@ -312,11 +312,11 @@ def tables(config: Config, rows: np.ndarray) -> Iterator[tuple[list[int], Sequen
     if followers := [w for w, drive in enumerate(drives) if drive.follows_command]:
         twists = np.array(config.command.twist)
         rates = [[rows[w] @ twist for w in followers] for twist in twists]  # of an ideal machine
-        yield [DRIVE + w for w in followers], config.command.times, rates
+        yield [DRIVE_INPUT + w for w in followers], config.command.times, rates
     for w, drive in enumerate(drives):
         if not drive.follows_command:
             times, values = drive.table
-            yield [DRIVE + w], times, [[value] for value in values]
+            yield [DRIVE_INPUT + w], times, [[value] for value in values]
 
 
 def lines(times: np.ndarray, values: np.ndarray, starts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -28,7 +28,7 @@ MACHINE = np.dtype(
         ("formulation", np.int64),  # REDUCED or MULTIBODY
         ("chassis_mass", np.float64),  # kg; 0 of a bare wheel
         ("chassis_inertia", np.float64, (3,)),  # about its own axes, kg m^2
-        ("bearings", np.int64),  # 1: bearing friction
+        ("bearing_friction", np.int64),  # 1: bearing friction
         ("every_rate", np.int64),  # 1: the rates of all rollers are states
         ("bearing_relaxation", np.float64),  # fastest rate at which bearing friction stops a roller, 1/s
         ("slots", np.int64),  # of roller rates in the state, for each wheel
@@ -94,7 +94,7 @@ WHEEL = np.dtype(
     ],
     align=True,
 )
-FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE, DRIVE = range(5)  # channels of the inputs; DRIVE + w is the drive of wheel w
+FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE, DRIVE_INPUT = range(5)  # channels of the inputs; the last is of wheel 0
 SERVO, CONTACTS = 0, 1
 REDUCED, MULTIBODY = 0, 1
 FORMULATIONS = {"reduced": REDUCED, "multibody": MULTIBODY}

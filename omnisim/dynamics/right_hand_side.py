@@ -58,7 +58,7 @@ def reduced_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring):
     if machine.inclined:
         equations = inclined_equations(machine, body, equations)
     heat, power = 0.0, 0.0  # of friction and of the drives, W
-    if machine.bearings:
+    if machine.bearing_friction:
         dy[at.bearing_loss] = 0.0
     if machine.motors:
         rest_motors(parameters, dy)

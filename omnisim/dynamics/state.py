@@ -65,13 +65,13 @@ def places_in(parameters):
     return Places(*map(int, parameters.machine.places))
 
 
-def places_of(wheels, slots, integrals, currents, bearings, motors, odometry, rhos=0, bodies=0):
+def places_of(wheels, slots, integrals, currents, bearing_friction, motors, odometry, rhos=0, bodies=0):
     """Places for so many wheels with so many slots of roller rates each, rollers with a rho, and bodies; the others: 1
     if the scene has them."""
     rates, rollers, integral = 3 + wheels, 6 + 2 * wheels, 6 + 2 * wheels + slots * wheels
     current = integral + integrals * wheels
     works = current + currents * wheels
-    energies = works + 3 + bearings
+    energies = works + 3 + bearing_friction
     pose = energies + 4 * motors
     rho = pose + 2 * odometry
     first = rho + 3 * rhos

@@ -176,7 +176,7 @@ def all_rollers(parameters, mode, w, cos_q, sin_q, y):
     machine, wheel = parameters.machine, parameters.wheels[w]
     across = -wheel.cos_psi * wheel.axial_inertia
     along = wheel.axial_inertia * wheel.sin_psi
-    if machine.bearings:
+    if machine.bearing_friction:
         return bearing_rollers(parameters, mode, w, cos_q, sin_q, y)
     rate = y[rate_place(parameters, mode.roller, w, 0)]
     cos_sum, sin_sum, total = mode.air_cos + rate, mode.air_sin, mode.air_sum + rate

@@ -41,7 +41,7 @@ def free_wheel(parameters, mode, piece, t, w, body, y, dy):
     state = contact_state(parameters, mode, w, 0, body, y)
     rollers = all_rollers(parameters, mode, w, state.cos_q, state.sin_q, y)
     demand, drive = actuate(parameters, mode, piece, t, w, spin_rate, y, dy)
-    if machine.bearings:
+    if machine.bearing_friction:
         dy[at.bearing_loss] += rollers.bearing_loss
         air_rates(parameters, mode, w, state, y, dy)
     else:
@@ -189,7 +189,7 @@ def find_friction(parameters, mode, w, side, body, state, j):
     contact.rest = machine.law == COULOMB and mode.grip[side] != SLIP
     if contact.rest:
         spin = 0.0 if mode.shared else parameters.workspace.parts[w].free_spin * wheel.spin_mobility
-        roller = bearing_torque(wheel, state.joint) * wheel.axial_mobility if machine.bearings else 0.0
+        roller = bearing_torque(wheel, state.joint) * wheel.axial_mobility if machine.bearing_friction else 0.0
         centre = centre_acceleration(wheel, body, 0.0, 0.0, 0.0)
         bias = slip_acceleration(wheel, state, Motion(centre.h, centre.k, spin, 0.0, roller))
         contact.bias[0], contact.bias[1] = bias.h, bias.k

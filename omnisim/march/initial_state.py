@@ -70,7 +70,7 @@ def newton_workspace(parameters: Parameters, states: int) -> Newton:
     )
 
 
-def blank_rows(run: Run, count: int, bearings: bool = False, odometry: bool = False) -> Recording:
+def blank_rows(run: Run, count: int, bearing_loads: bool = False, odometry: bool = False) -> Recording:
     """Space for `count` rows of a run; of bearing loads and of the odometry's error if asked for."""
     wheels, rollers = run.rates.shape
     return Recording(
@@ -79,7 +79,7 @@ def blank_rows(run: Run, count: int, bearings: bool = False, odometry: bool = Fa
         mode=blank(MODE, count, wheels),
         piece=np.empty(count, np.uint32),
         extremes=blank(EXTREME, count, wheels),
-        bearing_extremes=np.empty((count * bearings, wheels, rollers + 1, 4)),
+        bearing_extremes=np.empty((count * bearing_loads, wheels, rollers + 1, 4)),
         odometry_extremes=np.empty((count * odometry, 3)),
     )
 

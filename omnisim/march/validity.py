@@ -75,7 +75,7 @@ def check_energy(parameters, run):
     if clock.row == 0:
         clock.energy, clock.potential = 0.5 * doubled, potential
     fall = clock.potential - potential  # work of the weight
-    loss = y[at.friction_loss] + (y[at.bearing_loss] if machine.bearings else 0.0)
+    loss = y[at.friction_loss] + (y[at.bearing_loss] if machine.bearing_friction else 0.0)
     balance = 0.5 * doubled - clock.energy + loss - y[at.drive_work] - y[at.wrench_work] - fall
     turned_over = clock.energy + abs(y[at.drive_work]) + abs(y[at.wrench_work]) + abs(fall)
     clock.turnover = max(clock.turnover, turned_over)  # the works may have come back to nothing

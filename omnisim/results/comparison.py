@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from omnisim.results.layout import EVENT, TIME, Quantity
+from omnisim.results.layout import EVENT_NUMBER, TIME, Quantity
 from omnisim.results.trajectory import Trajectory
 
 STANDING = 1e-8  # m/s or rad/s: what moves more slowly than that stands
@@ -95,7 +95,7 @@ def compare(a: Trajectory, b: Trajectory) -> Comparison:
     same = same_contacts(a, b)
     rows = len(same)
     events = len(a["events/time"]), len(b["events/time"])
-    chosen = {TIME: np.flatnonzero(same), EVENT: np.arange(min(events))}
+    chosen = {TIME: np.flatnonzero(same), EVENT_NUMBER: np.arange(min(events))}
     table = [row for row in a.quantities if not row.is_scale and row.path in b]
     differences = tuple(difference(row, a[row.path], b[row.path], chosen) for row in table)
     return Comparison(rows, rows - int(same.sum()), events, differences, centre_height(a, b, chosen[TIME]))

@@ -22,7 +22,7 @@ import numpy as np
 
 from omnisim.base.files import write_whole
 from omnisim.base.trajectory_file import CHECKSUM, NO_MATCH, SCENE_CHECKSUM, checksum, opened, scene_text
-from omnisim.results.layout import ATTRIBUTES, EVENT, Quantity, Recorded, layout
+from omnisim.results.layout import ATTRIBUTES, EVENT_NUMBER, Quantity, Recorded, layout
 
 T = TypeVar("T")
 TEXT = h5py.string_dtype()  # variable length, UTF-8
@@ -77,7 +77,7 @@ def _create(file: h5py.File, quantity: Quantity, array: np.ndarray) -> None:
     dataset.attrs["description"] = quantity.description
     if quantity.is_scale:
         dataset.make_scale(name)
-    elif EVENT in quantity.axes and name != "time":
+    elif EVENT_NUMBER in quantity.axes and name != "time":
         # Makes /events/time a coordinate of the events. Without it xarray shows /time in its place, a
         # coordinate of the root that every group inherits.
         dataset.attrs["coordinates"] = "time"

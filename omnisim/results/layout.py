@@ -48,35 +48,35 @@ class Quantity:
 
 
 TIME, AXIS, PLANE, TANGENT, HUB, MOUNT = "time", "axis", "plane", "tangent", "hub", "mount"
-ROLLER, EVENT = "wheels/{wheel}/rollers/roller", "events/event"
+ROLLER, EVENT_NUMBER = "wheels/{wheel}/rollers/roller", "events/event"
 LABELS = {
     AXIS: ("x", "y", "z"),
     PLANE: ("x", "y"),
     TANGENT: ("h", "k"),
     HUB: ("h", "k", "n"),
     MOUNT: ("radial", "lateral", "axial"),
-}  # the other two, ROLLER and EVENT, count from 0
+}  # the other two, ROLLER and EVENT_NUMBER, count from 0
 
 BODY = "wheel centre (bare wheel) or chassis origin on the floor (vehicle)"
-WHEEL, ROLLERS = "wheels/{wheel}", "wheels/{wheel}/rollers"
-T, E = (TIME,), (EVENT,)
+WHEELS, ROLLERS = "wheels/{wheel}", "wheels/{wheel}/rollers"
+T, E = (TIME,), (EVENT_NUMBER,)
 
 # Of which quantities a run tells the extremes of each interval between two rows: of the march, not of the rows.
 # Those with a sign have a least value, too.
 EXTREMES = (
     ("odometry/position_error", "m", "error of the reported position", False),
     ("odometry/yaw_error", "rad", "error of the reported yaw angle", True),
-    (f"{WHEEL}/normal_force", "N", "normal force of the floor on the wheel", True),
-    (f"{WHEEL}/friction_force", "N", "friction force of the floor on a roller, its length", False),
-    (f"{WHEEL}/slip_velocity", "m/s", "slip velocity, its length", False),
-    (f"{WHEEL}/drive_torque", "N m", "drive torque on the disk about k", True),
-    (f"{WHEEL}/drive_power", "W", "power of the drive torque", True),
-    (f"{WHEEL}/voltage", "V", "voltage at the motor", True),
-    (f"{WHEEL}/current", "A", "current of the motor", True),
-    (f"{WHEEL}/electrical_power", "W", "power that the motor takes from its supply", True),
-    (f"{WHEEL}/bearing_radial_force", "N", "force of the axle on the wheel across it, its length", False),
-    (f"{WHEEL}/bearing_axial_force", "N", "force of the axle on the wheel along it", True),
-    (f"{WHEEL}/bearing_tilting_moment", "N m", "moment of the axle on the wheel across it, its length", False),
+    (f"{WHEELS}/normal_force", "N", "normal force of the floor on the wheel", True),
+    (f"{WHEELS}/friction_force", "N", "friction force of the floor on a roller, its length", False),
+    (f"{WHEELS}/slip_velocity", "m/s", "slip velocity, its length", False),
+    (f"{WHEELS}/drive_torque", "N m", "drive torque on the disk about k", True),
+    (f"{WHEELS}/drive_power", "W", "power of the drive torque", True),
+    (f"{WHEELS}/voltage", "V", "voltage at the motor", True),
+    (f"{WHEELS}/current", "A", "current of the motor", True),
+    (f"{WHEELS}/electrical_power", "W", "power that the motor takes from its supply", True),
+    (f"{WHEELS}/bearing_radial_force", "N", "force of the axle on the wheel across it, its length", False),
+    (f"{WHEELS}/bearing_axial_force", "N", "force of the axle on the wheel along it", True),
+    (f"{WHEELS}/bearing_tilting_moment", "N m", "moment of the axle on the wheel across it, its length", False),
     (f"{ROLLERS}/bearing_radial_force", "N", "force of its axle on the roller across it, its length", False),
     (f"{ROLLERS}/bearing_axial_force", "N", "force of its axle on the roller along it", True),
     (f"{ROLLERS}/bearing_tilting_moment", "N m", "moment of its axle on the roller across it, its length", False),
@@ -117,29 +117,29 @@ TABLE = (
     Quantity("odometry/yaw", T, "rad", "yaw angle as ideal wheels without slip would report it", optional=True),
     Quantity("odometry/position_error", (TIME, PLANE), "m", "reported less true position, world axes", optional=True),
     Quantity("odometry/yaw_error", T, "rad", "reported less true yaw angle", optional=True),
-    Quantity(f"{WHEEL}/spin_angle", T, "rad", "spin angle about k, never wrapped; positive rolls forward"),
-    Quantity(f"{WHEEL}/spin_rate", T, "rad/s", "spin rate about k"),
-    Quantity(f"{WHEEL}/spin_acceleration", T, "rad/s^2", "spin acceleration about k"),
-    Quantity(f"{WHEEL}/drive_torque", T, "N m", "drive torque on the disk about k"),
-    Quantity(f"{WHEEL}/drive_power", T, "W", "power of the drive torque"),
-    Quantity(f"{WHEEL}/target_rate", T, "rad/s", "spin rate that the drive follows", optional=True),
-    Quantity(f"{WHEEL}/voltage", T, "V", "voltage of the motor", optional=True),
-    Quantity(f"{WHEEL}/current", T, "A", "current of the motor", optional=True),
-    Quantity(f"{WHEEL}/electrical_power", T, "W", "power that the motor takes from its supply; below 0 it gives some",
+    Quantity(f"{WHEELS}/spin_angle", T, "rad", "spin angle about k, never wrapped; positive rolls forward"),
+    Quantity(f"{WHEELS}/spin_rate", T, "rad/s", "spin rate about k"),
+    Quantity(f"{WHEELS}/spin_acceleration", T, "rad/s^2", "spin acceleration about k"),
+    Quantity(f"{WHEELS}/drive_torque", T, "N m", "drive torque on the disk about k"),
+    Quantity(f"{WHEELS}/drive_power", T, "W", "power of the drive torque"),
+    Quantity(f"{WHEELS}/target_rate", T, "rad/s", "spin rate that the drive follows", optional=True),
+    Quantity(f"{WHEELS}/voltage", T, "V", "voltage of the motor", optional=True),
+    Quantity(f"{WHEELS}/current", T, "A", "current of the motor", optional=True),
+    Quantity(f"{WHEELS}/electrical_power", T, "W", "power that the motor takes from its supply; below 0 it gives some",
              optional=True),
-    Quantity(f"{WHEEL}/heat", T, "W", "power turned into heat in the windings of the motor", optional=True),
-    Quantity(f"{WHEEL}/normal_force", T, "N", "normal force of the floor on the wheel"),
-    Quantity(f"{WHEEL}/contact_angle", T, "rad", "azimuth of contact_roller from straight down towards h"),
-    Quantity(f"{WHEEL}/contact_roller", T, "1", "roller in contact with the floor", "int64"),
-    Quantity(f"{WHEEL}/contact_point", (TIME, AXIS), "m", "where contact_roller touches the floor"),
-    Quantity(f"{WHEEL}/slip_velocity", (TIME, TANGENT), "m/s", "velocity of contact_roller at its contact point"),
-    Quantity(f"{WHEEL}/friction_force", (TIME, TANGENT), "N", "friction force of the floor on contact_roller"),
-    Quantity(f"{WHEEL}/contact_share", T, "1",
+    Quantity(f"{WHEELS}/heat", T, "W", "power turned into heat in the windings of the motor", optional=True),
+    Quantity(f"{WHEELS}/normal_force", T, "N", "normal force of the floor on the wheel"),
+    Quantity(f"{WHEELS}/contact_angle", T, "rad", "azimuth of contact_roller from straight down towards h"),
+    Quantity(f"{WHEELS}/contact_roller", T, "1", "roller in contact with the floor", "int64"),
+    Quantity(f"{WHEELS}/contact_point", (TIME, AXIS), "m", "where contact_roller touches the floor"),
+    Quantity(f"{WHEELS}/slip_velocity", (TIME, TANGENT), "m/s", "velocity of contact_roller at its contact point"),
+    Quantity(f"{WHEELS}/friction_force", (TIME, TANGENT), "N", "friction force of the floor on contact_roller"),
+    Quantity(f"{WHEELS}/contact_share", T, "1",
              "1, or the share of contact_roller (the one at q = +alpha) while two rollers carry the load"),
-    Quantity(f"{WHEEL}/contact_torque", T, "N m", "torque of the floor on contact_roller about the normal"),
-    Quantity(f"{WHEEL}/servo_torque", T, "N m", "torque about h that keeps a bare wheel upright", optional=True),
-    Quantity(f"{WHEEL}/bearing_force", (TIME, HUB), "N", "force of the axle on the wheel", optional=True),
-    Quantity(f"{WHEEL}/bearing_moment", (TIME, HUB), "N m",
+    Quantity(f"{WHEELS}/contact_torque", T, "N m", "torque of the floor on contact_roller about the normal"),
+    Quantity(f"{WHEELS}/servo_torque", T, "N m", "torque about h that keeps a bare wheel upright", optional=True),
+    Quantity(f"{WHEELS}/bearing_force", (TIME, HUB), "N", "force of the axle on the wheel", optional=True),
+    Quantity(f"{WHEELS}/bearing_moment", (TIME, HUB), "N m",
              "moment of the axle on the wheel about its centre; along k that of drive and rotor", optional=True),
     Quantity(ROLLER, (ROLLER,), "1", "rollers of this wheel, counted from 0", "int64"),
     Quantity(f"{ROLLERS}/axial_rate", (TIME, ROLLER), "rad/s", "absolute angular velocity about the axis"),
@@ -173,7 +173,7 @@ TABLE = (
     Quantity("energy/balance", T, "J",
              "kinetic + gravity - initial + losses - works, the numerical error; with motors that of theirs too, "
              "heat + motor_loss + motor_work + magnetic - electrical"),
-    Quantity(EVENT, E, "1", "events in order of time, counted from 0", "int64"),
+    Quantity(EVENT_NUMBER, E, "1", "events in order of time, counted from 0", "int64"),
     Quantity("events/time", E, "s", "time of the event"),
     Quantity("events/kind", E, "1", ", ".join(EVENT_KINDS), "str"),
     Quantity("events/wheel", E, "1", "name of the wheel, empty where not meant", "str"),

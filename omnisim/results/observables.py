@@ -14,7 +14,7 @@ from omnisim.contact.tracking import IMPLICIT_TRACKING, roller_axis
 from omnisim.dynamics.multibody.joint_forces import recover, resolve_joints
 from omnisim.dynamics.multibody.residuals import residuals
 from omnisim.dynamics.normal_forces import servo
-from omnisim.dynamics.parameters import DRIVE, MULTIBODY, SERVO, Parameters
+from omnisim.dynamics.parameters import DRIVE_INPUT, MULTIBODY, SERVO, Parameters
 from omnisim.dynamics.state import MONITORS, YAW, Places, Recording, X, Y, places, places_in
 from omnisim.dynamics.wheel import (
     azimuth,
@@ -29,7 +29,7 @@ from omnisim.march.extremes import bearing_extremes, odometry_extremes, wheel_ex
 from omnisim.march.runge_kutta import evaluate
 from omnisim.scene.schema import Config
 
-CONTACT = np.dtype(
+OBSERVED_WHEEL = np.dtype(
     [
         ("normal_force", np.float64),  # N
         ("drive_torque", np.float64),  # N m
@@ -48,18 +48,18 @@ CONTACT = np.dtype(
 class Observed(NamedTuple):
     """What `observe` finds in T rows of W wheels of at most N rollers.
 
-    slopes (T, n): y'; servo (T, 2): torque about chassis x and y, N m; contacts (T, W): records CONTACT; joint_rate
-    (T, W, N), rad/s; motion (3, T, W, N, 3): position, velocity and acceleration of every roller centre, world axes;
-    bearings (T, W, N + 1, 2, 3): force (N) and moment (N m) of the axles of each wheel and its rollers, along their own
-    directions, or no rows if nobody asks for them.
+    slopes (T, n): y'; servo (T, 2): torque about chassis x and y, N m; wheels (T, W): records OBSERVED_WHEEL;
+    joint_rate (T, W, N), rad/s; motion (3, T, W, N, 3): position, velocity and acceleration of every roller centre,
+    world axes; bearing_loads (T, W, N + 1, 2, 3): force (N) and moment (N m) of the axles of each wheel and its
+    rollers, along their own directions, or no rows if nobody asks for them.
     """
 
     slopes: np.ndarray
     servo: np.ndarray
-    contacts: np.recarray
+    wheels: np.recarray
     joint_rate: np.ndarray
     motion: np.ndarray
-    bearings: np.ndarray
+    bearing_loads: np.ndarray
 
 
 @kernel
@@ -78,7 +78,7 @@ def observe(parameters, rows, times, monitors, observed):
                 parameters.machine, parameters.wheels, workspace, wrench, body.yaw_rate, turning
             )
         for w in range(len(parameters.wheels)):
-            wheel, seen, part = parameters.wheels[w], observed.contacts[row, w], workspace.parts[w]
+            wheel, seen, part = parameters.wheels[w], observed.wheels[row, w], workspace.parts[w]
             contact, heading = workspace.contacts[2 * w], world_heading(wheel, body)
             seen.normal_force = max(part.normal_force, 0.0) if part.loaded else 0.0
             seen.drive_torque, seen.share, seen.contact_torque = part.drive_torque, contact.share, contact.torque
@@ -90,10 +90,10 @@ def observe(parameters, rows, times, monitors, observed):
             for i in range(2):
                 seen.slip_velocity[i], seen.friction_force[i] = contact.slip[i], contact.force[i]
             observe_rollers(parameters, rows, row, w, body, observed)
-            if len(observed.bearings):
+            if len(observed.bearing_loads):
                 if not multibody:
                     recover(parameters, mode[w], w, y, slopes, rows.rates[row, w])
-                resolve_joints(parameters, w, y, observed.bearings[row, w])
+                resolve_joints(parameters, w, y, observed.bearing_loads[row, w])
 
 
 @kernel
@@ -143,16 +143,16 @@ def store(target, vector):
     target[0], target[1], target[2] = vector.x, vector.y, vector.z
 
 
-def observed_rows(parameters: Parameters, rows: Recording, times: np.ndarray, bearings: bool = False) -> Observed:
+def observed_rows(parameters: Parameters, rows: Recording, times: np.ndarray, bearing_loads: bool = False) -> Observed:
     """What `observe` finds in these rows, recorded at these times (T,), s."""
     count, wheels, rollers = rows.rates.shape
     observed = Observed(
         slopes=np.empty_like(rows.y),
         servo=np.empty((count, 2)),
-        contacts=blank(CONTACT, count, wheels),
+        wheels=blank(OBSERVED_WHEEL, count, wheels),
         joint_rate=np.empty((count, wheels, rollers)),
         motion=np.empty((3, count, wheels, rollers, 3)),
-        bearings=np.zeros((count if bearings else 0, wheels, rollers + 1, 2, 3)),
+        bearing_loads=np.zeros((count if bearing_loads else 0, wheels, rollers + 1, 2, 3)),
     )
     direct(observe, parameters, rows, times, blank(MONITORS, wheels), observed)
     return observed
@@ -161,8 +161,9 @@ def observed_rows(parameters: Parameters, rows: Recording, times: np.ndarray, be
 @np.errstate(over="ignore", invalid="ignore")  # the caller drops rows that are not finite
 def datasets(parameters: Parameters, rows: Recording, interval: float, config: Config) -> dict[str, np.ndarray]:
     """All datasets of T rows, `interval` seconds apart, but the events: by path in the trajectory file."""
-    times, bearings = np.arange(len(rows.y)) * interval, config.bearing_loads
-    observed, multibody = observed_rows(parameters, rows, times, bearings), parameters.machine.formulation == MULTIBODY
+    times = np.arange(len(rows.y)) * interval
+    observed = observed_rows(parameters, rows, times, config.bearing_loads)
+    multibody = parameters.machine.formulation == MULTIBODY
     parameters = parameters._replace(machine=plain(parameters.machine))
     data = {"time": times} | body(parameters, rows.y, observed.slopes, config.chassis is None)
     data |= energy(parameters, rows)
@@ -180,14 +181,14 @@ def datasets(parameters: Parameters, rows: Recording, interval: float, config: C
         if wheel.drive.controlled:
             group["target_rate"] = targets(parameters, w, rows.piece, times)
         if parameters.wheels[w].motor:
-            group |= motor_datasets(observed.contacts[:, w], parameters.wheels[w].resistance)
+            group |= motor_datasets(observed.wheels[:, w], parameters.wheels[w].resistance)
         if config.chassis is None:
             group["servo_torque"] = observed.servo[:, 0]
-        if bearings:
-            group |= bearing_loads(observed.bearings[:, w], number, config.chassis is not None)
+        if config.bearing_loads:
+            group |= bearing_loads(observed.bearing_loads[:, w], number, config.chassis is not None)
         data |= {f"wheels/{wheel.name}/{path}": values for path, values in group.items()}
         extremes = wheel_extremes(rows.extremes[:, w], bool(parameters.wheels[w].motor))
-        if bearings:
+        if config.bearing_loads:
             extremes |= bearing_extremes(rows.bearing_extremes[:, w], number, config.chassis is not None)
         data |= {path.format(wheel.name): values for path, values in extremes.items()}
     return data
@@ -237,16 +238,16 @@ def energy(parameters: Parameters, rows: Recording) -> dict[str, np.ndarray]:
     doubled += np.sum(rows.rates**2, axis=2) @ wheels["axial_inertia"]
     kinetic = 0.5 * doubled
     loss, drive, wrench = y[:, at.friction_loss], y[:, at.drive_work], y[:, at.wrench_work]
-    bearings = y[:, at.bearing_loss] if machine.bearings else np.zeros(len(y))
+    bearing_loss = y[:, at.bearing_loss] if machine.bearing_friction else np.zeros(len(y))
     gravity = potential(machine, y)
     return {
         "energy/kinetic": kinetic,
         **({"energy/gravity": gravity} if machine.inclined else {}),
         "energy/friction_loss": loss,
-        "energy/bearing_loss": bearings,
+        "energy/bearing_loss": bearing_loss,
         "energy/drive_work": drive,
         "energy/wrench_work": wrench,
-        "energy/balance": kinetic - kinetic[:1] + gravity - gravity[:1] + loss + bearings - drive - wrench,
+        "energy/balance": kinetic - kinetic[:1] + gravity - gravity[:1] + loss + bearing_loss - drive - wrench,
     }
 
 
@@ -273,7 +274,7 @@ def motor_energies(parameters: Parameters, y: np.ndarray, mechanical: np.ndarray
 
 def targets(parameters: Parameters, w: int, pieces: np.ndarray, times: np.ndarray) -> np.ndarray:
     """Target rate of the drive of wheel w at so many times, on these pieces of the tables, rad/s."""
-    value, slope = parameters.inputs[pieces, DRIVE + w].T
+    value, slope = parameters.inputs[pieces, DRIVE_INPUT + w].T
     return value + slope * (times - parameters.starts[pieces])
 
 
@@ -297,7 +298,7 @@ def bearing_loads(found: np.ndarray, rollers: int, chassis: bool) -> dict[str, n
 
 def wheel_datasets(at: Places, w: int, rollers: int, rows: Recording, observed: Observed) -> dict[str, np.ndarray]:
     """Datasets of wheel w with so many rollers, by path below its group."""
-    contacts, mode = np.asarray(observed.contacts)[:, w], np.asarray(rows.mode)[:, w]
+    contacts, mode = np.asarray(observed.wheels)[:, w], np.asarray(rows.mode)[:, w]
     position, velocity, acceleration = observed.motion[:, :, w, :rollers]
     return {
         "spin_angle": rows.y[:, at.spin_angle + w],

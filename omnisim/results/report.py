@@ -6,7 +6,7 @@ from html import escape
 import numpy as np
 
 from omnisim.base.formatting import aligned, columns
-from omnisim.results.layout import ROLLER, ROLLERS, TABLE, WHEEL, Recorded
+from omnisim.results.layout import ROLLER, ROLLERS, TABLE, WHEELS, Recorded
 
 WHEEL_PEAKS = (
     ("load", "normal_force", "N"),
@@ -80,7 +80,7 @@ def bearings(trajectory: Recorded) -> str:
     """
     lines = []
     for wheel in trajectory.wheels if len(trajectory.time) else ():
-        for name, path, along in ((f"{wheel}, axle", WHEEL, 1), (f"{wheel}, rollers", ROLLERS, 2)):
+        for name, path, along in ((f"{wheel}, axle", WHEELS, 1), (f"{wheel}, rollers", ROLLERS, 2)):
             path = path.format(wheel=wheel)
             if f"interval_max/{path}/bearing_radial_force" in trajectory:
                 force, moment = trajectory[f"{path}/bearing_force"], trajectory[f"{path}/bearing_moment"]

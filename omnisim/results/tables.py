@@ -20,7 +20,7 @@ import numpy as np
 from omnisim.base.files import write_whole
 from omnisim.base.formatting import visible
 from omnisim.base.trajectory_file import CHECKSUM, SCENE_CHECKSUM, checksum
-from omnisim.results.layout import EVENT, TIME, Quantity, Recorded
+from omnisim.results.layout import EVENT_NUMBER, TIME, Quantity, Recorded
 
 if TYPE_CHECKING:
     import pandas
@@ -100,7 +100,7 @@ def table(trajectory: Recorded, along: str = TIME) -> list[Column]:
 
 def csv_files(trajectory: Recorded) -> tuple[bytes, bytes]:
     """The tables by time and of events: names, then units as a comment, then rows; numbers to the last bit."""
-    return _csv(table(trajectory)), _csv(table(trajectory, EVENT))
+    return _csv(table(trajectory)), _csv(table(trajectory, EVENT_NUMBER))
 
 
 def _csv(columns: list[Column]) -> bytes:
@@ -116,7 +116,7 @@ def parquet_files(trajectory: Recorded) -> tuple[bytes, bytes]:
     """The tables by time and of events; attributes as metadata of the schema, units and descriptions of its fields."""
     texts = {name: value if isinstance(value, str) else json.dumps(value)
              for name, value in trajectory.attributes.items()}  # fmt: skip
-    return _parquet(table(trajectory), texts), _parquet(table(trajectory, EVENT), texts)
+    return _parquet(table(trajectory), texts), _parquet(table(trajectory, EVENT_NUMBER), texts)
 
 
 def _parquet(columns: list[Column], attributes: dict[str, str]) -> bytes:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from omnisim.dynamics.packing import WRENCH
-from omnisim.dynamics.parameters import DRIVE, YAW_TORQUE, Parameters
+from omnisim.dynamics.parameters import DRIVE_INPUT, YAW_TORQUE, Parameters
 from omnisim.scene.scene import Scene
 from omnisim.scene.schema import Config
 from omnisim.scene.toml_text import MISSING, KeyPath, assign, rewrite
@@ -70,9 +70,9 @@ def with_tables(scene: Scene, parameters: Parameters, held: Held) -> Scene:
 def table_edits(config: Config, parameters: Parameters, held: Held) -> dict[KeyPath, Any]:
     """What to set in a scene, by key."""
     edits: dict[KeyPath, Any] = {}
-    driven = {channel - DRIVE for channel in held.channels if channel >= DRIVE}
+    driven = {channel - DRIVE_INPUT for channel in held.channels if channel >= DRIVE_INPUT}
     for w in sorted(driven):
-        times, values = table(parameters, held, [DRIVE + w])
+        times, values = table(parameters, held, [DRIVE_INPUT + w])
         edits["wheels", w, "drive", "times"] = times
         edits["wheels", w, "drive", config.wheels[w].drive.given] = [value for (value,) in values]
     if not held.channels.isdisjoint(WRENCH):

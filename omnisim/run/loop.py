@@ -30,7 +30,7 @@ from omnisim.base.methods import METHODS
 from omnisim.base.records import blank
 from omnisim.base.status import EVENTS_PER_STEP
 from omnisim.dynamics.packing import WRENCH, pack
-from omnisim.dynamics.parameters import DRIVE
+from omnisim.dynamics.parameters import DRIVE_INPUT
 from omnisim.dynamics.state import places_in
 from omnisim.march.events import EVENT
 from omnisim.march.initial_state import begin, blank_rows
@@ -109,7 +109,7 @@ class Loop(Sensors):
         drive = self.scene.config.wheels[w].drive
         if drive.given is None:
             raise ValueError(f"wheel '{wheel}' has a drive of kind '{drive.kind}', which takes no input")
-        self._hold({DRIVE + w: finite(f"the input of wheel '{wheel}'", value)})
+        self._hold({DRIVE_INPUT + w: finite(f"the input of wheel '{wheel}'", value)})
 
     def command(self, vx: float, vy: float, yaw_rate: float) -> None:
         """Give all drives that follow a rate those of this twist of the chassis from now on (m/s, rad/s, its axes).
@@ -120,7 +120,7 @@ class Loop(Sensors):
             raise ValueError("no wheel has a drive of kind 'rate' or a controlled motor, which could follow a command")
         twist = [finite(name, value) for name, value in (("vx", vx), ("vy", vy), ("yaw_rate", yaw_rate))]
         rates = (self._rows @ twist).tolist()
-        self._hold({DRIVE + w: rates[w] for w in self._followers})
+        self._hold({DRIVE_INPUT + w: rates[w] for w in self._followers})
 
     def wrench(self, force: Sequence[float] = (0.0, 0.0, 0.0), yaw_torque: float = 0.0) -> None:
         """Push with this force (x, y, z; N) and torque about the vertical (N m) from now on, in place of the scene's.

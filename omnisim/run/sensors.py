@@ -138,7 +138,7 @@ class Sensors:
         return np.array([x * np.cos(yaw) - y * np.sin(yaw), x * np.sin(yaw) + y * np.cos(yaw)])
 
     def _contacts(self, field: str) -> Vector:
-        return np.asarray(self._observed.contacts)[field][0].copy()
+        return np.asarray(self._observed.wheels)[field][0].copy()
 
     @property
     def _observed(self) -> Observed:

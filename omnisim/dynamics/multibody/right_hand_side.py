@@ -121,7 +121,7 @@ def multibody_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring):
     dy[at.velocity], dy[at.velocity + 1], dy[at.yaw_rate] = linear.x, linear.y, acceleration.yaw
     dy[at.friction_loss], dy[at.drive_work] = heat, power
     dy[at.wrench_work] = wrench.x * body.x + wrench.y * body.y + wrench.yaw * rate.z
-    if machine.bearings:
+    if machine.bearing_friction:
         dy[at.bearing_loss] = bearing_loss
     if monitoring:
         find_servo(machine, workspace, balance, acceleration)

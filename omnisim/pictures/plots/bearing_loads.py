@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from omnisim.pictures.plots.panels import Bands, Curves, Panel, over_time, upwards
 from omnisim.pictures.plots.style import PlotError, Runs, view
-from omnisim.results.layout import HUB, LABELS, MOUNT, ROLLERS, WHEEL
+from omnisim.results.layout import HUB, LABELS, MOUNT, ROLLERS, WHEELS
 from omnisim.results.trajectory import Trajectory
 
 AXLE, ROLLER_AXIS = LABELS[HUB].index("k"), LABELS[MOUNT].index("axial")
@@ -20,7 +20,7 @@ def bearings(runs: Runs) -> Figure:
     for name, run in runs.items():
         if f"wheels/{run.wheels[0]}/rollers/bearing_force" not in run:
             raise PlotError(f"{name}: no bearing loads; output.bearing_loads = true in the scene writes them")
-    panels = [*panels_of("axle", WHEEL, AXLE)] if any(has_axle(run) for run in runs.values()) else []
+    panels = [*panels_of("axle", WHEELS, AXLE)] if any(has_axle(run) for run in runs.values()) else []
     return over_time(runs, [*panels, *panels_of("roller", ROLLERS, ROLLER_AXIS)])
 
 
