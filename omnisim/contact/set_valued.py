@@ -18,7 +18,7 @@ from omnisim.contact.kinematics import Slip
 
 TINY = 1e-300
 MOST_SWEEPS = 500
-SETTLED = 1e-15  # relative change of the forces in a sweep over all contacts
+TOLERANCE = 1e-15  # relative change of the forces in a sweep over all contacts
 SMALL_PART = 1e-2  # of a correction, that the next one may be for both to be a geometric series
 SLIP, STICK, CREEP = 0, 1, 2  # creep: slip so slow that its direction is that of the contact equation
 
@@ -116,7 +116,7 @@ def contact_forces(contacts, mobility):
             change = max(change, max(abs(solved.h - force[0]), abs(solved.k - force[1])))
             size = max(size, max(abs(solved.h), abs(solved.k)))
             force[0], force[1] = solved.h, solved.k
-        if resting < 2 or change <= SETTLED * size:
+        if resting < 2 or change <= TOLERANCE * size:
             break
 
 

@@ -25,38 +25,38 @@ from omnisim.dynamics.planar_body import Acceleration, free_rate, push_of, yield
 MOST_ITERATIONS = 100  # for a share
 MOST_SWEEPS = 500  # over the wheels
 MOST_ROUNDS = 100  # of loads
-SETTLED = 1e-15  # change of forces and loads, relative to the largest, and of a share
+TOLERANCE = 1e-15  # change of forces and loads, relative to the largest, and of a share
 STEADY = 1e-12  # correction of a direction by Newton's method: the next would be lost in rounding
 LOST = 1e-12  # of the load times the radius, a torque that is lost in rounding
 ROUNDING = 1e-11  # a change below which, if it no longer falls, is rounding
 
 
 @outlined
-def settle_forces(machine, wheels, workspace, load, equations, pushing):
+def find_contact_forces(machine, wheels, workspace, load, equations, pushing):
     """Find the sought forces of an instant and all loads; returns what `solve` does."""
     acceleration, regular, last = Acceleration(0.0, 0.0, 0.0), 1.0, 1e300
     for _ in range(MOST_ROUNDS):
         acceleration, mobility, regular = solve(machine, workspace, load, equations, pushing)
-        change = settle_shared(machine, wheels, workspace, mobility, acceleration)
+        change = find_shared_forces(machine, wheels, workspace, mobility, acceleration)
         for w in range(len(wheels)):
             part = workspace.parts[w]
             if part.sought and part.contacts == 1:
                 correction = turn_creep(machine, wheels[w], workspace, w, mobility, acceleration)
                 change = max(change, correction if correction > STEADY else 0.0)
-        if settled(change, last):
+        if converged(change, last):
             break
         last = change
     return acceleration, regular
 
 
 @kernel
-def settled(change, last):
+def converged(change, last):
     """Whether a change, relative to what changes, is none, or rounding."""
-    return change <= SETTLED or (change <= ROUNDING and change >= last)
+    return change <= TOLERANCE or (change <= ROUNDING and change >= last)
 
 
 @merged
-def settle_shared(machine, wheels, workspace, mobility, acceleration):
+def find_shared_forces(machine, wheels, workspace, mobility, acceleration):
     """Forces of all wheels on two rollers under the loads in the workspace: the largest change, relative, of the first
     sweep over them."""
     first, last = 0.0, 1e300
@@ -79,7 +79,7 @@ def settle_shared(machine, wheels, workspace, mobility, acceleration):
         change /= size
         if sweep == 0:
             first = change
-        if count < 2 or settled(change, last):
+        if count < 2 or converged(change, last):
             break
         last = change
     return first
@@ -184,7 +184,7 @@ def share_load(machine, wheel, workspace, w):
                 t_low *= 0.5 if side == -1 else 1.0
                 side = -1
             last, share = share, (low * t_high - high * t_low) / (t_high - t_low)
-            if t == 0.0 or abs(share - last) <= SETTLED:
+            if t == 0.0 or abs(share - last) <= TOLERANCE:
                 break
     turning(machine, workspace, w, share)
     place_load(wheel, workspace, w)

@@ -18,7 +18,7 @@ from omnisim.contact.friction import VISCOUS
 from omnisim.contact.set_valued import SLIP
 from omnisim.contact.tracking import IMPLICIT_TRACKING, rho_rate, roller_axis
 from omnisim.dynamics.actuation import rest_motors
-from omnisim.dynamics.contact_forces import settle_forces
+from omnisim.dynamics.contact_forces import find_contact_forces
 from omnisim.dynamics.multibody.right_hand_side import multibody_rhs
 from omnisim.dynamics.normal_forces import set_body_tilt, solve
 from omnisim.dynamics.parameters import CONTACTS, MULTIBODY
@@ -87,7 +87,7 @@ def reduced_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring):
     if others or carried:
         regular = 1.0
         if sought:
-            acceleration, regular = settle_forces(machine, wheels, workspace, load, equations, pushing)
+            acceleration, regular = find_contact_forces(machine, wheels, workspace, load, equations, pushing)
         else:
             acceleration, _, regular = solve(machine, workspace, load, equations, pushing)
         for w in range(len(wheels)):

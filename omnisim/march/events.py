@@ -157,7 +157,7 @@ def transition(parameters, run, log, kind, w, side, time):
         record(clock, log, time, SLIPS, w, -1, -1)
         start_creep(parameters, run, w, time)
     elif kind == GRIP:
-        settle_slips(parameters, run, log, w, side, time)
+        end_slips(parameters, run, log, w, side, time)
     else:
         if mode.shared:
             record(clock, log, time, SLIPS, w, (mode.roller - side) % rollers, -1)
@@ -206,7 +206,7 @@ def heaviest(run):
 
 
 @outlined
-def settle_others(parameters, run, log, time):
+def restore_consistency(parameters, run, log, time):
     """Guards that the last change has left behind: modes follow until all agree.
 
     Edges reached at the same instant, and what jumps with the forces: cones, loads, limits of drives.
@@ -258,7 +258,7 @@ def find_loads(parameters, run, log, time):
 
 
 @merged
-def settle_slips(parameters, run, log, w, side, time):
+def end_slips(parameters, run, log, w, side, time):
     """Slips that have come to their end, and that of contact `side` of wheel w (-1: of none): the contacts stick or
     creep on."""
     come_to_rest(parameters, run, w, side, True, time)

@@ -37,9 +37,9 @@ from omnisim.march.events import (
     OF_WHEEL,
     TURN,
     all_hold,
+    end_slips,
     guard,
-    settle_others,
-    settle_slips,
+    restore_consistency,
     transition,
 )
 from omnisim.march.extremes import begin_interval, follow, follow_again
@@ -91,7 +91,7 @@ def march(parameters, method, run, rows, log):
             clock.elapsed = 0.0
             if parameters.machine.sampled and clock.status == RUNNING and sampled(parameters, run, False):
                 refresh(parameters, run, clock.step * clock.dt)
-                settle_others(parameters, run, log, clock.step * clock.dt)
+                restore_consistency(parameters, run, log, clock.step * clock.dt)
                 follow_again(parameters, run, rows, clock.row)
             check(parameters, run)
             if (
@@ -125,7 +125,7 @@ def enter_piece(parameters, run, rows, log):
         clock.piece += 1
         sampled(parameters, run, True)
         refresh(parameters, run, here)
-        settle_others(parameters, run, log, here)
+        restore_consistency(parameters, run, log, here)
         on_row = clock.step % clock.steps_per_row == 0
         clock.row -= on_row
         if clock.step == 0:
@@ -168,7 +168,7 @@ def grid_step(parameters, method, run, rows, log):
                 for side in range(1 + run.mode[w].shared):
                     resting = resting or rests(parameters, run, w, side)
             if resting:
-                settle_slips(parameters, run, log, -1, 0, t)
+                end_slips(parameters, run, log, -1, 0, t)
                 follow_again(parameters, run, rows, clock.row)
             for w in range(len(run.mode)):
                 stopping = stopping or stops(parameters, run, w)
@@ -186,7 +186,7 @@ def grid_step(parameters, method, run, rows, log):
             hold(parameters, run, start + clock.elapsed)
         if kind >= 0:
             transition(parameters, run, log, kind, w, side, start + clock.elapsed)
-            settle_others(parameters, run, log, start + clock.elapsed)
+            restore_consistency(parameters, run, log, start + clock.elapsed)
             follow_again(parameters, run, rows, clock.row)
             turns += kind == TURN
             others += kind not in (TURN, EXIT)
@@ -195,7 +195,7 @@ def grid_step(parameters, method, run, rows, log):
         elif knot:
             clock.piece += 1
             refresh(parameters, run, start + clock.elapsed)
-            settle_others(parameters, run, log, start + clock.elapsed)
+            restore_consistency(parameters, run, log, start + clock.elapsed)
             follow_again(parameters, run, rows, clock.row)
         else:
             return

@@ -15,7 +15,7 @@ from omnisim.base.status import RUNNING
 from omnisim.contact.friction import COULOMB, SATURATED
 from omnisim.contact.set_valued import SLIP
 from omnisim.dynamics.state import places
-from omnisim.march.events import SHARED, record, settle_others
+from omnisim.march.events import SHARED, record, restore_consistency
 from omnisim.march.friction_modes import come_to_rest
 from omnisim.march.roller_exchange import (
     edge_rounding,
@@ -90,7 +90,7 @@ def find_friction(parameters, run, log):
                 fast = run.monitors[w].slip_square[side] > slip_speed * slip_speed
                 run.mode[w].saturated[side] = fast
         refresh(parameters, run, 0.0)
-    settle_others(parameters, run, log, 0.0)
+    restore_consistency(parameters, run, log, 0.0)
 
 
 @outlined

@@ -15,7 +15,7 @@ from omnisim.base.kernel import kernel, merged, outlined
 from omnisim.march.runge_kutta import copy, evaluate
 
 MOST_ITERATIONS = 25
-SETTLED = 4e-15  # change of the stages, relative to 1 + |y|, below which nothing is left to gain
+TOLERANCE = 4e-15  # change of the stages, relative to 1 + |y|, below which nothing is left to gain
 FLOOR = 1e-10  # change below which an iteration that no longer converges is at its rounding
 STEEP = 1e-3  # of the slip over which friction changes, by which states are shifted for the Jacobian
 
@@ -47,7 +47,7 @@ def implicit_step(parameters, method, run, t, h):
         change = correct(radau, newton, y, h)
         if not math.isfinite(change):
             return False
-        converged = change <= SETTLED or (change <= FLOOR and change > 0.5 * last)
+        converged = change <= TOLERANCE or (change <= FLOOR and change > 0.5 * last)
         if not converged and iteration > 2 and change > 0.9 * last:
             return False
         last = change

@@ -15,7 +15,7 @@ from omnisim.contact.kinematics import Jacobian, Slip
 from omnisim.contact.set_valued import CREEP
 from omnisim.contact.tracking import IMPLICIT_TRACKING, Axis, Heading, explicit_contact, implicit_contact
 from omnisim.dynamics.actuation import actuate, rest_motors
-from omnisim.dynamics.contact_forces import settle_forces
+from omnisim.dynamics.contact_forces import find_contact_forces
 from omnisim.dynamics.multibody.chassis import (
     Balance,
     chassis_balance,
@@ -97,7 +97,7 @@ def multibody_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring):
         if holds(part, workspace.contacts[2 * w]):
             equations = held_body(machine, workspace.loads, workspace.contacts[2 * w], equations)
     if sought:
-        acceleration, regular = settle_forces(machine, wheels, workspace, load, equations, pushing)
+        acceleration, regular = find_contact_forces(machine, wheels, workspace, load, equations, pushing)
     else:
         acceleration, _, regular = solve(machine, workspace, load, equations, pushing)
     angular = times(acceleration.yaw, UP)
