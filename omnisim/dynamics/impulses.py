@@ -9,7 +9,7 @@ from omnisim.dynamics.planar_body import (
     holding_force,
     inverse,
     set_contact,
-    set_hold,
+    set_holding,
     set_lever,
     yielding,
 )
@@ -38,7 +38,7 @@ def align_slip(parameters, run):
             set_lever(wheel, contact, state.axis, j)
             rest = Slip(slip.h - along * u[0], slip.k - along * u[1])
             contact.bias[0], contact.bias[1] = rest.h, rest.k
-            set_hold(machine, wheel, contact, state.axis, j, rest)
+            set_holding(machine, wheel, contact, state.axis, j, rest)
             equations = held_equations(contact, equations)
     change = yielding(inverse(machine, equations), equations.x, equations.y, equations.yaw)
     for w in range(len(run.mode)):

@@ -131,18 +131,18 @@ def set_body_tilt(machine, loads, wrench, yaw_rate):
 def held_body(machine, loads, contact, equations):
     """BodyEquations with a sticking contact, which goes into the rows of tilt as well."""
     if machine.upright == CONTACTS:
-        hold_tilt(loads.tilt[0], contact, TILT_Y)
-        hold_tilt(loads.tilt[1], contact, TILT_X)
+        tilt_holding(loads.tilt[0], contact, TILT_Y)
+        tilt_holding(loads.tilt[1], contact, TILT_X)
     return held_equations(contact, equations)
 
 
 @kernel
-def hold_tilt(row, contact, i):
+def tilt_holding(row, contact, i):
     """A row of tilt with a sticking contact; i: its row of the levers."""
-    by_h, by_k, hold = contact.lever[i, 0], contact.lever[i, 1], contact.hold
+    by_h, by_k, holding = contact.lever[i, 0], contact.lever[i, 1], contact.holding
     for j in range(3):
-        row[j] += by_h * hold[0, j] + by_k * hold[1, j]
-    row[3] -= by_h * hold[0, 3] + by_k * hold[1, 3]
+        row[j] += by_h * holding[0, j] + by_k * holding[1, j]
+    row[3] -= by_h * holding[0, 3] + by_k * holding[1, 3]
 
 
 @kernel

@@ -111,7 +111,11 @@ CONTACT = np.dtype(
         ("spin", np.float64, (2,)),  # the same of the spin, m
         ("lever", np.float64, (5, 2)),  # of the force in the rows of normal_forces.py
         ("twist", np.float64, (5,)),  # of the contact torque there
-        ("hold", np.float64, (2, 4)),  # force that keeps its slip: by the body's acceleration (x, y, yaw); without, N
+        (
+            "holding",
+            np.float64,
+            (2, 4),
+        ),  # force that keeps its slip: by the body's acceleration (x, y, yaw); without, N
         ("bias", np.float64, (2,)),  # slip acceleration without its force and the body's acceleration, m/s^2
         ("factor", np.float64),  # g of the friction law F = -g v, by the normal force; of viscous friction N s/m
         ("unit", np.float64, (2,)),  # friction of its slip by the normal force, 1

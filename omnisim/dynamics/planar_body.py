@@ -70,14 +70,14 @@ def set_lever(wheel, contact, axis, j):
 
 
 @kernel
-def set_hold(machine, wheel, contact, axis, j, bias):
+def set_holding(machine, wheel, contact, axis, j, bias):
     """The force of a sticking contact, from its levers; bias (Slip): its slip acceleration without it, or its slip."""
-    lever, hold = contact.lever, contact.hold
+    lever, holding = contact.lever, contact.holding
     hh, hk, kk = holding_mass(machine, wheel, axis, j)
     for i in range(3):
-        hold[0, i] = -hh * lever[i, 0] - hk * lever[i, 1]
-        hold[1, i] = -hk * lever[i, 0] - kk * lever[i, 1]
-    hold[0, 3], hold[1, 3] = -hh * bias.h - hk * bias.k, -hk * bias.h - kk * bias.k
+        holding[0, i] = -hh * lever[i, 0] - hk * lever[i, 1]
+        holding[1, i] = -hk * lever[i, 0] - kk * lever[i, 1]
+    holding[0, 3], holding[1, 3] = -hh * bias.h - hk * bias.k, -hk * bias.h - kk * bias.k
 
 
 @kernel
@@ -93,10 +93,10 @@ def free_rate(contact, motion):
 @kernel
 def holding_force(contact, motion):
     """F = -E (b + J X) along h and k of a sticking contact, N."""
-    hold = contact.hold
+    holding = contact.holding
     return (
-        hold[0, 3] + hold[0, 0] * motion.x + hold[0, 1] * motion.y + hold[0, 2] * motion.yaw,
-        hold[1, 3] + hold[1, 0] * motion.x + hold[1, 1] * motion.y + hold[1, 2] * motion.yaw,
+        holding[0, 3] + holding[0, 0] * motion.x + holding[0, 1] * motion.y + holding[0, 2] * motion.yaw,
+        holding[1, 3] + holding[1, 0] * motion.x + holding[1, 1] * motion.y + holding[1, 2] * motion.yaw,
     )
 
 
@@ -150,18 +150,18 @@ def inclined_equations(machine, body, equations):
 @kernel
 def held_equations(contact, equations):
     """BodyEquations with a sticking contact."""
-    lever, hold = contact.lever, contact.hold
+    lever, holding = contact.lever, contact.holding
     x_h, x_k, y_h, y_k, w_h, w_k = lever[0, 0], lever[0, 1], lever[1, 0], lever[1, 1], lever[2, 0], lever[2, 1]
     return BodyEquations(
-        equations.xx - x_h * hold[0, 0] - x_k * hold[1, 0],
-        equations.xy - x_h * hold[0, 1] - x_k * hold[1, 1],
-        equations.xw - x_h * hold[0, 2] - x_k * hold[1, 2],
-        equations.yy - y_h * hold[0, 1] - y_k * hold[1, 1],
-        equations.yw - y_h * hold[0, 2] - y_k * hold[1, 2],
-        equations.ww - w_h * hold[0, 2] - w_k * hold[1, 2],
-        equations.x + x_h * hold[0, 3] + x_k * hold[1, 3],
-        equations.y + y_h * hold[0, 3] + y_k * hold[1, 3],
-        equations.yaw + w_h * hold[0, 3] + w_k * hold[1, 3],
+        equations.xx - x_h * holding[0, 0] - x_k * holding[1, 0],
+        equations.xy - x_h * holding[0, 1] - x_k * holding[1, 1],
+        equations.xw - x_h * holding[0, 2] - x_k * holding[1, 2],
+        equations.yy - y_h * holding[0, 1] - y_k * holding[1, 1],
+        equations.yw - y_h * holding[0, 2] - y_k * holding[1, 2],
+        equations.ww - w_h * holding[0, 2] - w_k * holding[1, 2],
+        equations.x + x_h * holding[0, 3] + x_k * holding[1, 3],
+        equations.y + y_h * holding[0, 3] + y_k * holding[1, 3],
+        equations.yaw + w_h * holding[0, 3] + w_k * holding[1, 3],
     )
 
 

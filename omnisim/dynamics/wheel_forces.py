@@ -19,7 +19,7 @@ from omnisim.dynamics.normal_forces import (
     tilt_rows,
 )
 from omnisim.dynamics.parameters import CONTACTS
-from omnisim.dynamics.planar_body import holding_force, holds, pushed_equations, set_contact, set_hold, set_lever
+from omnisim.dynamics.planar_body import holding_force, holds, pushed_equations, set_contact, set_holding, set_lever
 from omnisim.dynamics.state import places, rate_place
 from omnisim.dynamics.wheel import (
     FreeWheel,
@@ -194,7 +194,7 @@ def find_friction(parameters, mode, w, side, body, state, j):
         bias = slip_acceleration(wheel, state, Motion(centre.h, centre.k, spin, 0.0, roller))
         contact.bias[0], contact.bias[1] = bias.h, bias.k
         if mode.grip[side] == STICK and not mode.shared:  # its force is what holds it
-            set_hold(machine, wheel, contact, state.axis, j, bias)
+            set_holding(machine, wheel, contact, state.axis, j, bias)
             contact.factor = contact.torque = 0.0
             return
     factor, torque = friction(machine, mode.saturated[side], 1.0, slip, state.turn)

@@ -307,7 +307,7 @@ def start_slip(parameters, run, w, side, t):
 
 
 @merged
-def hold(parameters, run, t):
+def take_drift_away(parameters, run, t):
     """Take drift away: sticking contacts hold the slip acceleration at zero, the slip only to rounding; creeping ones
     have a direction that turns, and their slip follows."""
     drifts = False

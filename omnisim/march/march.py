@@ -27,7 +27,7 @@ from omnisim.base.status import (
 from omnisim.contact.friction import COULOMB
 from omnisim.contact.set_valued import CREEP
 from omnisim.dynamics.actuation import sample
-from omnisim.dynamics.multibody.joint_kinematics import hold_bodies
+from omnisim.dynamics.multibody.joint_kinematics import project_bodies
 from omnisim.dynamics.parameters import MULTIBODY
 from omnisim.dynamics.state import places
 from omnisim.march.events import (
@@ -43,7 +43,15 @@ from omnisim.march.events import (
     transition,
 )
 from omnisim.march.extremes import begin_interval, follow, follow_again
-from omnisim.march.friction_modes import begin_to_stop, hold, outrun, rests, step_length, stopped_speed, stops
+from omnisim.march.friction_modes import (
+    begin_to_stop,
+    outrun,
+    rests,
+    step_length,
+    stopped_speed,
+    stops,
+    take_drift_away,
+)
 from omnisim.march.onset import stand
 from omnisim.march.radau5 import implicit_step
 from omnisim.march.roller_exchange import release_rollers
@@ -180,10 +188,10 @@ def grid_step(parameters, method, run, rows, log):
         accept(run)
         follow(parameters, run, rows, clock.row)
         if parameters.machine.formulation == MULTIBODY:
-            hold_bodies(parameters, run, True)
+            project_bodies(parameters, run, True)
         clock.elapsed += h
         if coulomb:
-            hold(parameters, run, start + clock.elapsed)
+            take_drift_away(parameters, run, start + clock.elapsed)
         if kind >= 0:
             transition(parameters, run, log, kind, w, side, start + clock.elapsed)
             restore_consistency(parameters, run, log, start + clock.elapsed)

@@ -19,8 +19,8 @@ from omnisim.march.events import SHARED, record, restore_consistency
 from omnisim.march.friction_modes import come_to_rest
 from omnisim.march.roller_exchange import (
     edge_rounding,
-    hold_of,
-    hold_on,
+    edge_torque,
+    edge_torque_of,
     leave_edge,
     release_rollers,
     rest_on_both,
@@ -57,7 +57,7 @@ def take_first(parameters, run):
     refresh(parameters, run, 0.0)
     for w in range(len(run.mode)):
         mode, monitors = run.mode[w], run.monitors[w]
-        turned = hold_of(parameters, mode, w, run.slopes[0], monitors)
+        turned = edge_torque_of(parameters, mode, w, run.slopes[0], monitors)
         if on_edge(parameters, run, w) and turned < -edge_rounding(parameters, mode, w, run.y, monitors):
             mode.direction = -1
             take_rollers(parameters, run, w, mode.roller - 1, False)
@@ -99,7 +99,7 @@ def goes_further(parameters, run, log, w):
     if not on_edge(parameters, run, w):
         return False
     mode = run.mode[w]
-    if hold_on(parameters, run, w, 0.0) >= 0.0:
+    if edge_torque(parameters, run, w, 0.0) >= 0.0:
         refresh(parameters, run, 0.0)  # it may have looked at a later moment
         return False
     if mode.shared:
@@ -109,7 +109,7 @@ def goes_further(parameters, run, log, w):
         mode.direction = -mode.direction
         take_rollers(parameters, run, w, mode.roller + mode.direction, False)
         find_friction(parameters, run, log)
-        if hold_on(parameters, run, w, 0.0) >= 0.0:
+        if edge_torque(parameters, run, w, 0.0) >= 0.0:
             return True
         release_rollers(parameters, run, w)
         rest_on_both(parameters, run, w, mode.roller if mode.direction > 0 else mode.roller + 1, 0.0)

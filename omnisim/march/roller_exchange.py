@@ -34,7 +34,7 @@ def comes_to_rest_between(parameters, run, w, t):
     here, neighbour = mode.roller, mode.roller + mode.direction
     release_rollers(parameters, run, w)
     stand_on(parameters, run, w, neighbour, False, t)
-    if hold_on(parameters, run, w, t) > 0.0:  # what nothing turns rests on both as well
+    if edge_torque(parameters, run, w, t) > 0.0:  # what nothing turns rests on both as well
         stand_on(parameters, run, w, here, False, t)
         return False
     rest_on_both(parameters, run, w, max(here, neighbour), t)
@@ -42,7 +42,7 @@ def comes_to_rest_between(parameters, run, w, t):
 
 
 @outlined
-def hold_on(parameters, run, w, t):
+def edge_torque(parameters, run, w, t):
     """Torque with which wheel w, on an edge without spin, holds on to the mode that it has there, N m.
 
     On one roller J phi'' in the sense of `direction`, away from the edge if the roller is to carry on; on two the one
@@ -51,7 +51,7 @@ def hold_on(parameters, run, w, t):
     """
     clock, trial, slope, monitors = run.clock, run.trial, run.slopes[1], run.monitors_end[w]
     rounding = edge_rounding(parameters, run.mode[w], w, run.y, run.monitors[w])
-    torque = hold_of(parameters, run.mode[w], w, run.slopes[0], run.monitors[w])
+    torque = edge_torque_of(parameters, run.mode[w], w, run.slopes[0], run.monitors[w])
     if abs(torque) > rounding:
         return torque
     moment = SWING * clock.dt
@@ -62,7 +62,7 @@ def hold_on(parameters, run, w, t):
             trial[m] += moment * slope[m]
         evaluate(parameters, run.mode, clock.piece, t + (later + 1) * moment, trial, slope, run.monitors_end)
         clock.rhs += 1
-        torque = hold_of(parameters, run.mode[w], w, slope, monitors)
+        torque = edge_torque_of(parameters, run.mode[w], w, slope, monitors)
         if abs(torque) > rounding:
             run.monitors[w].share = monitors.share  # which of the two will carry on
             return torque
@@ -70,7 +70,7 @@ def hold_on(parameters, run, w, t):
 
 
 @kernel
-def hold_of(parameters, mode, w, slope, monitors):
+def edge_torque_of(parameters, mode, w, slope, monitors):
     """That torque by the derivative `slope` and the by-products `monitors` of a state."""
     if mode.shared:
         return monitors.share_margin

@@ -1,7 +1,7 @@
 """One explicit Runge-Kutta step with a frozen mode, the tableau as data."""
 
 from omnisim.base.kernel import kernel, merged, outlined
-from omnisim.dynamics.multibody.joint_kinematics import hold_bodies
+from omnisim.dynamics.multibody.joint_kinematics import project_bodies
 from omnisim.dynamics.parameters import MULTIBODY
 from omnisim.dynamics.right_hand_side import rhs
 
@@ -84,7 +84,7 @@ def evaluate(parameters, mode, piece, t, y, dy, monitors):
 def refresh(parameters, run, t):
     """Derivative at the state itself, after the mode or the state have changed; bodies follow."""
     if parameters.machine.formulation == MULTIBODY:
-        hold_bodies(parameters, run, False)
+        project_bodies(parameters, run, False)
     evaluate(parameters, run.mode, run.clock.piece, t, run.y, run.slopes[0], run.monitors)
     run.clock.rhs += 1
 

@@ -26,7 +26,7 @@ class Held(NamedTuple):
     channels: frozenset[int] = frozenset()
 
 
-def hold(
+def hold_inputs(
     parameters: Parameters, held: Held, piece: int, here: float, values: Mapping[int, float]
 ) -> tuple[Parameters, Held]:
     """Values of channels from the time `here` (s) on, where `piece` begins or would begin."""

@@ -37,7 +37,7 @@ from omnisim.march.initial_state import begin, blank_rows
 from omnisim.march.march import march
 from omnisim.results.assembly import collect, outcome
 from omnisim.results.trajectory import Trajectory
-from omnisim.run.inputs import Held, hold, with_tables
+from omnisim.run.inputs import Held, hold_inputs, with_tables
 from omnisim.run.sensors import Sensors
 from omnisim.scene.ideal_kinematics import wheel_rows
 from omnisim.scene.scene import Overrides, Scene, SceneError, as_scene, changed
@@ -189,7 +189,7 @@ class Loop(Sensors):
     def _hold(self, values: dict[int, float]) -> None:
         """Hold these values of channels from now on."""
         piece = int(self.run.clock["piece"]) + 1
-        self.parameters, self._held = hold(self.parameters, self._held, piece, self.time, values)
+        self.parameters, self._held = hold_inputs(self.parameters, self._held, piece, self.time, values)
 
 
 def stepped(scene: Scene) -> Scene:

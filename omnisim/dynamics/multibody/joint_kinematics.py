@@ -48,7 +48,7 @@ def length(a):
 
 
 @outlined
-def hold_bodies(parameters, run, counted):
+def project_bodies(parameters, run, counted):
     """Put every body of run.y where its joints hold it; if `counted`, how far it was from there enters the drift."""
     machine, wheels, y, at = parameters.machine, parameters.wheels, run.y, places(parameters)
     body, up = body_motion(parameters, y), Vec3(0.0, 0.0, 1.0)
@@ -57,7 +57,7 @@ def hold_bodies(parameters, run, counted):
     c = Vec3(ahead * body.cos - left * body.sin, ahead * body.sin + left * body.cos, above)
     centre, velocity = Vec3(y[X], y[Y], machine.height), Vec3(y[at.velocity], y[at.velocity + 1], 0.0)
     chassis = RigidBody(plus(centre, c), about_z(y[YAW]), plus(velocity, cross(turning, c)), turning)
-    drift = hold_body(run, body_place(parameters, -1, 0), chassis, True)
+    drift = project_body(run, body_place(parameters, -1, 0), chassis, True)
     for w in range(len(wheels)):
         wheel, heading = wheels[w], world_heading(wheels[w], body)
         spin_angle, spin_rate = y[at.spin_angle + w], y[at.spin_rate + w]
@@ -70,7 +70,7 @@ def hold_bodies(parameters, run, counted):
             plus(velocity, cross(turning, e)),
             plus(turning, times(spin_rate, k)),
         )
-        drift = larger(drift, hold_body(run, body_place(parameters, w, 0), disk, True))
+        drift = larger(drift, project_body(run, body_place(parameters, w, 0), disk, True))
         tilted = math.atan2(wheel.sin_psi, wheel.cos_psi) + math.pi
         tilt = Quaternion(math.cos(0.5 * tilted), math.sin(0.5 * tilted), 0.0, 0.0)
         for i in range(wheel.rollers):
@@ -90,7 +90,7 @@ def hold_bodies(parameters, run, counted):
                 plus(disk.velocity, cross(disk.rate, rho)),
                 plus(disk.rate, times(joint, axis)),
             )
-            drift = larger(drift, hold_body(run, place, roller, False))
+            drift = larger(drift, project_body(run, place, roller, False))
     if counted:
         y[at.drift], y[at.drift + 1] = max(y[at.drift], drift[0]), max(y[at.drift + 1], drift[1])
 
@@ -101,7 +101,7 @@ def larger(a, b):
 
 
 @kernel
-def hold_body(run, first, held, whole):
+def project_body(run, first, held, whole):
     """Put a body where it is held: how far it was from there (m or rad, m/s or rad/s).
 
     whole: all of its rotation is held, not its z axis alone. A body that has not been placed yet has no rotation.

@@ -31,12 +31,12 @@ def residuals(parameters: Parameters, y: np.ndarray) -> dict[str, np.ndarray]:
         heading = np.array([[wheel.cos_heading, -wheel.sin_heading], [wheel.sin_heading, wheel.cos_heading]])
         centre = np.array([*(heading @ wheel.offset), wheel.radius - machine.height]) - machine.lever
         axle = np.array([-wheel.sin_heading, wheel.cos_heading, 0.0])
-        hold(gaps, speeds, bodies, rotation, 0, disk, centre, axle, np.array([0.0, 1.0, 0.0]))
+        joint_residuals(gaps, speeds, bodies, rotation, 0, disk, centre, axle, np.array([0.0, 1.0, 0.0]))
         for i in range(int(wheel.rollers)):
             gamma = wheel.phase + 2.0 * wheel.alpha * i
             d = np.array([np.sin(gamma), 0.0, -np.cos(gamma)])  # in the disk, whose spin angle is in its rotation
             axis = wheel.cos_psi * np.cross([0.0, 1.0, 0.0], d) + wheel.sin_psi * np.array([0.0, 1.0, 0.0])
-            hold(gaps, speeds, bodies, rotation, disk, disk + 1 + i, wheel.roller_distance * d, axis, up)
+            joint_residuals(gaps, speeds, bodies, rotation, disk, disk + 1 + i, wheel.roller_distance * d, axis, up)
     norms = np.linalg.norm(bodies[..., 3:7], axis=-1)
     gaps += list((norms[:, norms[0] > 0.0] - 1.0).T) if len(y) else []
     return {
@@ -47,7 +47,7 @@ def residuals(parameters: Parameters, y: np.ndarray) -> dict[str, np.ndarray]:
     }
 
 
-def hold(gaps, speeds, bodies, rotation, parent, child, point, axis, own_axis) -> None:
+def joint_residuals(gaps, speeds, bodies, rotation, parent, child, point, axis, own_axis) -> None:
     """Append the residuals of a revolute joint at `point` and along `axis` of the parent, and along `own_axis` of the
     child, whose centre of mass it holds."""
     arm, along = rotation[:, parent] @ point, rotation[:, parent] @ axis
