@@ -55,7 +55,7 @@ def test_the_committed_sketches_are_what_the_script_draws_and_stand_on_a_page():
     pages = "".join(path.read_text(encoding="utf-8") for path in scene_reference.PAGE.parent.glob("*.md"))
     for name, sketch in sketches.SKETCHES.items():
         assert (sketches.FOLDER / f"{name}.svg").read_text(encoding="utf-8") == sketch().svg(), name
-        assert f"(pictures/{name}.svg)" in pages, name
+        assert f"(pictures/{name}.svg" in pages, name
 
 
 def test_every_link_of_the_readme_leads_somewhere():
