@@ -18,7 +18,9 @@ from omnisim.contact.kinematics import Slip
 
 TINY = 1e-300
 MOST_SWEEPS = 500
-TOLERANCE = 1e-15  # relative change of the forces in a sweep over all contacts
+TOLERANCE = 1e-15  # relative change of the forces in a sweep over all contacts, and of kappa in an iteration
+MOST_ITERATIONS = 40  # for kappa, of which half a dozen are usual
+MOST_TURN = 0.5  # rad, by one Newton correction of a direction
 SMALL_PART = 1e-2  # of a correction, that the next one may be for both to be a geometric series
 SLIP, STICK, CREEP = 0, 1, 2  # creep: slip so slow that its direction is that of the contact equation
 
@@ -57,14 +59,14 @@ def slip_direction(a, b, limit):
     if b_1 == 0.0 and b_2 == 0.0:  # nothing accelerates it
         return Direction(cos, sin, -s_1)
     kappa = max(abs(b_1) - s_1, abs(b_2) - s_2)
-    for _ in range(40):
+    for _ in range(MOST_ITERATIONS):
         u_1, u_2 = b_1 / max(s_1 + kappa, TINY), b_2 / max(s_2 + kappa, TINY)
         square = u_1 * u_1 + u_2 * u_2
         norm = math.sqrt(square)
         descent = u_1 * u_1 / max(s_1 + kappa, TINY) + u_2 * u_2 / max(s_2 + kappa, TINY)
         change = (norm - 1.0) * square / descent
         kappa += change
-        if abs(change) <= 1e-15 * (mean + abs(kappa)):
+        if abs(change) <= TOLERANCE * (mean + abs(kappa)):
             break
     u_1, u_2 = b_1 / max(s_1 + kappa, TINY), b_2 / max(s_2 + kappa, TINY)
     norm = math.sqrt(u_1 * u_1 + u_2 * u_2)
@@ -85,7 +87,7 @@ def turned(u_h, u_k, rate_h, rate_k, across, kappa, last):
     correction = (u_h * rate_k - u_k * rate_h) / (across + kappa)
     if abs(correction) < SMALL_PART * abs(last):
         correction *= last / (last - correction)
-    correction = min(0.5, max(-0.5, correction))
+    correction = min(MOST_TURN, max(-MOST_TURN, correction))
     h, k = u_h - correction * u_k, u_k + correction * u_h
     norm = math.sqrt(h * h + k * k)
     return h / norm, k / norm, correction

@@ -34,6 +34,9 @@ AUTO_STIFF = 4.0  # relaxation of slip within a step, beyond which "auto" makes 
 AUTO_ACCURATE = 0.5  # and up to which its explicit steps go
 COARSE_STEP = 1e-2  # s: a grid step from which on sub-steps are as coarse as is safe
 TURN_FRACTION = 0.7  # of the largest stable step of the method for the turning of the slip's direction
+DRIFTED = (
+    0.01  # of the square of slip that no longer matters, beyond which the drift of a sticking contact is taken away
+)
 REST = 1e-11  # of 1 m/s and of the speeds that make up the slip, below which it no longer matters
 CREEP_SPEED = 1e-7  # m/s: slip that has no direction of its own in any case
 CREEP_STEP = 1.05  # of the time in which creeping slip doubles or stops, for one step: a little beyond its end
@@ -317,7 +320,7 @@ def take_drift_away(parameters, run, t):
             continue
         if mode.grip[0] == STICK:
             rest = rest_speed(parameters, mode, w, 0, run.y)
-            drifts = drifts or monitors.slip_square[0] > 0.01 * rest * rest
+            drifts = drifts or monitors.slip_square[0] > DRIFTED * rest * rest
         elif mode.grip[0] == CREEP:
             keep_creep(parameters, run, w)
             drifts = drifts or across(monitors) > 0.0

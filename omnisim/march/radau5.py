@@ -17,7 +17,14 @@ from omnisim.march.runge_kutta import copy, evaluate
 MOST_ITERATIONS = 25
 TOLERANCE = 4e-15  # change of the stages, relative to 1 + |y|, below which nothing is left to gain
 FLOOR = 1e-10  # change below which an iteration that no longer converges is at its rounding
+FALLING = 0.5  # of the change before: a change at its rounding that is more no longer falls
+STALLED = 0.9  # the same of an iteration that gets nowhere and is given up, after
+FIRST_ITERATIONS = 2  # which may still grow
 STEEP = 1e-3  # of the slip over which friction changes, by which states are shifted for the Jacobian
+LEAST_SHIFT, MOST_SHIFT = (
+    1e-11,
+    1e-7,
+)  # rad, m/s, rad/s: of these shifts; less is lost in rounding, more is no derivative
 
 
 @outlined
@@ -47,8 +54,8 @@ def implicit_step(parameters, method, run, t, h):
         change = correct(radau, newton, y, h)
         if not math.isfinite(change):
             return False
-        converged = change <= TOLERANCE or (change <= FLOOR and change > 0.5 * last)
-        if not converged and iteration > 2 and change > 0.9 * last:
+        converged = change <= TOLERANCE or (change <= FLOOR and change > FALLING * last)
+        if not converged and iteration > FIRST_ITERATIONS and change > STALLED * last:
             return False
         last = change
     for m in range(n):
@@ -70,7 +77,7 @@ def differentiate(parameters, run, t):
     for w in range(len(run.monitors)):
         for side in range(1 + run.mode[w].shared):
             speed = min(speed, math.sqrt(run.monitors[w].slip_square[side]) + parameters.machine.slip_floor)
-    shift = min(max(STEEP * speed, 1e-11), 1e-7)
+    shift = min(max(STEEP * speed, LEAST_SHIFT), MOST_SHIFT)
     copy(run.y, run.stage)
     for j in range(len(newton.active)):
         m = newton.active[j]

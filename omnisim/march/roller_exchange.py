@@ -14,6 +14,7 @@ from omnisim.march.runge_kutta import copy, evaluate, refresh
 
 ON_EDGE = 1e-14  # of a radian and of the spin angle: so near to the edge is on it
 SWING = 1 / 200  # of a step: a swing about an edge and back that is shorter is none
+TURNING = 1 / 8  # of the square of its duration, times the acceleration back: how far it comes, (1/2) (duration / 2)^2
 MOMENTS = 3  # of this length, after which a torque that grows from nothing is there
 SLIP_ROUNDING = 0.1  # of the slip that no longer matters
 
@@ -29,7 +30,7 @@ def comes_to_rest_between(parameters, run, w, t):
     depth = mode.direction * (edge - run.y[at.spin_angle + w])
     push = mode.direction * run.slopes[0, at.spin_rate + w]
     swing = SWING * run.clock.dt
-    if depth > max(0.125 * push * swing * swing, ON_EDGE * (1.0 + abs(edge))):
+    if depth > max(TURNING * push * swing * swing, ON_EDGE * (1.0 + abs(edge))):
         return False
     here, neighbour = mode.roller, mode.roller + mode.direction
     release_rollers(parameters, run, w)
@@ -149,7 +150,7 @@ def touching(parameters, w, y):
         else:
             touches = implicit_touches(wheel, roller_axis(wheel, cos_q, sin_q), rho_of(parameters, y, w, i))
         if touches:
-            roller = i + wheel.rollers * math.floor(0.5 - q / (2.0 * math.pi))
+            roller = i + wheel.rollers * math.floor(0.5 - q / (2.0 * math.pi))  # in the turn that brings it down
             ahead = max(ahead, roller) if found else roller
             behind = min(behind, roller) if found else roller
             found = True

@@ -15,6 +15,7 @@ from omnisim.dynamics.wheel import rho_of
 UNBALANCED_PART = 0.05  # of the energy of the scene
 STILL = 1e-9  # m/s: slower than that moves what stands, in rounding; there is no energy to account for
 STIFF_STEPS = 3  # surplus of steps too large for the rate at which slip relaxes, before the run stops
+STATIONS = 32  # on half a roller, where its mobility is looked at
 LOST = 1e-3  # |rho|^2 - 1 at which the implicit tracking is no longer worth its name
 
 
@@ -122,8 +123,8 @@ def too_stiff(parameters, run, w):
 def roller_mobility(machine, wheel):
     """Largest eigenvalue of the inverse mass of a wheel's contact anywhere on a roller, 1/kg."""
     mobility = 0.0
-    for i in range(-32, 33):
-        cos_q, sin_q = math.cos(wheel.alpha * i / 32), math.sin(wheel.alpha * i / 32)
+    for i in range(-STATIONS, STATIONS + 1):
+        cos_q, sin_q = math.cos(wheel.alpha * i / STATIONS), math.sin(wheel.alpha * i / STATIONS)
         contact = explicit_contact(wheel, cos_q, sin_q)
         mobility = max(mobility, largest(inverse_mass(machine, wheel, roller_axis(wheel, cos_q, sin_q), contact)))
     return mobility
