@@ -1,15 +1,42 @@
-"""Before any test imports NumPy: one thread for linear algebra. And the folder that tests of the command run in.
+"""The whole suite runs on all cores, once its kernels are compiled. And the folder that tests of the command run in.
 
-The oracle solves some 200 to 320 equations ten thousand times. A second thread gains nothing, and on a busy machine
-each solve waits for the slower of the two: ten times as long and more.
+One thread for linear algebra, before any test imports NumPy: the oracle solves 60 to 320 equations thousands of times.
+A second thread gains nothing, and on a busy machine each solve waits for the slower of the two: ten times as long and
+more.
 """
 
 import os
+import subprocess
+import sys
 
 import pytest
 
 for library in ("OPENBLAS", "MKL"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+
+
+def is_whole(config: pytest.Config) -> bool:
+    """Whether no tests are named, in the process that the user started: `pytest`, `pytest -m long`."""
+    return config.args_source is config.ArgsSource.TESTPATHS and not config.option.keyword and not is_worker(config)
+
+
+def is_worker(config: pytest.Config) -> bool:
+    return hasattr(config, "workerinput")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_cmdline_main(config: pytest.Config) -> None:
+    """As if -n auto --dist worksteal were given. A few tests start faster in one process; -n 0 keeps all in one."""
+    if is_whole(config) and config.getoption("numprocesses", 0) is None:
+        config.option.numprocesses, config.option.dist = "auto", "worksteal"
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_setupnodes(config: pytest.Config) -> None:
+    """Before workers start, lest each of them compile the same kernels."""
+    if is_whole(config) and os.environ.get("NUMBA_DISABLE_JIT", "0") == "0":
+        program = "from omnisim_cli.main import main; main()"
+        subprocess.run([sys.executable, "-c", program, "warmup"], check=True)
 
 
 @pytest.fixture

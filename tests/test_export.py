@@ -42,7 +42,7 @@ TRAJECTORIES = {
 }
 
 
-@pytest.fixture(params=["bare wheel", "machine", "no rows", pytest.param("run", marks=pytest.mark.slow)])
+@pytest.fixture(params=["bare wheel", "machine", "no rows", pytest.param("run", marks=pytest.mark.long)])
 def trajectory(request):
     return TRAJECTORIES[request.param]()
 

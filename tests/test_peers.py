@@ -153,7 +153,7 @@ def test_without_an_engine_a_report_says_what_to_install():
     assert "pip install mujoco" in mujoco_peer.report({})
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("peer", [mujoco_peer, mujoco_platform])
 def test_a_benchmark_in_mujoco_runs_and_reports(mujoco, peer):
     result = peer.measure(1)
@@ -161,7 +161,7 @@ def test_a_benchmark_in_mujoco_runs_and_reports(mujoco, peer):
     json.dumps(result)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_benchmark_in_drake_runs_and_reports(drake):
     result = drake_peer.measure(1)
     assert "omnisim.simulate" in drake_peer.report(result)

@@ -88,7 +88,7 @@ omnisim.load_text("schema = 1", ["time.end=1"])
 WRONG = "omnisim.simulate(42)\nomnisim.nonsense\nomnisim.Loop('youbot').normal_force\n"
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("tool", ["mypy", "pyright"])
 def test_tools_that_check_types_know_the_public_names(tool, tmp_path):
     """mypy comes with the extra `test`; pyright wants node beside it, and would load one from the network."""

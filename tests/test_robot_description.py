@@ -138,7 +138,7 @@ def speed_left(mujoco, path, contact=None):
     return data.qvel[0]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(("name", "least"), [("coulomb_wheel", 0.49), ("youbot", 0.48)])
 def test_what_rolls_straight_keeps_its_speed_the_better_the_stiffer_its_contact(mujoco, tmp_path, name, least):
     """omnisim keeps 0.5 m/s."""

@@ -54,7 +54,7 @@ def test_friction_that_knows_no_load_tips_the_vehicle_at_the_first_exchange():
     assert abs(found.attributes["stop_time"] - np.radians(35.0) / 3.0) < 1e-5  # s: the rest of half a pitch, 3 rad/s
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("law", ["coulomb", "viscous"])
 def test_energy_is_balanced_over_a_thousand_seconds(law):
     """2244 exchanges of all three wheels at once, each with a skid."""

@@ -52,7 +52,7 @@ def test_every_contact_obeys_the_law_at_every_row_while_others_stick_and_slip(me
 LADDERS = {"rk4": ((1e-3, 2.5e-4), 3.2), "auto": ((1e-3, 1.25e-4), 2.5), "radau5": ((1e-3, 1.25e-4), 2.9)}
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_methods_converge_on_one_motion_of_a_machine_that_sticks_and_slips():
     """231 exchanges, 34 times a wheel lets go and 32 times it stops: the same in each of the runs."""
     fine = run(driven(), "solver.method=radau5", "time.step=5e-5")

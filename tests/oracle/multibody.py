@@ -7,6 +7,7 @@ tables of drives and wrench, and exchanges of rollers, so that no interpolant en
 from collections.abc import Sequence
 from itertools import pairwise
 from math import ceil, cos, floor, inf, radians, sin
+from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -14,27 +15,47 @@ from scipy.integrate import solve_ivp
 from oracle.machine import AXIS, FLAT, OMEGA, POSITION, ROTATION, UP, VELOCITY, Machine, Mode, Wheel, cross
 
 
+class Turning(NamedTuple):
+    """How one wheel stands and turns: spin angle, its rate, and those of the rollers in their joints."""
+
+    angle: float
+    rate: float
+    rollers: np.ndarray | float
+
+
 def start(machine: Machine) -> tuple[np.ndarray, list[int]]:
     """Initial state, and the roller of every wheel on the floor."""
-    initial = machine.initial
+    initial, entries = machine.initial, [wheel.entry for wheel in machine.wheels]
+    angles = [radians(entry.get("spin_angle_deg", 0.0)) for entry in entries]
     yaw, yaw_rate = radians(initial.get("yaw_deg", 0.0)), initial.get("yaw_rate", 0.0)
-    origin, velocity = (np.array([*initial.get(key, [0.0, 0.0]), 0.0]) for key in ("position", "velocity"))
+    turnings = [Turning(angle, entry.get("spin_rate", 0.0), entry.get("roller_rates", 0.0))
+                for angle, entry in zip(angles, entries, strict=True)]  # fmt: skip
+    position, velocity = (np.array([*initial.get(key, [0.0, 0.0]), 0.0]) for key in ("position", "velocity"))
+    bodies = place(machine, position, velocity, yaw, yaw_rate, turnings)
+    return np.concatenate([bodies.ravel(), angles, [yaw]]), first_contacts(machine, bodies, angles)
+
+
+def place(
+    machine: Machine, origin: np.ndarray, velocity: np.ndarray, yaw: float, yaw_rate: float, turnings: list[Turning]
+) -> np.ndarray:
+    """Bodies where joint coordinates put them; origin (3,) and its velocity (3,): of the wheel or the chassis, below.
+
+    A turning for each wheel.
+    """
     turned = np.array([[cos(yaw), -sin(yaw), 0.0], [sin(yaw), cos(yaw), 0.0], [0.0, 0.0, 1.0]])
     bodies = np.zeros((len(machine.mass), 18))
     bodies[0, POSITION], bodies[0, ROTATION] = origin + turned @ machine.centre, turned.ravel()
     bodies[:, OMEGA] = yaw_rate * UP
-    for wheel in machine.wheels:
-        place_wheel(wheel, bodies, origin, turned)
+    for wheel, turning in zip(machine.wheels, turnings, strict=True):
+        place_wheel(wheel, turning, bodies, origin, turned)
     bodies[:, VELOCITY] += velocity + yaw_rate * cross(UP, bodies[:, POSITION] - origin)
-    angles = [radians(wheel.entry.get("spin_angle_deg", 0.0)) for wheel in machine.wheels]
-    return np.concatenate([bodies.ravel(), angles, [yaw]]), first_contacts(machine, bodies, angles)
+    return bodies
 
 
-def place_wheel(wheel: Wheel, bodies: np.ndarray, origin: np.ndarray, turned: np.ndarray) -> None:
+def place_wheel(wheel: Wheel, turning: Turning, bodies: np.ndarray, origin: np.ndarray, turned: np.ndarray) -> None:
     """Disk and rollers where they stand in the base, with the velocities that the spin of the wheel adds."""
-    entry, rollers = wheel.entry, bodies[wheel.rollers]
-    phi, heading = radians(entry.get("spin_angle_deg", 0.0)), radians(entry.get("heading_deg", 0.0))
-    spin_rate, roller_rates = entry.get("spin_rate", 0.0), entry.get("roller_rates", 0.0)
+    entry, rollers, phi = wheel.entry, bodies[wheel.rollers], turning.angle
+    heading = radians(entry.get("heading_deg", 0.0))
     h = turned @ [cos(heading), sin(heading), 0.0]
     k = cross(UP, h)
     disk = np.stack([cos(phi) * h - sin(phi) * UP, k, sin(phi) * h + cos(phi) * UP], axis=1)
@@ -43,9 +64,9 @@ def place_wheel(wheel: Wheel, bodies: np.ndarray, origin: np.ndarray, turned: np
     bodies[wheel.disk, POSITION], bodies[wheel.disk, ROTATION] = centre, disk.ravel()
     rollers[:, POSITION] = centre + wheel.roller_distance * d
     rollers[:, ROTATION] = np.stack([cross(a, d), a, d], axis=2).reshape(-1, 9)
-    rollers[:, VELOCITY] = spin_rate * wheel.roller_distance * cross(k, d)
-    bodies[wheel.disk, OMEGA] += spin_rate * k
-    rollers[:, OMEGA] += spin_rate * k + np.broadcast_to(roller_rates, wheel.count)[:, None] * a
+    rollers[:, VELOCITY] = turning.rate * wheel.roller_distance * cross(k, d)
+    bodies[wheel.disk, OMEGA] += turning.rate * k
+    rollers[:, OMEGA] += turning.rate * k + np.broadcast_to(turning.rollers, wheel.count)[:, None] * a
 
 
 def first_contacts(machine: Machine, bodies: np.ndarray, angles: list[float]) -> list[int]:

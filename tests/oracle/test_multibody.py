@@ -21,12 +21,12 @@ def test_angled_rollers_follow_the_reference():
     agree("testbench_psi30", 0.3)  # two exchanges to 0.5 s: positions 5e-14, angles 1e-12, velocities 4e-12
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_straight_rollers_follow_the_whole_reference():
     agree("testbench_psi0", 2.0)  # positions 3e-13, angles 1e-11, velocities 3e-11, roller rates 4e-9
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_angled_rollers_follow_half_of_the_reference():
     agree("testbench_psi30", 3.0)  # positions 4e-12, angles 9e-12, velocities 6e-12, roller rates 3e-10
 

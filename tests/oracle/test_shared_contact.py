@@ -70,7 +70,7 @@ def aitken(values: list[float]) -> float:
     return values[2] + second**2 / (first - second)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("case", CASES)
 def test_the_engine_rests_on_two_rollers_as_the_limit_of_a_smooth_hand_over_does(case):
     overrides, delta, leaves = CASES[case]

@@ -36,12 +36,12 @@ def test_three_omni_wheels_follow_the_reference():
     agree("kiwi", 0.2)  # one exchange; N 7e-14, positions 3e-16, angles 2e-15, velocities 3e-15, spin rates 3e-14
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_three_omni_wheels_follow_a_third_of_the_reference():
     agree("kiwi", 0.7)  # five exchanges; positions 2e-15, angles 6e-14, velocities 6e-14, spin rates 2e-12
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_four_mecanum_wheels_follow_the_reference():
     agree("mecanum", 0.2)  # one exchange; N 7e-14, positions 1e-16, angles 2e-14, velocities 2e-14, spin rates 2e-13
 
