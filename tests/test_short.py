@@ -7,6 +7,7 @@ import sys
 
 import numpy as np
 import pytest
+import scenes
 from scenes import REFERENCE_CASES, reference_data, simulate
 
 pytestmark = pytest.mark.short
@@ -68,7 +69,7 @@ print(json.dumps({path: run[path][-1].tolist() for path in paths}))
 def test_compiled_and_interpreted_kernels_compute_the_same(tracking):
     results = []
     for disabled in ("0", "1"):
-        environment = {**os.environ, "NUMBA_DISABLE_JIT": disabled, "PYTHONPATH": os.path.dirname(__file__)}
+        environment = {**os.environ, "NUMBA_DISABLE_JIT": disabled, "PYTHONPATH": os.path.dirname(scenes.__file__)}
         command = [sys.executable, "-c", PROGRAM, tracking]
         output = subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
         results.append(np.concatenate([np.ravel(values) for values in json.loads(output).values()]))

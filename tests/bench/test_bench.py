@@ -320,7 +320,7 @@ def test_every_benchmark_runs_and_reports(tmp_path):
     """The whole of `python -m bench --quick` but commands and other engines, with its claims."""
     parts = ("c_loop", "limit", "laws", "scaling", "kernels", "whole_machines", "vehicle", "twists", "precision")
     command = [sys.executable, "-m", "bench", "--quick", "--report", str(tmp_path), *parts]
-    done = subprocess.run(command, cwd=Path(__file__).parents[1], capture_output=True, text=True, check=False)
+    done = subprocess.run(command, cwd=Path(__file__).parents[2], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "## Kernels" in done.stdout
     for text in (

@@ -16,7 +16,7 @@ from omnisim.scene.validation import validate
 
 pytestmark = pytest.mark.short
 
-REFERENCE = Path(__file__).parent / "reference"
+REFERENCE = Path(__file__).parents[1] / "reference"
 GOOD = """\
 schema = 1
 title = "good"

@@ -15,7 +15,7 @@ from omnisim.scene.scene import Scene, SceneError, load, packaged_scenes, parse
 
 pytestmark = pytest.mark.short
 
-FILE = Path(__file__).parent / "reference" / "testbench_psi0.toml"
+FILE = Path(__file__).parents[1] / "reference" / "testbench_psi0.toml"
 TEXT = FILE.read_text()
 # The same scene in other legal layouts, to set keys in.
 INLINE_WHEELS = 'wheels = [{ name = "wheel", type = "omni", drive = { kind = "free" } }]\n' + (

@@ -184,7 +184,7 @@ def test_the_machine_drives_its_square(robot):
 
 @pytest.mark.short
 def test_the_page_shows_what_it_writes_and_what_is_estimated_and_doubted():
-    page = (Path(__file__).parents[1] / "docs/pages/robot.md").read_text()
+    page = (Path(__file__).parents[2] / "docs/pages/robot.md").read_text()
     text = scene_text(ROBOTS["mecanum"])
     (block,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     assert block in text
@@ -201,7 +201,7 @@ def test_the_page_shows_what_it_writes_and_what_is_estimated_and_doubted():
 
 @pytest.mark.short
 def test_every_option_and_kind_is_on_the_page():
-    page = (Path(__file__).parents[1] / "docs/pages/robot.md").read_text()
+    page = (Path(__file__).parents[2] / "docs/pages/robot.md").read_text()
     assert all(f"`{word}`" in page for word in (*PLACES, *MOTORS))
     assert all(f"--{name.replace('_', '-')}" in page for names in PLACES.values() for name in names)
 

@@ -13,7 +13,7 @@ from omnisim.march.events import EVENT
 from omnisim.march.initial_state import begin
 from omnisim.march.onset import stand
 
-REFERENCE = Path(__file__).parent / "reference"
+REFERENCE = Path(__file__).parents[1] / "reference"
 REFERENCE_CASES = ("testbench_psi0", "testbench_psi30")
 REFERENCE_MACHINES = ("kiwi", "mecanum")
 

@@ -113,7 +113,7 @@ def test_a_packaged_scene_is_not_doubted(name):
 
 @pytest.mark.short
 @pytest.mark.parametrize(
-    "path", [*REFERENCE.glob("*.toml"), Path(__file__).parent / "oracle/skew.toml"], ids=lambda p: p.stem
+    "path", [*REFERENCE.glob("*.toml"), Path(__file__).parents[1] / "oracle/skew.toml"], ids=lambda p: p.stem
 )
 def test_a_reference_case_is_not_doubted(path):
     assert omnisim.load(path).warnings == ()

@@ -9,6 +9,7 @@ import textwrap
 import h5py
 import numpy as np
 import pytest
+import synthetic
 from synthetic import SCENE, synthetic_attributes, synthetic_trajectory
 
 from omnisim.base.trajectory_file import TrajectoryError
@@ -342,7 +343,7 @@ def test_a_full_disk_is_one_clear_error_and_leaves_the_old_file(saved, limit):
             print(error.errno, error)
     """
     command = [sys.executable, "-c", textwrap.dedent(code), str(saved), str(limit)]
-    environment = os.environ | {"PYTHONPATH": os.path.dirname(__file__)}
+    environment = os.environ | {"PYTHONPATH": os.path.dirname(synthetic.__file__)}
     done = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
     assert done.returncode == 0 and done.stderr == ""
     assert done.stdout == f"27 [Errno 27] File too large: '{saved}'\n"

@@ -45,7 +45,7 @@ def test_a_packaged_scene_says_its_source_and_uses_all_its_keys(name):
 
 
 def test_the_scenes_of_the_readme_and_the_pages_can_be_run(tmp_path):
-    root = Path(__file__).parents[1]
+    root = Path(__file__).parents[2]
     pages = [root / "README.md", *(root / f"docs/pages/{name}.md" for name in ("machines", "scene", "tutorial"))]
     wheels = []
     for page in pages:
