@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 
 import omnisim
-from omnisim.scene import Scene
 from oracle.machine import AXIS, FLAT, UP, Machine, Mode, Reactions, cross
 from oracle.multibody import Turning, observe, place
 
@@ -43,7 +42,9 @@ class State(NamedTuple):
     told: dict
 
 
-def states(scene: Scene, run: omnisim.Trajectory, kind: type[Machine], count: int) -> Iterator[tuple[Machine, State]]:
+def states(
+    scene: omnisim.Scene, run: omnisim.Trajectory, kind: type[Machine], count: int
+) -> Iterator[tuple[Machine, State]]:
     """Some rows of a run of `scene`, solved as free bodies that joints and the floor hold."""
     machine = kind(tomllib.loads(scene.text))
     for row in rows_of_interest(run, count):
