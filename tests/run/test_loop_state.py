@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import omnisim
-from omnisim.dynamics.parameters import DRIVE
+from omnisim.dynamics.parameters import DRIVE_INPUT
 from omnisim.run import inputs
 from omnisim.run import loop as loop_module
 from omnisim.run.inputs import table
@@ -163,7 +163,7 @@ def test_a_thousand_commands_are_written_once_with_a_row_for_each(monkeypatch):
     scene = loop.trajectory().attributes["scene"]
     assert len(rewritten) == len(collected) == 1
     assert len(loop.parameters.starts) <= 2 * 1000 + 64
-    times, _ = table(loop.parameters, loop._held, [DRIVE])
+    times, _ = table(loop.parameters, loop._held, [DRIVE_INPUT])
     assert len(times) == 2 * 1000 - 1
     assert len(scene) < 60 * 1000  # measured 36 characters for each command
 

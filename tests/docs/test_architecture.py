@@ -9,7 +9,7 @@ import pytest
 from docs import rooms
 
 pytestmark = pytest.mark.short
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs/pages/architecture.md").read_text(encoding="utf-8")
 PLACE = re.compile(r"`([\w/]+\.py)`(?:: (`\w+`(?:, `\w+`)*))?")
 PLACES = sorted({(file, names) for file, names in PLACE.findall(PAGE)})
