@@ -63,7 +63,8 @@ def find_shared_forces(machine, wheels, workspace, mobility, acceleration):
     for sweep in range(MOST_SWEEPS):
         change, size, count = 0.0, TINY, 0
         for w in range(len(wheels)):
-            part, ahead, behind = workspace.parts[w], workspace.contacts[2 * w], workspace.contacts[2 * w + 1]
+            part = workspace.parts[w]
+            ahead, behind = workspace.contacts[part.first], workspace.contacts[part.first + 1]
             if not (part.sought and part.contacts == 2):
                 continue
             count += 1
@@ -89,7 +90,8 @@ def find_shared_forces(machine, wheels, workspace, mobility, acceleration):
 def pushed(machine, acceleration, mobility, workspace, w, sign):
     """The Acceleration with the forces of wheel w added or, sign -1, taken away."""
     x, y, yaw = 0.0, 0.0, 0.0
-    for c in range(2 * w, 2 * w + workspace.parts[w].contacts):
+    part = workspace.parts[w]
+    for c in range(part.first, part.first + part.contacts):
         contact = workspace.contacts[c]
         push_x, push_y, push_yaw = push_of(machine, contact, contact.force[0], contact.force[1], contact.torque)
         x, y, yaw = x + push_x, y + push_y, yaw + push_yaw
@@ -104,12 +106,12 @@ def set_resting(machine, wheel, workspace, w, mobility, acceleration):
     """The contact equations of wheel w on two rollers into `resting` and `mobility` of the workspace; its spin is
     held."""
     for side in range(2):
-        contact, resting = workspace.contacts[2 * w + side], workspace.resting[side]
+        contact, resting = workspace.contacts[wheel.contacts + side], workspace.resting[side]
         resting.rest, lever = contact.rest, contact.lever
         resting.force[0], resting.force[1] = contact.force[0], contact.force[1]  # where the search begins
         resting.bias[0], resting.bias[1] = free_rate(contact, acceleration)
         for other in range(2):
-            source = workspace.contacts[2 * w + other]
+            source = workspace.contacts[wheel.contacts + other]
             for j in range(2):
                 by = yielding(mobility, source.lever[0, j], source.lever[1, j], source.lever[2, j])
                 for i in range(2):
@@ -122,7 +124,7 @@ def set_resting(machine, wheel, workspace, w, mobility, acceleration):
 @merged
 def turn_creep(machine, wheel, workspace, w, mobility, acceleration):
     """Turn the direction of a creeping contact by one Newton correction: its size, rad."""
-    contact, limit = workspace.contacts[2 * w], machine.friction * max(workspace.parts[w].normal_force, 0.0)
+    contact, limit = workspace.contacts[wheel.contacts], machine.friction * max(workspace.parts[w].normal_force, 0.0)
     (hh, hk, kk), (rate_h, rate_k) = contact_mobility(wheel, contact, mobility), free_rate(contact, acceleration)
     if contact.creep[0] == 0.0 and contact.creep[1] == 0.0:
         u = slip_direction((hh, hk, kk), Slip(rate_h, rate_k), limit)  # no force was in the balance yet
@@ -196,7 +198,7 @@ def turning(machine, workspace, w, share):
     part = workspace.parts[w]
     normal, total = max(part.normal_force, 0.0), part.free_spin
     for side in range(2):
-        contact, resting = workspace.contacts[2 * w + side], workspace.resting[side]
+        contact, resting = workspace.contacts[part.first + side], workspace.resting[side]
         contact.share = share if side == 0 else 1.0 - share
         contact.torque = contact.share * normal * contact.unit_torque
         resting.limit = contact.share * machine.friction * normal
@@ -206,7 +208,7 @@ def turning(machine, workspace, w, share):
         total -= contact.axis[1] * contact.axis[2] * contact.torque
     contact_forces(workspace.resting, workspace.loads.mobility)
     for side in range(2):
-        contact, resting = workspace.contacts[2 * w + side], workspace.resting[side]
+        contact, resting = workspace.contacts[part.first + side], workspace.resting[side]
         for i in range(2):
             contact.force[i] = resting.force[i]
             total += contact.spin[i] * contact.force[i]

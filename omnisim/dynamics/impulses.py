@@ -28,7 +28,8 @@ def align_slip(parameters, run):
     body = body_motion(parameters, run.y)
     equations = free_equations(machine, 0.0, 0.0, 0.0)
     for w in range(len(run.mode)):
-        contact, mode, wheel = workspace.contacts[2 * w], run.mode[w], parameters.wheels[w]
+        mode, wheel = run.mode[w], parameters.wheels[w]
+        contact = workspace.contacts[wheel.contacts]
         if mode.grip[0] != SLIP and not mode.shared:
             state = contact_state(parameters, mode, w, 0, body, y)
             slip, u = state.slip, mode.creep
@@ -43,7 +44,8 @@ def align_slip(parameters, run):
     change = yielding(inverse(machine, equations), equations.x, equations.y, equations.yaw)
     for w in range(len(run.mode)):
         if run.mode[w].grip[0] != SLIP and not run.mode[w].shared:
-            wheel, contact = parameters.wheels[w], workspace.contacts[2 * w]
+            wheel = parameters.wheels[w]
+            contact = workspace.contacts[wheel.contacts]
             impulse_h, impulse_k = holding_force(contact, change)
             mean_h, mean_k = contact.slip[0] - 0.5 * contact.bias[0], contact.slip[1] - 0.5 * contact.bias[1]
             y[at.friction_loss] -= impulse_h * mean_h + impulse_k * mean_k

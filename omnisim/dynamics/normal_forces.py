@@ -105,7 +105,7 @@ def rotor_part(wheel, spin_held):
 def place_load(wheel, workspace, w):
     """Where the load of wheel w acts: between its contacts as they share it."""
     part, along = workspace.parts[w], 0.0
-    for c in range(2 * w, 2 * w + part.contacts):
+    for c in range(part.first, part.first + part.contacts):
         along += workspace.contacts[c].share * workspace.contacts[c].l
     set_point(wheel, part, along)
 
@@ -242,7 +242,7 @@ def carry(machine, workspace):
             push_yaw = loaded(push_yaw, push[2], x, y)
             about_y, about_x = pressed(about_y, push[TILT_Y], x, y), pressed(about_x, push[TILT_X], x, y)
             continue
-        for c in range(2 * w, 2 * w + part.contacts):
+        for c in range(part.first, part.first + part.contacts):
             contact = workspace.contacts[c]
             if part.contacts == 2:
                 by_y, by_x = tilt_of(machine, contact, contact.force[0], contact.force[1], contact.torque)
@@ -303,7 +303,7 @@ def servo(machine, wheels, workspace, wrench, yaw_rate, yaw_acceleration):
         place_load(wheels[w], workspace, w)
         about_y += part.normal_force * part.point[0]
         about_x += part.normal_force * part.point[1]
-        for c in range(2 * w, 2 * w + part.contacts):
+        for c in range(part.first, part.first + part.contacts):
             contact = workspace.contacts[c]
             set_tilt(machine, wheels[w], contact, part.contacts == 2)
             more_y, more_x = tilt_of(machine, contact, contact.force[0], contact.force[1], contact.torque)

@@ -38,6 +38,7 @@ from omnisim.scene.schema import Config, Friction, Roller, Wheel, WheelType
 
 SHORTEST = 1e-14  # relative: pieces of tables that are no longer than rounding are left out
 UPRIGHT = {"servo": SERVO, "contacts": CONTACTS}
+TOUCHING = 2  # contacts that an upright wheel may have: one roller, or on an edge two
 WRENCH = [FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE]
 
 
@@ -62,16 +63,21 @@ def pack(config: Config) -> Parameters:
         rhos=len(wheels) * most if config.solver.tracking == "implicit" else 0,
         bodies=1 + len(wheels) * (1 + most) if machine["formulation"] == MULTIBODY else 0,
     )
-    wheels = [wheel | {"rates": machine["places"].roller_rate + machine["slots"] * w} for w, wheel in enumerate(wheels)]
+    rates = machine["places"].roller_rate
+    starts = [{"rates": rates + machine["slots"] * w, "contacts": TOUCHING * w} for w in range(len(wheels))]
+    wheels = [wheel | start for wheel, start in zip(wheels, starts, strict=True)]
     machine["slip_mobility"] = max(slip_mobility_bound(machine, wheel) for wheel in wheels)
     packed, starts_inputs = records(WHEEL, wheels), merge_tables(config, rows)
     constants = records(MACHINE, [machine])[0], packed, sectors(packed.rollers)
-    return Parameters(*constants, *starts_inputs, workspace(len(types), most))
+    return Parameters(*constants, *starts_inputs, workspace(packed, most))
 
 
-def workspace(wheels: int, rollers: int) -> Workspace:
+def workspace(packed: np.recarray, rollers: int) -> Workspace:
+    """A Workspace for these records WHEEL."""
+    wheels, parts = len(packed), blank(PART, len(packed))
+    parts.first = packed.contacts
     return Workspace(
-        blank(CONTACT, 2 * wheels), blank(PART, wheels), blank(LOADS, 1)[0], blank(RESTING, 2),
+        blank(CONTACT, TOUCHING * wheels), parts, blank(LOADS, 1)[0], blank(RESTING, TOUCHING),
         blank(ARTICULATED, wheels), blank(JOINT, wheels, rollers + 1),
     )  # fmt: skip
 
@@ -145,7 +151,7 @@ def machine_values(config: Config, types: list[WheelType]) -> dict:
         "bearing_friction": bearing_friction,
         "every_rate": every_rate,
         "bearing_relaxation": max(bearing_relaxation(kind.roller) for kind in types),
-        "slots": max(kind.roller_count for kind in types) if every_rate else 2,
+        "slots": max(kind.roller_count for kind in types) if every_rate else TOUCHING,
         "integrals": any(law.integrates for law in laws),
         "motors": bool(motors),
         "currents": any(motor.inductance > 0.0 for motor in motors),

@@ -56,6 +56,7 @@ WHEEL = np.dtype(
         ("roller_distance", np.float64),  # R1, m
         ("rollers", np.int64),  # N_r
         ("rates", np.uint32),  # where the first slot of its roller rates stands in the state
+        ("contacts", np.uint32),  # which is the first of its contacts
         ("alpha", np.float64),  # pi / N_r, rad
         ("sin_alpha", np.float64),
         ("cos_alpha", np.float64),
@@ -131,6 +132,7 @@ CONTACT = np.dtype(
 PART = np.dtype(
     [
         ("loaded", np.int64),  # 1: the floor carries the wheel
+        ("first", np.uint32),  # of its contacts, as the record of the wheel has it
         ("contacts", np.int64),  # 1, or 2 while it rests on two rollers
         ("slides", np.int64),  # 1: its friction follows from its own slip and its load
         ("sought", np.int64),  # 1: its forces are sought by iteration, see contact_forces.py

@@ -173,7 +173,7 @@ def balanced_equations(machine, workspace, equations):
         part = workspace.parts[w]
         if part.slides or not part.loaded:
             continue
-        for c in range(2 * w, 2 * w + part.contacts):
+        for c in range(part.first, part.first + part.contacts):
             contact = workspace.contacts[c]
             if holds(part, contact):
                 continue

@@ -88,7 +88,7 @@ def slide_wheel(parameters, mode, piece, t, w, body, load, equations, y, dy, mon
         rolling, spin, loss = twist(axis, state.turn, torque, rolling, spin, loss)
         yaw += (1.0 - axis.n * axis.n) * torque
     if monitoring:
-        contact = parameters.workspace.contacts[2 * w]
+        contact = parameters.workspace.contacts[wheel.contacts]
         monitor_wheel(free, load, monitors)
         set_contact(contact, state, j, False)
         contact.force[0], contact.force[1], contact.torque, contact.factor = force.h, force.k, torque, factor
@@ -120,7 +120,7 @@ def press_wheel(parameters, mode, w, dy, monitors, monitoring):
     dy[rate_place(parameters, mode.roller, w, 0)] += part.rolling * normal * wheel.axial_mobility
     dy[places(parameters).spin_rate + w] = (part.free_spin + part.turning * normal) * wheel.spin_mobility
     if monitoring:
-        contact = parameters.workspace.contacts[2 * w]
+        contact = parameters.workspace.contacts[wheel.contacts]
         contact.force[0], contact.force[1] = contact.force[0] * normal, contact.force[1] * normal
         contact.torque *= normal
         monitors.factor[0], monitors.normal_force = contact.factor * normal, part.normal_force
@@ -145,9 +145,9 @@ def observe_wheel(parameters, mode, piece, t, w, body, load, equations, y, dy, m
         observe_contact(parameters, mode, w, 1, body, contact_state(parameters, mode, w, 1, body, y))
     if parameters.machine.upright == CONTACTS:
         place_load(parameters.wheels[w], parameters.workspace, w)
-    if holds(part, parameters.workspace.contacts[2 * w]):
+    if holds(part, parameters.workspace.contacts[part.first]):
         equations = held_body(
-            parameters.machine, parameters.workspace.loads, parameters.workspace.contacts[2 * w], equations
+            parameters.machine, parameters.workspace.loads, parameters.workspace.contacts[part.first], equations
         )
     return pushed_equations(equations, 0.0, 0.0, free.yaw_moment), free.drive * free.state.spin_rate
 
@@ -171,7 +171,8 @@ def twist(axis, turn, torque, rolling, spin, heat):
 @kernel
 def observe_contact(parameters, mode, w, side, body, state):
     """A contact of wheel w and its friction by the load, into the workspace; state: its ContactState."""
-    machine, wheel, contact = parameters.machine, parameters.wheels[w], parameters.workspace.contacts[2 * w + side]
+    machine, wheel = parameters.machine, parameters.wheels[w]
+    contact = parameters.workspace.contacts[wheel.contacts + side]
     j = slip_jacobian(wheel, state.axis, state.contact)
     set_contact(contact, state, j, mode.shared)
     set_lever(wheel, contact, state.axis, j)
@@ -184,7 +185,8 @@ def observe_contact(parameters, mode, w, side, body, state):
 def find_friction(parameters, mode, w, side, body, state, j):
     """Friction by the load at a contact of wheel w, and how it holds if it rests, into the workspace; j: its
     Jacobian."""
-    machine, wheel, contact = parameters.machine, parameters.wheels[w], parameters.workspace.contacts[2 * w + side]
+    machine, wheel = parameters.machine, parameters.wheels[w]
+    contact = parameters.workspace.contacts[wheel.contacts + side]
     slip = state.slip
     contact.rest = machine.law == COULOMB and mode.grip[side] != SLIP
     if contact.rest:
@@ -219,7 +221,7 @@ def move_wheel(parameters, mode, w, acceleration, y, dy, monitors, monitoring):
     part = workspace.parts[w]
     spin, loss = part.free_spin, 0.0
     for side in range(part.contacts):
-        contact = workspace.contacts[2 * w + side]
+        contact = workspace.contacts[part.first + side]
         react(machine, mode, part, contact, side, acceleration, monitors, monitoring)
         force, slip = Slip(contact.force[0], contact.force[1]), Slip(contact.slip[0], contact.slip[1])
         j = Jacobian(contact.spin[0], contact.spin[1], 0.0, 0.0, contact.arm[0], contact.arm[1])
@@ -231,7 +233,7 @@ def move_wheel(parameters, mode, w, acceleration, y, dy, monitors, monitoring):
         spin, loss = spin + turning, loss + heat
     dy[at.spin_rate + w] = 0.0 if mode.shared else spin * wheel.spin_mobility
     if monitoring:
-        monitor_loads(mode, part, workspace.contacts[2 * w], monitors)
+        monitor_loads(mode, part, workspace.contacts[part.first], monitors)
     return loss
 
 

@@ -79,7 +79,7 @@ def follow(parameters, run, rows, row):
             widen(seen.current, part.current)
             widen(seen.electrical_power, part.voltage * part.current)
         for side in range(1 + run.mode[w].shared):
-            force, slip = workspace.contacts[2 * w + side].force, workspace.contacts[2 * w + side].slip
+            force, slip = workspace.contacts[part.first + side].force, workspace.contacts[part.first + side].slip
             seen.friction_square = max(seen.friction_square, force[0] * force[0] + force[1] * force[1])
             seen.slip_square = max(seen.slip_square, slip[0] * slip[0] + slip[1] * slip[1])
     if len(rows.odometry_extremes):

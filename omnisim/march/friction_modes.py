@@ -277,7 +277,7 @@ def begin_to_stop(parameters, run, t):
     """Let slips that are about to stop go on in the direction of the contact equation, in which they will."""
     for w in range(len(run.mode)):
         if stops(parameters, run, w):
-            mode, slip = run.mode[w], parameters.workspace.contacts[2 * w].slip
+            mode, slip = run.mode[w], parameters.workspace.contacts[parameters.wheels[w].contacts].slip
             mode.grip[0], mode.stopping, speed = CREEP, 1, math.sqrt(run.monitors[w].slip_square[0])
             mode.creep[0], mode.creep[1] = slip[0] / speed, slip[1] / speed
     refresh(parameters, run, t)
@@ -291,7 +291,7 @@ def begin_to_stop(parameters, run, t):
 @kernel
 def keep_creep(parameters, run, w):
     """Remember the direction of creeping slip that the last right-hand side found."""
-    mode, creep = run.mode[w], parameters.workspace.contacts[2 * w].creep
+    mode, creep = run.mode[w], parameters.workspace.contacts[parameters.wheels[w].contacts].creep
     mode.creep[0], mode.creep[1] = creep[0], creep[1]
 
 

@@ -133,6 +133,7 @@ def roller_mobility(machine, wheel):
 @kernel
 def slip_mobility(parameters, w):
     """Largest eigenvalue of the inverse mass of wheel w's contact, 1/kg: with the factor g, the rate of its slip."""
-    seen = parameters.workspace.contacts[2 * w]
+    wheel = parameters.wheels[w]
+    seen = parameters.workspace.contacts[wheel.contacts]
     axis, contact = Axis(seen.axis[0], seen.axis[1], seen.axis[2]), Contact(seen.l, seen.arm[0], seen.arm[1])
-    return largest(inverse_mass(parameters.machine, parameters.wheels[w], axis, contact))
+    return largest(inverse_mass(parameters.machine, wheel, axis, contact))

@@ -79,7 +79,7 @@ def observe(parameters, rows, times, monitors, observed):
             )
         for w in range(len(parameters.wheels)):
             wheel, seen, part = parameters.wheels[w], observed.wheels[row, w], workspace.parts[w]
-            contact, heading = workspace.contacts[2 * w], world_heading(wheel, body)
+            contact, heading = workspace.contacts[part.first], world_heading(wheel, body)
             seen.normal_force = max(part.normal_force, 0.0) if part.loaded else 0.0
             seen.drive_torque, seen.share, seen.contact_torque = part.drive_torque, contact.share, contact.torque
             seen.voltage, seen.current = part.voltage, part.current

@@ -138,7 +138,7 @@ def find_servo(machine, workspace, balance, motion):
             continue
         about_y += part.normal_force * part.point[0]
         about_x += part.normal_force * part.point[1]
-        for c in range(2 * w, 2 * w + part.contacts):
+        for c in range(part.first, part.first + part.contacts):
             contact = workspace.contacts[c]
             more_y, more_x = tilt_of(machine, contact, contact.force[0], contact.force[1], contact.torque)
             about_y, about_x = about_y + more_y, about_x + more_x

@@ -52,7 +52,7 @@ def recover(parameters, mode, w, y, dy, rates):
         pressed, twisted = Vec3(0.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.0)
         for side in range(part.contacts):
             if (i + side - here) % wheel.rollers == 0:
-                contact = workspace.contacts[2 * w + side]
+                contact = workspace.contacts[part.first + side]
                 floor = plus(times(contact.force[0], h), times(contact.force[1], k))
                 floor = plus(floor, times(contact.share * normal, up))
                 arm = minus(plus(times(contact.l, k), times(-wheel.radius, up)), rho)

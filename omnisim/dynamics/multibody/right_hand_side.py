@@ -94,8 +94,8 @@ def multibody_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring):
         place_load(wheels[w], workspace, w)
         sought += part.sought
         pushing = pushing or mode[w].shared == 1
-        if holds(part, workspace.contacts[2 * w]):
-            equations = held_body(machine, workspace.loads, workspace.contacts[2 * w], equations)
+        if holds(part, workspace.contacts[part.first]):
+            equations = held_body(machine, workspace.loads, workspace.contacts[part.first], equations)
     if sought:
         acceleration, regular = find_contact_forces(machine, wheels, workspace, load, equations, pushing)
     else:
@@ -105,7 +105,7 @@ def multibody_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring):
     for w in range(len(wheels)):
         part = workspace.parts[w]
         for side in range(part.contacts):
-            contact = workspace.contacts[2 * w + side]
+            contact = workspace.contacts[part.first + side]
             react(machine, mode[w], part, contact, side, acceleration, monitors[w], monitoring)
             heat -= contact.force[0] * contact.slip[0] + contact.force[1] * contact.slip[1]
             heat -= contact.torque * contact.turn
@@ -113,7 +113,7 @@ def multibody_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring):
             monitors[w].regular = regular
             monitors[w].share, monitors[w].share_margin = 1.0, 0.0
             monitors[w].demand = part.demand
-            monitor_loads(mode[w], part, workspace.contacts[2 * w], monitors[w])
+            monitor_loads(mode[w], part, workspace.contacts[part.first], monitors[w])
         move_bodies(parameters, mode[w], w, carrier, linear, angular, y, dy)
     reference = plus(linear, plus(cross(angular, carrier.arm), cross(rate, cross(rate, carrier.arm))))
     rate_states(dy, body_place(parameters, -1, 0), carrier.body, reference, angular)
@@ -248,7 +248,7 @@ def meet(parameters, mode, w, side, carrier, body, y):
         dot(k, by_h.moment), dot(k, by_k.moment), 0.0, 0.0,
         dot(a, cross(point.arm, h)), dot(a, cross(point.arm, k)),
     )  # fmt: skip
-    contact = workspace.contacts[2 * w + side]
+    contact = workspace.contacts[wheel.contacts + side]
     set_contact(contact, state, j, mode.shared)
     set_lever_column(contact.lever, 0, felt_from_floor(carrier, arm, art, by_h, held))
     set_lever_column(contact.lever, 1, felt_from_floor(carrier, arm, art, by_k, held))
@@ -313,7 +313,8 @@ def move_bodies(parameters, mode, w, carrier, linear, angular, y, dy):
 @kernel
 def floor_force(parameters, mode, w, side, y):
     """The Place of a contact, and force and torque (Vec3) of the floor on its roller."""
-    contact, part = parameters.workspace.contacts[2 * w + side], parameters.workspace.parts[w]
+    part = parameters.workspace.parts[w]
+    contact = parameters.workspace.contacts[part.first + side]
     point = place_of(parameters, mode, w, side, y, contact.l)
     normal = contact.share * max(part.normal_force, 0.0) if part.loaded else 0.0
     along = plus(times(contact.force[0], point.h), times(contact.force[1], point.k))
