@@ -1,6 +1,5 @@
-"""Stage 2, how fast: the slip velocity at the contact point, and how easily a contact force changes it."""
+"""Stage 2, how fast: the slip velocity at the contact point, and its rate of change."""
 
-import math
 from typing import NamedTuple
 
 from omnisim.base.kernel import kernel
@@ -11,9 +10,6 @@ class Slip(NamedTuple):
 
     h: float
     k: float
-
-
-LIGHT = 1e8
 
 
 class Motion(NamedTuple):
@@ -80,13 +76,6 @@ def slip_acceleration(wheel, state, motion):
 
 
 @kernel
-def largest(a):
-    """The larger eigenvalue of a symmetric matrix a (hh, hk, kk)."""
-    hh, hk, kk = a
-    return 0.5 * (hh + kk) + math.sqrt(0.25 * (hh - kk) ** 2 + hk * hk)
-
-
-@kernel
 def slip_jacobian(wheel, axis, contact):
     """Of a contact; by the velocity of C it is the identity. Yaw is about C."""
     return Jacobian(
@@ -96,44 +85,4 @@ def slip_jacobian(wheel, axis, contact):
         wheel.offset[0] - axis.n * contact.arm_k,
         contact.arm_h,
         contact.arm_k,
-    )
-
-
-@kernel
-def inverse_mass(machine, wheel, axis, contact, spin_held=False):
-    """A (hh, hk, kk), 1/kg: slip acceleration caused by a contact force, v' = A F + (what F does not change).
-
-    A = J diag(1/M, 1/M, 1/J_k, 1/I_z, 1/Ia) J^T, with J the Jacobian of the slip velocity in the speeds
-    (V_h, V_k, phi', theta', p), in which the mass matrix is diagonal; without 1/J_k if the spin is held.
-    """
-    j = slip_jacobian(wheel, axis, contact)
-    translation, yaw, roller = machine.mobility, machine.yaw_mobility, wheel.axial_mobility
-    spin = 0.0 if spin_held else wheel.spin_mobility
-    return (
-        translation + spin * j.spin_h * j.spin_h + yaw * j.yaw_h * j.yaw_h + roller * j.roller_h * j.roller_h,
-        spin * j.spin_h * j.spin_k + yaw * j.yaw_h * j.yaw_k + roller * j.roller_h * j.roller_k,
-        translation + spin * j.spin_k * j.spin_k + yaw * j.yaw_k * j.yaw_k + roller * j.roller_k * j.roller_k,
-    )
-
-
-@kernel
-def holding_mass(machine, wheel, axis, j):
-    """E (hh, hk, kk), kg: F = -E v' is the force that takes the slip acceleration v' away by spin and roller alone.
-
-    The inverse of what they give way, spin spin^T / J + arm arm^T / Ia. A pointed tip has no arm, and its force along
-    the roller's path is the body's to choose; an arm is taken as at least that at which the roller's inertia
-    appears LIGHT times the body's mass: less is passed within nanoseconds.
-    """
-    arm_h, arm_k = j.roller_h, j.roller_k
-    shortest = wheel.axial_inertia / (LIGHT * machine.mass)
-    if arm_h * arm_h + arm_k * arm_k < shortest:
-        length = math.sqrt(shortest / (axis.h * axis.h + axis.k * axis.k))
-        arm_h, arm_k = length * axis.k, -length * axis.h
-    spin, roller = wheel.spin_mobility, wheel.axial_mobility
-    cross = j.spin_h * arm_k - j.spin_k * arm_h
-    inverse = 1.0 / (spin * roller * cross * cross)
-    return (
-        (spin * j.spin_k * j.spin_k + roller * arm_k * arm_k) * inverse,
-        -(spin * j.spin_h * j.spin_k + roller * arm_h * arm_k) * inverse,
-        (spin * j.spin_h * j.spin_h + roller * arm_h * arm_h) * inverse,
     )

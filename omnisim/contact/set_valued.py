@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 from omnisim.base.kernel import kernel
 from omnisim.contact.kinematics import Slip
+from omnisim.contact.mobility import Symmetric, solution
 
 TINY = 1e-300
 MOST_SWEEPS = 500
@@ -35,10 +36,8 @@ class Direction(NamedTuple):
 
 @kernel
 def sticking_force(a, b):
-    """F (h, k), N, that holds the slip: A F = -b for A (hh, hk, kk) in 1/kg and b (h, k) in m/s^2."""
-    hh, hk, kk = a
-    determinant = hh * kk - hk * hk
-    return Slip((hk * b.k - kk * b.h) / determinant, (hk * b.h - hh * b.k) / determinant)
+    """F (h, k), N, that holds the slip: A F = -b for A (Symmetric) in 1/kg and b (h, k) in m/s^2."""
+    return solution(a, Slip(-b.h, -b.k))
 
 
 @kernel
@@ -49,8 +48,7 @@ def slip_direction(a, b, limit):
     In the eigenvectors of S it is the secular equation sum b_i^2 / (s_i + kappa)^2 = 1; Newton on 1 / |u| = 1, which
     is nearly linear in kappa, from below.
     """
-    hh, hk, kk = a
-    mean, half, off = 0.5 * limit * (hh + kk), 0.5 * limit * (hh - kk), limit * hk
+    mean, half, off = 0.5 * limit * (a.hh + a.kk), 0.5 * limit * (a.hh - a.kk), limit * a.hk
     spread = math.sqrt(half * half + off * off)
     angle = 0.5 * math.atan2(off, half)
     cos, sin = math.cos(angle), math.sin(angle)  # the eigenvector of the larger eigenvalue
@@ -114,7 +112,7 @@ def contact_forces(contacts, mobility):
                     bias_h += a[0, 0] * force[0] + a[0, 1] * force[1]
                     bias_k += a[1, 0] * force[0] + a[1, 1] * force[1]
             a, force = mobility[c, c], contact.force
-            solved = resting_force((a[0, 0], a[0, 1], a[1, 1]), Slip(bias_h, bias_k), contact.limit)
+            solved = resting_force(Symmetric(a[0, 0], a[0, 1], a[1, 1]), Slip(bias_h, bias_k), contact.limit)
             change = max(change, max(abs(solved.h - force[0]), abs(solved.k - force[1])))
             size = max(size, max(abs(solved.h), abs(solved.k)))
             force[0], force[1] = solved.h, solved.k

@@ -18,6 +18,7 @@ contact equations of the one wheel, while the body's acceleration follows at onc
 
 from omnisim.base.kernel import kernel, merged, outlined
 from omnisim.contact.kinematics import Slip
+from omnisim.contact.mobility import Symmetric, across, yielding_along
 from omnisim.contact.set_valued import TINY, contact_forces, slip_direction, turned
 from omnisim.dynamics.normal_forces import place_load, solve
 from omnisim.dynamics.planar_body import Acceleration, free_rate, push_of, yielding
@@ -107,27 +108,25 @@ def set_resting(machine, wheel, workspace, w, mobility, acceleration):
     held."""
     for side in range(2):
         contact, resting = workspace.contacts[wheel.contacts + side], workspace.resting[side]
-        resting.rest, lever = contact.rest, contact.lever
+        resting.rest = contact.rest
         resting.force[0], resting.force[1] = contact.force[0], contact.force[1]  # where the search begins
         resting.bias[0], resting.bias[1] = free_rate(contact, acceleration)
         for other in range(2):
-            source = workspace.contacts[wheel.contacts + other]
-            for j in range(2):
-                by = yielding(mobility, source.lever[0, j], source.lever[1, j], source.lever[2, j])
-                for i in range(2):
-                    entry = lever[0, i] * by.x + lever[1, i] * by.y + lever[2, i] * by.yaw
-                    if side == other:
-                        entry += contact.arm[i] * contact.arm[j] * wheel.axial_mobility
-                    workspace.loads.mobility[side, other, i, j] = entry
+            hh, hk, kh, kk = through_body(contact, workspace.contacts[wheel.contacts + other], mobility)
+            if side == other:
+                own = yielding_along(Symmetric(hh, hk, kk), wheel.axial_mobility, contact.arm[0], contact.arm[1])
+                hh, hk, kh, kk = own.hh, own.hk, own.hk, own.kk
+            a = workspace.loads.mobility[side, other]
+            a[0, 0], a[0, 1], a[1, 0], a[1, 1] = hh, hk, kh, kk
 
 
 @merged
 def turn_creep(machine, wheel, workspace, w, mobility, acceleration):
     """Turn the direction of a creeping contact by one Newton correction: its size, rad."""
     contact, limit = workspace.contacts[wheel.contacts], machine.friction * max(workspace.parts[w].normal_force, 0.0)
-    (hh, hk, kk), (rate_h, rate_k) = contact_mobility(wheel, contact, mobility), free_rate(contact, acceleration)
+    a, (rate_h, rate_k) = contact_mobility(wheel, contact, mobility), free_rate(contact, acceleration)
     if contact.creep[0] == 0.0 and contact.creep[1] == 0.0:
-        u = slip_direction((hh, hk, kk), Slip(rate_h, rate_k), limit)  # no force was in the balance yet
+        u = slip_direction(a, Slip(rate_h, rate_k), limit)  # no force was in the balance yet
         u_h, u_k, correction = u.h, u.k, 1.0
     else:
         u_h, u_k = contact.creep[0], contact.creep[1]
@@ -135,9 +134,8 @@ def turn_creep(machine, wheel, workspace, w, mobility, acceleration):
         roller = (contact.arm[0] * u_h + contact.arm[1] * u_k) * limit * wheel.axial_mobility
         rate_h -= contact.spin[0] * spin + contact.arm[0] * roller
         rate_k -= contact.spin[1] * spin + contact.arm[1] * roller
-        across = limit * (hh * u_k * u_k - 2.0 * hk * u_h * u_k + kk * u_h * u_h)
-        along = rate_h * u_h + rate_k * u_k
-        u_h, u_k, correction = turned(u_h, u_k, rate_h, rate_k, across, along, contact.turned)
+        resisting, along = limit * across(a, u_h, u_k), rate_h * u_h + rate_k * u_k
+        u_h, u_k, correction = turned(u_h, u_k, rate_h, rate_k, resisting, along, contact.turned)
         contact.turned = correction
     contact.creep[0], contact.creep[1] = u_h, u_k
     contact.unit[0], contact.unit[1] = -machine.friction * u_h, -machine.friction * u_k
@@ -146,18 +144,24 @@ def turn_creep(machine, wheel, workspace, w, mobility, acceleration):
 
 @kernel
 def contact_mobility(wheel, contact, mobility):
-    """Slip acceleration (hh, hk, kk) by the force of a contact that carries its wheel alone, 1/kg."""
-    lever, spin, roller = contact.lever, wheel.spin_mobility, wheel.axial_mobility
-    h = yielding(mobility, lever[0, 0], lever[1, 0], lever[2, 0])
-    k = yielding(mobility, lever[0, 1], lever[1, 1], lever[2, 1])
+    """Slip acceleration (Symmetric, 1/kg) by the force of a contact that carries its wheel alone."""
+    hh, hk, _, kk = through_body(contact, contact, mobility)
+    a = yielding_along(Symmetric(hh, hk, kk), wheel.spin_mobility, contact.spin[0], contact.spin[1])
+    return yielding_along(a, wheel.axial_mobility, contact.arm[0], contact.arm[1])
+
+
+@kernel
+def through_body(contact, source, mobility):
+    """Slip acceleration of a contact by the force of another through the body alone (hh, hk, kh, kk), 1/kg."""
+    push, feel = source.lever, contact.lever
+    h = yielding(mobility, push[0, 0], push[1, 0], push[2, 0])
+    k = yielding(mobility, push[0, 1], push[1, 1], push[2, 1])
     return (
-        lever[0, 0] * h.x + lever[1, 0] * h.y + lever[2, 0] * h.yaw
-        + spin * contact.spin[0] * contact.spin[0] + roller * contact.arm[0] * contact.arm[0],
-        lever[0, 0] * k.x + lever[1, 0] * k.y + lever[2, 0] * k.yaw
-        + spin * contact.spin[0] * contact.spin[1] + roller * contact.arm[0] * contact.arm[1],
-        lever[0, 1] * k.x + lever[1, 1] * k.y + lever[2, 1] * k.yaw
-        + spin * contact.spin[1] * contact.spin[1] + roller * contact.arm[1] * contact.arm[1],
-    )  # fmt: skip
+        feel[0, 0] * h.x + feel[1, 0] * h.y + feel[2, 0] * h.yaw,
+        feel[0, 0] * k.x + feel[1, 0] * k.y + feel[2, 0] * k.yaw,
+        feel[0, 1] * h.x + feel[1, 1] * h.y + feel[2, 1] * h.yaw,
+        feel[0, 1] * k.x + feel[1, 1] * k.y + feel[2, 1] * k.yaw,
+    )
 
 
 @merged

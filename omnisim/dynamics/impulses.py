@@ -1,7 +1,8 @@
 """Impulses at the contacts that give slip the value it has come to: what is left of it when it ends is taken away."""
 
 from omnisim.base.kernel import outlined
-from omnisim.contact.kinematics import Slip, inverse_mass, slip_jacobian
+from omnisim.contact.kinematics import Slip, slip_jacobian
+from omnisim.contact.mobility import inverse_mass, solution
 from omnisim.contact.set_valued import CREEP, SLIP
 from omnisim.dynamics.planar_body import (
     free_equations,
@@ -64,19 +65,17 @@ def change_slip(parameters, run, w, side, slip):
     machine, wheel, mode, at, y = parameters.machine, parameters.wheels[w], run.mode[w], places(parameters), run.y
     body = body_motion(parameters, y)
     state = contact_state(parameters, mode, w, side, body, y)
-    hh, hk, kk = inverse_mass(machine, wheel, state.axis, state.contact, mode.shared)
-    change_h, change_k = slip.h - state.slip.h, slip.k - state.slip.k
-    determinant = hh * kk - hk * hk
-    impulse_h, impulse_k = (kk * change_h - hk * change_k) / determinant, (hh * change_k - hk * change_h) / determinant
+    mobility = inverse_mass(machine, wheel, state.axis, state.contact, mode.shared)
+    impulse = solution(mobility, Slip(slip.h - state.slip.h, slip.k - state.slip.k))
     j = slip_jacobian(wheel, state.axis, state.contact)
     heading = world_heading(wheel, body)
-    y[at.velocity] += (impulse_h * heading.cos - impulse_k * heading.sin) * machine.mobility
-    y[at.velocity + 1] += (impulse_h * heading.sin + impulse_k * heading.cos) * machine.mobility
+    y[at.velocity] += (impulse.h * heading.cos - impulse.k * heading.sin) * machine.mobility
+    y[at.velocity + 1] += (impulse.h * heading.sin + impulse.k * heading.cos) * machine.mobility
     if not mode.shared:
-        y[at.spin_rate + w] += (j.spin_h * impulse_h + j.spin_k * impulse_k) * wheel.spin_mobility
-    y[at.yaw_rate] += (j.yaw_h * impulse_h + j.yaw_k * impulse_k) * machine.yaw_mobility
+        y[at.spin_rate + w] += (j.spin_h * impulse.h + j.spin_k * impulse.k) * wheel.spin_mobility
+    y[at.yaw_rate] += (j.yaw_h * impulse.h + j.yaw_k * impulse.k) * machine.yaw_mobility
     y[rate_place(parameters, mode.roller, w, side)] += (
-        j.roller_h * impulse_h + j.roller_k * impulse_k
+        j.roller_h * impulse.h + j.roller_k * impulse.k
     ) * wheel.axial_mobility
     mean_h, mean_k = 0.5 * (slip.h + state.slip.h), 0.5 * (slip.k + state.slip.k)
-    y[at.friction_loss] -= impulse_h * mean_h + impulse_k * mean_k
+    y[at.friction_loss] -= impulse.h * mean_h + impulse.k * mean_k

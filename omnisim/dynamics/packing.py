@@ -267,7 +267,7 @@ def diameter_inertia(kind: WheelType) -> float:
 
 
 def slip_mobility_bound(machine: dict, wheel: dict) -> float:
-    """Upper bound of the trace of `kinematics.inverse_mass` over the whole roller, 1/kg.
+    """Upper bound of the trace of `mobility.inverse_mass` over the whole roller, 1/kg.
 
     Each entry of the Jacobian is bounded by its largest magnitude on [-alpha, alpha].
     """

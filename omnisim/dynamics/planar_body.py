@@ -10,7 +10,7 @@ contact gives as far as its spin and roller do, F = -E (b + J X). What the floor
 from typing import NamedTuple
 
 from omnisim.base.kernel import kernel
-from omnisim.contact.kinematics import holding_mass
+from omnisim.contact.mobility import holding_mass
 from omnisim.dynamics.parameters import CONTACTS
 
 
@@ -73,11 +73,12 @@ def set_lever(wheel, contact, axis, j):
 def set_holding(machine, wheel, contact, axis, j, bias):
     """The force of a sticking contact, from its levers; bias (Slip): its slip acceleration without it, or its slip."""
     lever, holding = contact.lever, contact.holding
-    hh, hk, kk = holding_mass(machine, wheel, axis, j)
+    e = holding_mass(machine, wheel, axis, j)
     for i in range(3):
-        holding[0, i] = -hh * lever[i, 0] - hk * lever[i, 1]
-        holding[1, i] = -hk * lever[i, 0] - kk * lever[i, 1]
-    holding[0, 3], holding[1, 3] = -hh * bias.h - hk * bias.k, -hk * bias.h - kk * bias.k
+        holding[0, i] = -e.hh * lever[i, 0] - e.hk * lever[i, 1]
+        holding[1, i] = -e.hk * lever[i, 0] - e.kk * lever[i, 1]
+    holding[0, 3] = -e.hh * bias.h - e.hk * bias.k
+    holding[1, 3] = -e.hk * bias.h - e.kk * bias.k
 
 
 @kernel

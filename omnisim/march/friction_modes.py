@@ -18,7 +18,8 @@ import math
 from omnisim.base.kernel import kernel, merged, outlined
 from omnisim.base.methods import EXPLICIT, IMPLICIT
 from omnisim.contact.friction import COULOMB
-from omnisim.contact.kinematics import Motion, Slip, inverse_mass, largest, slip_acceleration
+from omnisim.contact.kinematics import Motion, Slip, slip_acceleration
+from omnisim.contact.mobility import across, inverse_mass, largest
 from omnisim.contact.set_valued import CREEP, SLIP, STICK, TINY
 from omnisim.dynamics.impulses import align_slip, change_slip
 from omnisim.dynamics.state import places, rate_place
@@ -187,9 +188,9 @@ def stops(parameters, run, w):
         return False
     if mode.freed_step == run.clock.step and mode.freed >= MOST_FREED:
         return False
-    rate, slip, (hh, hk, kk) = slip_rate(parameters, run, w, 0)
+    rate, slip, mobility = slip_rate(parameters, run, w, 0)
     along, turn, square = slip.h * rate.h + slip.k * rate.k, slip.h * rate.k - slip.k * rate.h, monitors.slip_square[0]
-    attraction = monitors.factor[0] * (hh * slip.k * slip.k - 2.0 * hk * slip.h * slip.k + kk * slip.h * slip.h) + along
+    attraction = monitors.factor[0] * across(mobility, slip.h, slip.k) + along
     soon = square < -along * run.clock.dt and stiffness(parameters, run.clock, monitors) > LEAST_STIFF
     speed = math.sqrt(square)
     return soon and abs(turn) * speed < attraction * unseen(run.clock, True, speed)
@@ -202,7 +203,7 @@ def stiffness(parameters, clock, monitors):
 
 
 @kernel
-def across(monitors):
+def slip_across(monitors):
     """Slip of a creeping contact across the direction of the contact equation, m/s."""
     return math.sqrt(max(monitors.slip_square[0] - monitors.margin[0] * monitors.margin[0], 0.0))
 
@@ -213,7 +214,7 @@ def youth(parameters, clock, mode, monitors):
     the direction of the contact equation that the error of a step hides it, while sub-steps would have to be short."""
     speed = math.sqrt(monitors.slip_square[0])
     hidden = min(
-        unseen(clock, mode.stopping, speed) - across(monitors),
+        unseen(clock, mode.stopping, speed) - slip_across(monitors),
         stiffness(parameters, clock, monitors) - 0.5 * LEAST_STIFF,
     )
     return max(CREEP_SPEED - speed, hidden)
@@ -323,7 +324,7 @@ def take_drift_away(parameters, run, t):
             drifts = drifts or monitors.slip_square[0] > DRIFTED * rest * rest
         elif mode.grip[0] == CREEP:
             keep_creep(parameters, run, w)
-            drifts = drifts or across(monitors) > 0.0
+            drifts = drifts or slip_across(monitors) > 0.0
     if drifts:
         align_slip(parameters, run)
         refresh(parameters, run, t)

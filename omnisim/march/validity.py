@@ -7,7 +7,8 @@ from omnisim.base.methods import EXPLICIT
 from omnisim.base.status import LOST_TRACK, NO_START, NOT_FINITE, RUNNING, TOO_STIFF, UNBALANCED
 from omnisim.base.vector import dot
 from omnisim.contact.friction import COULOMB, friction_factor
-from omnisim.contact.kinematics import Slip, inverse_mass, largest
+from omnisim.contact.kinematics import Slip
+from omnisim.contact.mobility import inverse_mass, largest
 from omnisim.contact.tracking import IMPLICIT_TRACKING, Axis, Contact, explicit_contact, roller_axis
 from omnisim.dynamics.state import X, Y, places
 from omnisim.dynamics.wheel import rho_of

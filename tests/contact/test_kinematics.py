@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scenes import packed, reference_scene, standing
 
-from omnisim.contact.kinematics import Motion, inverse_mass, joint_rate, slip_acceleration, slip_velocity
+from omnisim.contact.kinematics import Motion, joint_rate, slip_acceleration, slip_velocity
+from omnisim.contact.mobility import inverse_mass
 from omnisim.contact.tracking import explicit_contact, roller_axis
 from omnisim.dynamics.state import places_in
 from omnisim.dynamics.wheel import body_motion, contact_state, external_wrench

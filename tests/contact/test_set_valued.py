@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from omnisim.contact.kinematics import Slip
+from omnisim.contact.mobility import Symmetric
 from omnisim.contact.set_valued import contact_forces, slip_direction, sticking_force
 from omnisim.dynamics.parameters import RESTING
 
@@ -22,7 +23,7 @@ def random_equations(count=200):
 
 
 def entries(matrix):
-    return matrix[0, 0], matrix[0, 1], matrix[1, 1]
+    return Symmetric(matrix[0, 0], matrix[0, 1], matrix[1, 1])
 
 
 def test_the_sticking_force_cancels_the_slip_acceleration():
@@ -50,7 +51,7 @@ def test_the_direction_found_attracts():
 
 
 def test_without_friction_slip_follows_the_acceleration():
-    u_h, u_k, kappa = slip_direction((1.0, 0.2, 2.0), Slip(3.0, -4.0), 0.0)
+    u_h, u_k, kappa = slip_direction(Symmetric(1.0, 0.2, 2.0), Slip(3.0, -4.0), 0.0)
     assert (u_h, u_k, kappa) == pytest.approx((0.6, -0.8, 5.0))
 
 
