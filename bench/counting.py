@@ -17,6 +17,7 @@ from bench.common import ready
 from bench.limit import OPERATIONS
 from bench.peers.c_loop import LOOPS
 from omnisim.dynamics.right_hand_side import rhs
+from omnisim.dynamics.state import Stage
 from omnisim.march.runge_kutta import accept, explicit_step
 from omnisim.scene.scene import Scene
 
@@ -119,7 +120,7 @@ def counts_of(scene: Scene) -> dict[str, list[float]]:
     )
     t, dt = float(run.clock.step * run.clock.dt), float(run.clock.dt)
     taken()
-    rhs(parameters, run.mode, 0, t, run.y, run.slopes[0], run.monitors, True)
+    rhs(parameters, Stage(run.mode, 0, t, run.y, run.slopes[0], run.monitors, True))
     of_rhs = taken()
     explicit_step(parameters, march.stages, run, t, dt)
     accept(run)

@@ -7,6 +7,7 @@ import numba
 from bench.common import Claim, bare_wheel, interleaved, ready, table
 from omnisim.base.methods import TABLEAUX
 from omnisim.dynamics.right_hand_side import rhs
+from omnisim.dynamics.state import Stage
 
 EVALUATIONS = 20_000
 TARGET, ALARM = 1.5, 1.1  # how many times faster explicit tracking makes an rk4 step; the paper found about 1.5
@@ -16,7 +17,7 @@ TARGET, ALARM = 1.5, 1.1  # how many times faster explicit tracking makes an rk4
 def evaluate(parameters, run, count):
     """`count` right-hand sides, each at a state that depends on the one before, as in a march."""
     for _ in range(count):
-        rhs(parameters, run.mode, 0, 0.0, run.y, run.slopes[0], run.monitors, True)
+        rhs(parameters, Stage(run.mode, 0, 0.0, run.y, run.slopes[0], run.monitors, True))
         for m in range(len(run.y)):
             run.y[m] += 1e-9 * run.slopes[0, m]
 

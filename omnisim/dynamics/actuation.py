@@ -26,10 +26,11 @@ def drive_input(parameters, piece, t, w):
 
 
 @kernel
-def actuate(parameters, mode, piece, t, w, spin_rate, y, dy):
+def actuate(parameters, stage, w, spin_rate):
     """The drive of wheel w: its demand (N m or V) and tau on the disk about k (N m). Writes the rates of its states."""
-    wheel, at = parameters.wheels[w], places(parameters)
-    demand = wheel.drive_gain * drive_input(parameters, piece, t, w) - wheel.drive_damping * y[at.spin_rate + w]
+    wheel, at, mode, y, dy = parameters.wheels[w], places(parameters), stage.mode[w], stage.y, stage.dy
+    given_input = drive_input(parameters, stage.piece, stage.t, w)
+    demand = wheel.drive_gain * given_input - wheel.drive_damping * y[at.spin_rate + w]
     if parameters.machine.integrals:
         demand += wheel.drive_integral * y[at.integral + w]
     if wheel.motor:
@@ -39,7 +40,7 @@ def actuate(parameters, mode, piece, t, w, spin_rate, y, dy):
     else:
         given = torque = demand if mode.drive == FREE else mode.drive * wheel.drive_limit
     if parameters.machine.integrals:
-        error = drive_input(parameters, piece, t, w) - spin_rate
+        error = given_input - spin_rate
         dy[at.integral + w] = 0.0
         if wheel.drive_integral > 0.0 and wheel.sample_steps == 0:
             dy[at.integral + w] = unwound(wheel, error, demand, given)

@@ -29,28 +29,29 @@ from omnisim.dynamics.wheel_forces import move_wheel, observe_wheel, press_wheel
 
 
 @kernel
-def rhs(parameters, mode, piece, t, y, dy, monitors, monitoring):
-    """Write y' into `dy`; if `monitoring`, also what the events need to know of each wheel into `monitors` and what
-    else is of interest into the workspace: inside a step nobody looks at them.
+def rhs(parameters, stage):
+    """Write y' of a Stage; if it is `monitoring`, also what the events need to know of each wheel and, into the
+    workspace, what else is of interest: inside a step nobody looks at them.
     """
     if parameters.machine.formulation == MULTIBODY:
-        multibody_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring)
+        multibody_rhs(parameters, stage)
     else:
-        reduced_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring)
+        reduced_rhs(parameters, stage)
     if parameters.machine.odometry:
-        odometry_rates(parameters, y, dy)
+        odometry_rates(parameters, stage.y, stage.dy)
     if parameters.machine.tracking == IMPLICIT_TRACKING:
-        rho_rates(parameters, body_motion(parameters, y), y, dy)
+        rho_rates(parameters, body_motion(parameters, stage.y), stage.y, stage.dy)
 
 
 @merged
-def reduced_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring):
+def reduced_rhs(parameters, stage):
     """The same of the reduced formulation, without odometry and rho."""
     machine, wheels, workspace, at = parameters.machine, parameters.wheels, parameters.workspace, places(parameters)
+    mode, y, dy = stage.mode, stage.y, stage.dy
     # Rates of positions first: the sine and cosine of the next stage can then start while the forces are computed.
     dy[X], dy[Y], dy[YAW] = y[at.velocity], y[at.velocity + 1], y[at.yaw_rate]
     body = body_motion(parameters, y)
-    wrench = external_wrench(parameters, piece, t, body)
+    wrench = external_wrench(parameters, stage.piece, stage.t, body)
     if machine.upright == CONTACTS:
         set_body_tilt(machine, workspace.loads, wrench, body.yaw_rate)
     load, others, sought = machine.mass * machine.gravity - wrench.z, 0, 0
@@ -68,9 +69,7 @@ def reduced_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring):
         part = workspace.parts[w]
         part.slides = mode[w].grip[0] == SLIP and not mode[w].shared and not (carried and machine.law == VISCOUS)
         if part.slides:
-            equations, loss, work = slide_wheel(
-                parameters, mode[w], piece, t, w, body, share, equations, y, dy, monitors[w], monitoring
-            )
+            equations, loss, work = slide_wheel(parameters, stage, w, body, share, equations)
             heat, power = heat + loss, power + work
         else:
             others += 1
@@ -79,9 +78,7 @@ def reduced_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring):
         for w in range(len(wheels)):
             part = workspace.parts[w]
             if not part.slides:
-                equations, work = observe_wheel(
-                    parameters, mode[w], piece, t, w, body, share, equations, y, dy, monitors[w], monitoring
-                )
+                equations, work = observe_wheel(parameters, stage, w, body, share, equations)
                 power, sought = power + work, sought + part.sought
                 pushing = pushing or mode[w].shared == 1
     if others or carried:
@@ -91,12 +88,12 @@ def reduced_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring):
         else:
             acceleration, _, regular = solve(machine, workspace, load, equations, pushing)
         for w in range(len(wheels)):
-            if monitoring:
-                monitors[w].regular = regular
+            if stage.monitoring:
+                stage.monitors[w].regular = regular
             if not workspace.parts[w].slides:
-                heat += move_wheel(parameters, mode[w], w, acceleration, y, dy, monitors[w], monitoring)
+                heat += move_wheel(parameters, stage, w, acceleration)
             elif carried:
-                heat += press_wheel(parameters, mode[w], w, dy, monitors[w], monitoring)
+                heat += press_wheel(parameters, stage, w)
     else:
         mobility = machine.mobility
         acceleration = Acceleration(

@@ -171,6 +171,22 @@ CLOCK = np.dtype(
 )
 
 
+class Stage(NamedTuple):
+    """One evaluation of the right-hand side, n states, W wheels.
+
+    mode (W,): records MODE; piece of the tables and time t, s; y (n,): the state; dy (n,): where its rates go; monitors
+    (W,): records MONITORS, written only if `monitoring`, as is what else only events and observers want to know.
+    """
+
+    mode: np.recarray
+    piece: int
+    t: float
+    y: np.ndarray
+    dy: np.ndarray
+    monitors: np.recarray
+    monitoring: bool
+
+
 class Newton(NamedTuple):
     """Workspace for the iteration of implicit steps on k coupled of n states; k = n = 0 when the method is explicit.
 

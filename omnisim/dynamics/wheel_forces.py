@@ -33,14 +33,14 @@ NEARLY = 0.99  # cosine between two directions of creeping
 
 
 @kernel
-def free_wheel(parameters, mode, piece, t, w, body, y, dy):
+def free_wheel(parameters, stage, w, body):
     """Wheel w without the forces at its contacts: a FreeWheel, and the rates that follow from it alone."""
-    machine, at = parameters.machine, places(parameters)
+    machine, at, mode, y, dy = parameters.machine, places(parameters), stage.mode[w], stage.y, stage.dy
     spin_rate = y[at.spin_rate + w]
     dy[at.spin_angle + w] = spin_rate  # first: the sine and cosine of the next stage wait for it
     state = contact_state(parameters, mode, w, 0, body, y)
     rollers = all_rollers(parameters, mode, w, state.cos_q, state.sin_q, y)
-    demand, drive = actuate(parameters, mode, piece, t, w, spin_rate, y, dy)
+    demand, drive = actuate(parameters, stage, w, spin_rate)
     if machine.bearing_friction:
         dy[at.bearing_loss] += rollers.bearing_loss
         air_rates(parameters, mode, w, state, y, dy)
@@ -71,13 +71,13 @@ def monitor_wheel(free, load, monitors):
 
 
 @merged
-def slide_wheel(parameters, mode, piece, t, w, body, load, equations, y, dy, monitors, monitoring):
+def slide_wheel(parameters, stage, w, body, load, equations):
     """A wheel that slides under a known load, N: the rates that follow; the BodyEquations with it, heat and power (W).
 
     If the contacts carry roll and pitch, `load` is 1 N, and what that does goes into the workspace.
     """
-    machine, wheel = parameters.machine, parameters.wheels[w]
-    free = free_wheel(parameters, mode, piece, t, w, body, y, dy)
+    machine, wheel, mode, dy = parameters.machine, parameters.wheels[w], stage.mode[w], stage.dy
+    free = free_wheel(parameters, stage, w, body)
     state, axis, slip = free.state, free.state.axis, free.state.slip
     j = slip_jacobian(wheel, axis, state.contact)
     factor, torque = friction(machine, mode.saturated[0], max(load, 0.0), slip, state.turn)
@@ -87,8 +87,8 @@ def slide_wheel(parameters, mode, piece, t, w, body, load, equations, y, dy, mon
     if machine.patch_radius > 0.0:
         rolling, spin, loss = twist(axis, state.turn, torque, rolling, spin, loss)
         yaw += (1.0 - axis.n * axis.n) * torque
-    if monitoring:
-        contact = parameters.workspace.contacts[wheel.contacts]
+    if stage.monitoring:
+        contact, monitors = parameters.workspace.contacts[wheel.contacts], stage.monitors[w]
         monitor_wheel(free, load, monitors)
         set_contact(contact, state, j, False)
         contact.force[0], contact.force[1], contact.torque, contact.factor = force.h, force.k, torque, factor
@@ -105,7 +105,7 @@ def slide_wheel(parameters, mode, piece, t, w, body, load, equations, y, dy, mon
         part.push[TILT_Y], part.push[TILT_X] = tilt_rows(wheel, about_h, about_k)
         part.rolling, part.turning, part.heat = rolling, spin, loss
         return pushed_equations(equations, 0.0, 0.0, free.yaw_moment), 0.0, power
-    if monitoring:
+    if stage.monitoring:
         set_part(parameters, mode, w, free, body, load)
     dy[rate_place(parameters, mode.roller, w, 0)] += rolling * wheel.axial_mobility
     dy[places(parameters).spin_rate + w] = (free.spin + spin) * wheel.spin_mobility
@@ -113,14 +113,14 @@ def slide_wheel(parameters, mode, piece, t, w, body, load, equations, y, dy, mon
 
 
 @merged
-def press_wheel(parameters, mode, w, dy, monitors, monitoring):
+def press_wheel(parameters, stage, w):
     """Rates of a wheel that slides under the load that has been found for it, and its heat, W."""
-    wheel, part = parameters.wheels[w], parameters.workspace.parts[w]
+    wheel, part, mode, dy = parameters.wheels[w], parameters.workspace.parts[w], stage.mode[w], stage.dy
     normal = max(part.normal_force, 0.0) if mode.loaded else 0.0
     dy[rate_place(parameters, mode.roller, w, 0)] += part.rolling * normal * wheel.axial_mobility
     dy[places(parameters).spin_rate + w] = (part.free_spin + part.turning * normal) * wheel.spin_mobility
-    if monitoring:
-        contact = parameters.workspace.contacts[wheel.contacts]
+    if stage.monitoring:
+        contact, monitors = parameters.workspace.contacts[wheel.contacts], stage.monitors[w]
         contact.force[0], contact.force[1] = contact.force[0] * normal, contact.force[1] * normal
         contact.torque *= normal
         monitors.factor[0], monitors.normal_force = contact.factor * normal, part.normal_force
@@ -128,21 +128,21 @@ def press_wheel(parameters, mode, w, dy, monitors, monitoring):
 
 
 @merged
-def observe_wheel(parameters, mode, piece, t, w, body, load, equations, y, dy, monitors, monitoring):
+def observe_wheel(parameters, stage, w, body, load, equations):
     """What a wheel finds at its contacts, into the workspace; the BodyEquations with its own moment, and the power of
     its drive.
 
     load: of the wheel, N, unless the contacts carry roll and pitch.
     """
-    part = parameters.workspace.parts[w]
-    free = free_wheel(parameters, mode, piece, t, w, body, y, dy)
+    part, mode = parameters.workspace.parts[w], stage.mode[w]
+    free = free_wheel(parameters, stage, w, body)
     set_part(parameters, mode, w, free, body, load)
-    if monitoring:
-        monitor_wheel(free, load, monitors)
+    if stage.monitoring:
+        monitor_wheel(free, load, stage.monitors[w])
     part.sought = mode.loaded and (mode.shared or mode.grip[0] == CREEP)
     observe_contact(parameters, mode, w, 0, body, free.state)
     if mode.shared:
-        observe_contact(parameters, mode, w, 1, body, contact_state(parameters, mode, w, 1, body, y))
+        observe_contact(parameters, mode, w, 1, body, contact_state(parameters, mode, w, 1, body, stage.y))
     if parameters.machine.upright == CONTACTS:
         place_load(parameters.wheels[w], parameters.workspace, w)
     if holds(part, parameters.workspace.contacts[part.first]):
@@ -215,14 +215,14 @@ def find_friction(parameters, mode, w, side, body, state, j):
 
 
 @merged
-def move_wheel(parameters, mode, w, acceleration, y, dy, monitors, monitoring):
+def move_wheel(parameters, stage, w, acceleration):
     """Forces on wheel w from the body's acceleration and the loads, and the rates that follow."""
     machine, wheel, workspace, at = parameters.machine, parameters.wheels[w], parameters.workspace, places(parameters)
-    part = workspace.parts[w]
+    part, mode, dy = workspace.parts[w], stage.mode[w], stage.dy
     spin, loss = part.free_spin, 0.0
     for side in range(part.contacts):
         contact = workspace.contacts[part.first + side]
-        react(machine, mode, part, contact, side, acceleration, monitors, monitoring)
+        react(parameters, stage, w, side, acceleration)
         force, slip = Slip(contact.force[0], contact.force[1]), Slip(contact.slip[0], contact.slip[1])
         j = Jacobian(contact.spin[0], contact.spin[1], 0.0, 0.0, contact.arm[0], contact.arm[1])
         rolling, turning, heat = yield_to(j, slip, force)
@@ -232,15 +232,18 @@ def move_wheel(parameters, mode, w, acceleration, y, dy, monitors, monitoring):
         dy[rate_place(parameters, mode.roller, w, side)] += rolling * wheel.axial_mobility
         spin, loss = spin + turning, loss + heat
     dy[at.spin_rate + w] = 0.0 if mode.shared else spin * wheel.spin_mobility
-    if monitoring:
-        monitor_loads(mode, part, workspace.contacts[part.first], monitors)
+    if stage.monitoring:
+        monitor_loads(mode, part, workspace.contacts[part.first], stage.monitors[w])
     return loss
 
 
 @kernel
-def react(machine, mode, part, contact, side, acceleration, monitors, monitoring):
-    """Force at a contact of a wheel from the body's acceleration and the loads, into the workspace; if `monitoring`,
+def react(parameters, stage, w, side, acceleration):
+    """Force at a contact of wheel w from the body's acceleration and the loads, into the workspace; if `monitoring`,
     what events want to know of it."""
+    machine, workspace, mode = parameters.machine, parameters.workspace, stage.mode[w]
+    part = workspace.parts[w]
+    contact = workspace.contacts[part.first + side]
     normal = load = max(part.normal_force, 0.0) if part.loaded else 0.0
     if not part.loaded:
         contact.force[0], contact.force[1], contact.torque = 0.0, 0.0, 0.0
@@ -253,9 +256,9 @@ def react(machine, mode, part, contact, side, acceleration, monitors, monitoring
         contact.force[1] = contact.constant[1] + contact.unit[1] * normal
         if machine.patch_radius > 0.0:
             contact.torque = contact.unit_torque * normal
-    if not monitoring:
+    if not stage.monitoring:
         return
-    force, slip = contact.force, contact.slip
+    force, slip, monitors = contact.force, contact.slip, stage.monitors[w]
     monitors.slip_square[side] = slip[0] * slip[0] + slip[1] * slip[1]
     monitors.factor[side] = contact.factor * (contact.share * part.loaded if machine.law == VISCOUS else load)
     monitors.margin[side] = 0.0

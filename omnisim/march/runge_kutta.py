@@ -4,6 +4,7 @@ from omnisim.base.kernel import kernel, merged, outlined
 from omnisim.dynamics.multibody.joint_kinematics import project_bodies
 from omnisim.dynamics.parameters import MULTIBODY
 from omnisim.dynamics.right_hand_side import rhs
+from omnisim.dynamics.state import Stage
 
 
 @merged
@@ -31,7 +32,7 @@ def explicit_step(parameters, method, run, t, h):
                 rate = increment[m] + (b[i - 2] * slopes[i - 2, m] + b[i - 1] * slopes[i - 1, m])
                 increment[m] = carry[m] + h * rate
                 trial[m] = y[m] + increment[m]
-        rhs(parameters, run.mode, run.clock.piece, time, point, slopes[i], run.monitors_end, last)
+        rhs(parameters, Stage(run.mode, run.clock.piece, time, point, slopes[i], run.monitors_end, last))
     run.clock.rhs += stages
 
 
@@ -77,7 +78,7 @@ def accept(run):
 @outlined
 def evaluate(parameters, mode, piece, t, y, dy, monitors):
     """The right-hand side, compiled once for all its uses but the stages of explicit steps."""
-    rhs(parameters, mode, piece, t, y, dy, monitors, True)
+    rhs(parameters, Stage(mode, piece, t, y, dy, monitors, True))
 
 
 @merged

@@ -68,20 +68,21 @@ class Place(NamedTuple):
 
 
 @outlined
-def multibody_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring):
-    """Write y' into `dy`, and with `monitoring` what events and observers want to know, as `dynamics.rhs` does."""
+def multibody_rhs(parameters, stage):
+    """Write y' of a Stage, and if `monitoring` what events and observers want to know, as `rhs` does."""
     machine, wheels, workspace, at = parameters.machine, parameters.wheels, parameters.workspace, places(parameters)
+    mode, y, dy = stage.mode, stage.y, stage.dy
     carrier = chassis_of(parameters, y)
     rate = carrier.body.rate
     body = Body(carrier.x.x, carrier.x.y, dot(carrier.velocity, carrier.x), dot(carrier.velocity, carrier.y), rate.z)
-    wrench = external_wrench(parameters, piece, t, body)
+    wrench = external_wrench(parameters, stage.piece, stage.t, body)
     dy[X], dy[Y], dy[YAW] = carrier.velocity.x, carrier.velocity.y, rate.z
     if machine.motors:
         rest_motors(parameters, dy)
     balance = chassis_balance(machine, carrier, wrench)
     heat, power, sought, bearing_loss = 0.0, 0.0, 0, 0.0
     for w in range(len(wheels)):
-        own, work, loss = join_wheel(parameters, mode[w], piece, t, w, carrier, y, dy)
+        own, work, loss = join_wheel(parameters, stage, w, carrier)
         balance, power, bearing_loss = joined(balance, own), power + work, bearing_loss + loss
     load, equations = -balance.known.z, equations_of(balance)
     set_tilt_rows(balance, workspace.loads.tilt)
@@ -106,15 +107,15 @@ def multibody_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring):
         part = workspace.parts[w]
         for side in range(part.contacts):
             contact = workspace.contacts[part.first + side]
-            react(machine, mode[w], part, contact, side, acceleration, monitors[w], monitoring)
+            react(parameters, stage, w, side, acceleration)
             heat -= contact.force[0] * contact.slip[0] + contact.force[1] * contact.slip[1]
             heat -= contact.torque * contact.turn
-        if monitoring:
-            monitors[w].regular = regular
-            monitors[w].share, monitors[w].share_margin = 1.0, 0.0
-            monitors[w].demand = part.demand
-            monitor_loads(mode[w], part, workspace.contacts[part.first], monitors[w])
-        move_bodies(parameters, mode[w], w, carrier, linear, angular, y, dy)
+        if stage.monitoring:
+            monitors = stage.monitors[w]
+            monitors.regular, monitors.demand = regular, part.demand
+            monitors.share, monitors.share_margin = 1.0, 0.0
+            monitor_loads(mode[w], part, workspace.contacts[part.first], monitors)
+        move_bodies(parameters, stage, w, carrier, linear, angular)
     reference = plus(linear, plus(cross(angular, carrier.arm), cross(rate, cross(rate, carrier.arm))))
     rate_states(dy, body_place(parameters, -1, 0), carrier.body, reference, angular)
     dy[at.drift], dy[at.drift + 1] = 0.0, 0.0
@@ -123,20 +124,20 @@ def multibody_rhs(parameters, mode, piece, t, y, dy, monitors, monitoring):
     dy[at.wrench_work] = wrench.x * body.x + wrench.y * body.y + wrench.yaw * rate.z
     if machine.bearing_friction:
         dy[at.bearing_loss] = bearing_loss
-    if monitoring:
+    if stage.monitoring:
         find_servo(machine, workspace, balance, acceleration)
 
 
 @merged
-def join_wheel(parameters, mode, piece, t, w, carrier, y, dy):
+def join_wheel(parameters, stage, w, carrier):
     """A wheel eliminated onto the chassis, without its contacts: the Balance that the chassis feels of it, power of its
     drive and loss of its bearings (W)."""
-    workspace, at = parameters.workspace, places(parameters)
+    workspace, at, mode, y, dy = parameters.workspace, places(parameters), stage.mode[w], stage.y, stage.dy
     art, loss = articulate(parameters, w, y)
     disk = rigid_body(y, body_place(parameters, w, 0))
     arm, held = minus(disk.position, carrier.centre), mode.shared == 1
     spin_rate = dot(minus(disk.rate, carrier.body.rate), art.axle)
-    demand, drive = actuate(parameters, mode, piece, t, w, spin_rate, y, dy)
+    demand, drive = actuate(parameters, stage, w, spin_rate)
     dy[at.spin_angle + w] = spin_rate
     nothing = Vec3(0.0, 0.0, 0.0)
     _, along_x = transmitted(art, resistance(art, nothing, carrier.x), 0.0, held)
@@ -271,9 +272,10 @@ def felt_from_floor(carrier, arm, art, given, held):
 
 
 @merged
-def move_bodies(parameters, mode, w, carrier, linear, angular, y, dy):
+def move_bodies(parameters, stage, w, carrier, linear, angular):
     """Accelerations of the bodies of a wheel, and what its joints carry, from those of the chassis (of C)."""
     machine, wheel, workspace, at = parameters.machine, parameters.wheels[w], parameters.workspace, places(parameters)
+    mode, y, dy = stage.mode[w], stage.y, stage.dy
     part, art, rate = workspace.parts[w], kept_articulated(workspace.articulated[w]), carrier.body.rate
     disk = rigid_body(y, body_place(parameters, w, 0))
     arm, spin_rate = minus(disk.position, carrier.centre), dot(minus(disk.rate, rate), art.axle)
