@@ -21,6 +21,7 @@ angle, monotone over several turns as well; which rollers touch at the start, ea
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -66,64 +67,77 @@ EVENT = np.dtype(
 )
 
 
+class Guard(NamedTuple):
+    """One guard: its kind, of which wheel, and of which of its contacts if it has one for each."""
+
+    kind: int
+    wheel: int
+    side: int
+
+
+NO_GUARD = Guard(-1, -1, 0)
+
+
 @kernel
-def guard(parameters, clock, mode, kind, w, side, y, monitors):
-    """Value of a guard of wheel w or its contact `side` at state `y`, by-products `monitors`: >= 0 while it holds."""
-    machine, wheel, at = parameters.machine, parameters.wheels[w], places(parameters)
-    direction = mode[w].direction
+def guard(parameters, run, which, at_end):
+    """Value of a Guard at the start of a step, or `at_end`, at the end of its trial: >= 0 while it holds."""
+    kind, w, side = which
+    machine, wheel, at, mode = parameters.machine, parameters.wheels[w], places(parameters), run.mode[w]
+    y = run.trial if at_end else run.y
+    monitors = run.monitors_end[w] if at_end else run.monitors[w]
+    direction = mode.direction
     if kind == TURN:
         return direction * y[at.spin_rate + w]
     if kind == EXIT:
         spin_angle = y[at.spin_angle + w]
         rounding = ANGLE_ROUNDING * (1.0 + abs(spin_angle))  # an edge reached to rounding is reached
-        return direction * (roller_end(wheel, mode[w].roller, direction) - spin_angle) - rounding
+        return direction * (roller_end(wheel, mode.roller, direction) - spin_angle) - rounding
     if kind == SHARE:
-        return (
-            monitors[w].share_margin + edge_rounding(parameters, mode[w], w, y, monitors[w]) if mode[w].shared else 0.0
-        )
+        return monitors.share_margin + edge_rounding(parameters, mode, w, y, monitors) if mode.shared else 0.0
     if kind == LOAD:
         play = LOAD_PLAY * machine.mass * machine.gravity
-        return monitors[w].normal_force if mode[w].loaded else play - monitors[w].normal_force
+        return monitors.normal_force if mode.loaded else play - monitors.normal_force
     if kind == JAM:
-        return monitors[w].regular - LEAST_REGULAR
+        return monitors.regular - LEAST_REGULAR
     if kind == DRIVE:
-        return limit_guard(wheel, mode[w].drive, monitors[w].demand, y[at.spin_rate + w])
+        return limit_guard(wheel, mode.drive, monitors.demand, y[at.spin_rate + w])
     if kind == KINK:
         if machine.law != SATURATED:
             return 0.0
-        excess = math.sqrt(monitors[w].slip_square[side]) - machine.slip_speed
-        return excess if mode[w].saturated[side] else -excess
-    if machine.law != COULOMB or mode[w].grip[side] == SLIP:
+        excess = math.sqrt(monitors.slip_square[side]) - machine.slip_speed
+        return excess if mode.saturated[side] else -excess
+    if machine.law != COULOMB or mode.grip[side] == SLIP:
         return 0.0
-    if kind == GRIP and mode[w].grip[side] == STICK:
-        return monitors[w].margin[side] + cone_rounding(machine, monitors[w])
+    if kind == GRIP and mode.grip[side] == STICK:
+        return monitors.margin[side] + cone_rounding(machine, monitors)
     if kind == GRIP:  # contacts that let go together leave one another some rounding
-        return monitors[w].margin[side] + CREEP_ROUNDING * rest_speed(parameters, mode[w], w, side, y)
-    if mode[w].shared:
-        return CREEP_SPEED - math.sqrt(monitors[w].slip_square[side])
-    return youth(parameters, clock, mode[w], monitors[w]) if mode[w].grip[side] == CREEP else 0.0
+        return monitors.margin[side] + CREEP_ROUNDING * rest_speed(parameters, mode, w, side, y)
+    if mode.shared:
+        return CREEP_SPEED - math.sqrt(monitors.slip_square[side])
+    return youth(parameters, run.clock, mode, monitors) if mode.grip[side] == CREEP else 0.0
 
 
 @kernel
-def all_hold(parameters, clock, mode, w, y, monitors):
-    """Whether every guard of wheel w holds: what most steps ask, and all that they ask."""
-    held = guard(parameters, clock, mode, TURN, w, 0, y, monitors) >= 0.0
-    held = held and guard(parameters, clock, mode, EXIT, w, 0, y, monitors) >= 0.0
-    held = held and guard(parameters, clock, mode, SHARE, w, 0, y, monitors) >= 0.0
-    held = held and guard(parameters, clock, mode, LOAD, w, 0, y, monitors) >= 0.0
-    held = held and guard(parameters, clock, mode, JAM, w, 0, y, monitors) >= 0.0
-    held = held and guard(parameters, clock, mode, DRIVE, w, 0, y, monitors) >= 0.0
+def all_hold(parameters, run, w):
+    """Whether every guard of wheel w holds at the end of a trial: what most steps ask, and all that they ask."""
+    held = guard(parameters, run, Guard(TURN, w, 0), True) >= 0.0
+    held = held and guard(parameters, run, Guard(EXIT, w, 0), True) >= 0.0
+    held = held and guard(parameters, run, Guard(SHARE, w, 0), True) >= 0.0
+    held = held and guard(parameters, run, Guard(LOAD, w, 0), True) >= 0.0
+    held = held and guard(parameters, run, Guard(JAM, w, 0), True) >= 0.0
+    held = held and guard(parameters, run, Guard(DRIVE, w, 0), True) >= 0.0
     if parameters.machine.law in (COULOMB, SATURATED):
-        for side in range(1 + mode[w].shared):
-            held = held and guard(parameters, clock, mode, KINK, w, side, y, monitors) >= 0.0
-            held = held and guard(parameters, clock, mode, GRIP, w, side, y, monitors) >= 0.0
-            held = held and guard(parameters, clock, mode, YOUNG, w, side, y, monitors) >= 0.0
+        for side in range(1 + run.mode[w].shared):
+            held = held and guard(parameters, run, Guard(KINK, w, side), True) >= 0.0
+            held = held and guard(parameters, run, Guard(GRIP, w, side), True) >= 0.0
+            held = held and guard(parameters, run, Guard(YOUNG, w, side), True) >= 0.0
     return held
 
 
 @outlined
-def transition(parameters, run, log, kind, w, side, time):
-    """Change the mode after a guard of wheel w fired at `time`, and the derivative with it."""
+def transition(parameters, run, log, fired, time):
+    """Change the mode after a Guard fired at `time`, and the derivative with it."""
+    kind, w, side = fired
     mode, clock, rollers = run.mode[w], run.clock, parameters.wheels[w].rollers
     if kind == TURN:
         mode.direction = -mode.direction
@@ -218,8 +232,8 @@ def restore_consistency(parameters, run, log, time):
                 sticks = run.mode[w].grip[0] == STICK and not run.mode[w].shared
                 if run.clock.status != RUNNING or (kind == GRIP and not sticks):
                     continue
-                if guard(parameters, run.clock, run.mode, kind, w, 0, run.y, run.monitors) < 0.0:
-                    transition(parameters, run, log, kind, w, 0, time)
+                if guard(parameters, run, Guard(kind, w, 0), False) < 0.0:
+                    transition(parameters, run, log, Guard(kind, w, 0), time)
                     changed = kind
         if changed < 0 or run.clock.status != RUNNING:
             return
@@ -248,7 +262,7 @@ def find_loads(parameters, run, log, time):
         agrees = True
         for w in range(count):
             for kind in (LOAD, JAM):
-                agrees = agrees and guard(parameters, run.clock, run.mode, kind, w, 0, run.y, run.monitors) >= 0.0
+                agrees = agrees and guard(parameters, run, Guard(kind, w, 0), False) >= 0.0
         if agrees:
             for w in range(count):
                 if (before ^ chosen) >> w & 1:

@@ -34,8 +34,10 @@ from omnisim.march.events import (
     EXIT,
     GRIP,
     GUARDS,
+    NO_GUARD,
     OF_WHEEL,
     TURN,
+    Guard,
     all_hold,
     end_slips,
     guard,
@@ -184,7 +186,7 @@ def grid_step(parameters, method, run, rows, log):
                 begin_to_stop(parameters, run, t)
         if coulomb or clock.choice != EXPLICIT:
             h = step_length(parameters, run, t, h)
-        h, kind, w, side = step_to_event(parameters, method, run, t, h)
+        h, fired = step_to_event(parameters, method, run, t, h)
         accept(run)
         follow(parameters, run, rows, clock.row)
         if parameters.machine.formulation == MULTIBODY:
@@ -192,8 +194,9 @@ def grid_step(parameters, method, run, rows, log):
         clock.elapsed += h
         if coulomb:
             take_drift_away(parameters, run, start + clock.elapsed)
+        kind, w, _ = fired
         if kind >= 0:
-            transition(parameters, run, log, kind, w, side, start + clock.elapsed)
+            transition(parameters, run, log, fired, start + clock.elapsed)
             restore_consistency(parameters, run, log, start + clock.elapsed)
             follow_again(parameters, run, rows, clock.row)
             turns += kind == TURN
@@ -236,64 +239,64 @@ def piece_length(parameters, clock, start):
 
 @merged
 def step_to_event(parameters, method, run, t, h):
-    """A trial step of at most h, up to its first event: its length, the guard that fired (or -1), wheel and contact."""
+    """A trial step of at most h, up to its first event: its length, and the Guard that fired or NO_GUARD."""
     clock = run.clock
     if clock.implicit:
         h = min(h, REACH_GROWTH * clock.reach)
     while True:
         advance(parameters, method, run, t, h)
         if clock.converged:
-            s, kind, w, side = cut_at_event(parameters, method, run, t, h)
+            s, fired = cut_at_event(parameters, method, run, t, h)
             if clock.converged and not outrun(parameters, run, s):
                 if clock.implicit:
                     clock.reach = h
-                return s, kind, w, side
+                return s, fired
         h *= 0.5
         if h < GRID_ROUNDING * clock.dt:
             clock.status = NO_CONVERGENCE if clock.implicit else NOT_FINITE
-            return 0.0, -1, -1, 0
+            return 0.0, NO_GUARD
 
 
 @merged
 def cut_at_event(parameters, method, run, t, h):
-    """Shorten the trial step to its first event: its length, the guard that fired (or -1), wheel and contact.
+    """Shorten the trial step to its first event: its length, and the Guard that fired or NO_GUARD.
 
     Each violated guard is located on what is left of the step, TURN first, so EXIT sees a monotone spin angle and a
     step that leaves a roller's end and comes back is cut at the turn before it is searched.
     """
-    fired, wheel, contact = -1, -1, 0
-    undisturbed = True
+    fired, undisturbed = NO_GUARD, True
     for w in range(len(run.mode)):
-        undisturbed = undisturbed and all_hold(parameters, run.clock, run.mode, w, run.trial, run.monitors_end)
+        undisturbed = undisturbed and all_hold(parameters, run, w)
     if undisturbed:
-        return h, fired, wheel, contact
+        return h, fired
     for kind in range(GUARDS):
         for w in range(len(run.mode)):
             for side in range(2 if kind >= OF_WHEEL and run.mode[w].shared else 1):
-                value = guard(parameters, run.clock, run.mode, kind, w, side, run.trial, run.monitors_end)
+                value = guard(parameters, run, Guard(kind, w, side), True)
                 if value < 0.0:
-                    h = locate(parameters, method, run, t, h, kind, w, side, value)
-                    fired, wheel, contact = kind, w, side
-    return h, fired, wheel, contact
+                    fired = Guard(kind, w, side)
+                    h = locate(parameters, method, run, t, h, fired, value)
+    return h, fired
 
 
 @outlined
-def locate(parameters, method, run, t, h, kind, w, side, value):
-    """Root s of a guard on a step of length h at whose end it has the negative `value`; leaves the trial at s.
+def locate(parameters, method, run, t, h, which, value):
+    """Root s of a Guard on a step of length h at whose end it has the negative `value`; leaves the trial at s.
 
     Every evaluation is a step of its own from the start of the step, so the state found is as accurate as any. A
     step that starts ON the root, leaves it and comes back has its event at the later root: so first a point inside
     is sought at which the guard holds. Then a safeguarded secant iteration.
     """
+    kind, w, side = which
     low, high = 0.0, h
-    g_low, g_high = guard(parameters, run.clock, run.mode, kind, w, side, run.y, run.monitors), value
-    at_once = g_low <= 0.0 and leaves_at_once(parameters, run, kind, w, side)
+    g_low, g_high = guard(parameters, run, which, False), value
+    at_once = g_low <= 0.0 and leaves_at_once(parameters, run, which)
     while g_low <= 0.0:
         s = SHRINKING * high
         if at_once or s < GRID_ROUNDING * run.clock.dt:
             advance_again(parameters, method, run, t, 0.0)
             return 0.0
-        g = trial_guard(parameters, method, run, t, s, kind, w, side)
+        g = trial_guard(parameters, method, run, t, s, which)
         if g > 0.0:
             low, g_low = s, g
         else:
@@ -312,7 +315,7 @@ def locate(parameters, method, run, t, h, kind, w, side, value):
         if low == 0.0 and value >= -slack:
             return h
     for iteration in range(60):
-        g = trial_guard(parameters, method, run, t, s, kind, w, side)
+        g = trial_guard(parameters, method, run, t, s, which)
         if not math.isfinite(g + s):  # of a state that has burst nothing can be located
             return h
         correction = g * (s - s_last) / (g_last - g)
@@ -346,9 +349,10 @@ def slide(run, time):
 
 
 @kernel
-def leaves_at_once(parameters, run, kind, w, side):
-    """Whether a guard that is on its root at the start of a step, or beyond, does not come back: spin that has no rate
+def leaves_at_once(parameters, run, which):
+    """Whether a Guard that is on its root at the start of a step, or beyond, does not come back: spin that has no rate
     or the other sense and goes on to gain it, and creeping slip that has turned."""
+    kind, w, side = which
     if kind == TURN:
         return run.mode[w].direction * run.slopes[0, places(parameters).spin_rate + w] < 0.0
     return kind == GRIP and run.mode[w].grip[side] == CREEP
@@ -384,7 +388,7 @@ def advance_again(parameters, method, run, t, h):
 
 
 @merged
-def trial_guard(parameters, method, run, t, s, kind, w, side):
+def trial_guard(parameters, method, run, t, s, which):
     """Value of a guard after a step of length s."""
     advance_again(parameters, method, run, t, s)
-    return guard(parameters, run.clock, run.mode, kind, w, side, run.trial, run.monitors_end)
+    return guard(parameters, run, which, True)
