@@ -68,21 +68,22 @@ def sentences(results: dict[str, dict]) -> list[str]:
     ours = {(row["method"], row["step"]): row for row in mujoco["omnisim"]}
     quick, close = ours["dopri5", 1e-2], ours["rk4", 5e-3]
     with_scipy = [
-        f"- At equal error SciPy's best, with the equations in NumPy, takes {numpy:.0f} times as long as `rk4` on {name}; "
-        f"handed omnisim's own compiled equations {compiled:.0f} times."
+        f"- At equal error SciPy's best, with the equations in NumPy, takes {numpy:.0f} times as long as `rk4` on "
+        f"{name}; handed omnisim's own compiled equations {compiled:.0f} times."
         for name, numpy, compiled in by_form
     ]
     return [
-        f"- A step of the bare wheel takes {wheel['omnisim']['ns_per_step']:.0f} ns: {wheel['gcc -O3']['ratio']:.2f} "
-        f"times a hand-written C loop of the same equations (`gcc -O3`), {best_build:.2f} times its fastest build. One of "
-        f"a mecanum machine takes {machine['omnisim']['ns_per_step']:.0f} ns, {machine['gcc -O3']['ratio']:.2f} times a C "
-        f"loop written for that machine alone. 12 wheels take {wheels[12] / wheels[3]:.1f} times as long as 3.",
+        f"- A step of the bare wheel takes {wheel['omnisim']['ns_per_step']:.0f} ns: "
+        f"{wheel['gcc -O3']['ratio']:.2f} times a hand-written C loop of the same equations (`gcc -O3`), "
+        f"{best_build:.2f} times its fastest build. One of a mecanum machine takes "
+        f"{machine['omnisim']['ns_per_step']:.0f} ns, {machine['gcc -O3']['ratio']:.2f} times a C loop written for that "
+        f"machine alone. 12 wheels take {wheels[12] / wheels[3]:.1f} times as long as 3.",
         *with_scipy,
-        f"- MuJoCo on `{STOPS}`, the most accurate of {tried} settings, is {best['position_error'] * 1e3:.2f} mm off at "
-        f"{2.0 / best['seconds']:.1f} times real time, its yaw by {best['yaw_error']:.2f} rad. `omnisim.simulate` with "
-        f"`dopri5` at 1e-2 s is {nearer(best, quick)}, `rk4` at 5e-3 s {nearer(best, close)}.",
-        f"- 64 rollers cost {results['scaling']['1e-04']['ratio']:.2f} times as much as 8, with eight times the exchanges: "
-        "a roller in the air has no state.",
+        f"- MuJoCo on `{STOPS}`, the most accurate of {tried} settings, is {best['position_error'] * 1e3:.2f} mm off "
+        f"at {2.0 / best['seconds']:.1f} times real time, its yaw by {best['yaw_error']:.2f} rad. `omnisim.simulate` "
+        f"with `dopri5` at 1e-2 s is {nearer(best, quick)}, `rk4` at 5e-3 s {nearer(best, close)}.",
+        f"- 64 rollers cost {results['scaling']['1e-04']['ratio']:.2f} times as much as 8, with eight times the "
+        "exchanges: a roller in the air has no state.",
         f"- Implicit contact tracking takes {ratio(results['kernels']['rk4']):.1f} times as long as explicit.",
     ]
 

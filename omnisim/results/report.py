@@ -207,6 +207,14 @@ def dataset_rows(trajectory: Recorded) -> list[tuple[str, str, str, str]]:
     return lines
 
 
+def in_short(trajectory: Recorded) -> str:
+    """What a run shows of itself in Python: a few facts, and how to reach its datasets."""
+    facts, count = _facts(trajectory), len(trajectory.quantities)
+    lines = [f"  {name:9} {facts[name]}" for name in ("duration", "wheels", "events", "method")]
+    lines.append(f"  datasets  {count}, as run['wheels/{trajectory.wheels[0]}/slip_velocity']; list(run) names all")
+    return "\n".join([f"{facts['title']!r}: {facts['status']}", *lines])
+
+
 def as_html(trajectory: Recorded) -> str:
     """What a notebook shows of a trajectory: a few facts, and the datasets behind a click; needs nothing else."""
     facts = _facts(trajectory)

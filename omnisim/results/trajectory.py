@@ -152,10 +152,9 @@ class Trajectory:
         return report.as_html(self)
 
     def __repr__(self) -> str:
-        a, rows, events = self.attributes, len(self.time), len(self["events/time"])
-        until = f" to {self.time[-1]:g} s" if rows else ""
-        return (f"<Trajectory {a['title']!r}: {rows} rows{until}, wheels {', '.join(self.wheels)}, "
-                f"{events} events, {a['status']}>")  # fmt: skip
+        from omnisim.results import report
+
+        return f"<Trajectory {report.in_short(self)}>"
 
 
 def open_trajectory(path: str | PathLike[str]) -> Trajectory:

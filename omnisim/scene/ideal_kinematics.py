@@ -78,9 +78,9 @@ class Handedness(NamedTuple):
 def handedness(config: Config) -> Handedness | None:
     """Of four parallel mecanum wheels, one at each corner, those whose rollers have the hand of the other diagonal.
 
-    Seen from above the axes of the rollers on the floor form an X. A wheel at (a, b) from the middle, along and across
-    the headings, turns the machine by a lever |a tan(psi) + b|: of an X the sum of two lengths, of an O their
-    difference, which is 0 in a square.
+    Seen from above the axes of the rollers on the floor form an O, of those on top an X. A wheel at (a, b) from the
+    middle, along and across the headings, turns the machine by a lever |a tan(psi) + b|: of an O the sum of two
+    lengths, of an X their difference, which is 0 in a square.
     """
     wheels, tan = config.wheels, _tangents(config)
     heading = np.radians([wheel.heading_deg for wheel in wheels])
@@ -94,7 +94,7 @@ def handedness(config: Config) -> Handedness | None:
     names = tuple(wheel.name for wheel, is_wrong in zip(wheels, wrong, strict=True) if is_wrong)
     lever, best = np.abs(a * tan + b).max(), (np.abs(a * tan) + np.abs(b)).max()
     able = f"turns by a lever of {lever:.3g} m, not {best:.3g} m" if lever > RANK_TOLERANCE * best else "cannot turn"
-    told = f"the axes of rollers on the floor, seen from above, form an O for an X, so that the machine {able}"
+    told = f"the axes of rollers on the floor, seen from above, form an X for an O, so that the machine {able}"
     if not wrong.all():
         told = f"the rollers of {', '.join(names)} have the hand of the other diagonal"
     mirrored = [wheel.name for wheel, is_wrong in zip(wheels, wrong, strict=True) if wheel.mirrored != is_wrong]

@@ -214,7 +214,7 @@ def _overlap(a: tuple[np.ndarray, np.ndarray], b: tuple[np.ndarray, np.ndarray])
 
 
 def wrong_hands(config: Config) -> Iterator[Problem]:
-    """Mecanum wheels with O for X, and other machines whose spin rates say nothing of their yaw."""
+    """Mecanum wheels with X for O, and other machines whose spin rates say nothing of their yaw."""
     if config.chassis is None or len(config.wheels) < 3:
         return
     if hands := handedness(config):

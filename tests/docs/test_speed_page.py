@@ -1,6 +1,7 @@
 """The pages on speed and accuracy say what the results say."""
 
 import json
+import re
 
 import pytest
 
@@ -93,3 +94,31 @@ def test_the_page_in_short_says_what_the_results_say():
     row = json.loads((speed_page.RESULTS / "laws.json").read_text())["result"]["exact"][0]
     assert f"| 0.01 | {speed_short.fast(2e3 / row['march'])} |" in page
     assert row["method"] == "rk4" and row["step"] == 0.01 and f"| {row['error']:.1e} |" in page
+
+
+def test_the_five_numbers_of_the_readme_are_those_of_the_results():
+    """Renew README.md with bench/results: a measured ratio may be told to 2 %."""
+    readme = " ".join((speed_page.HERE.parent / "README.md").read_text(encoding="utf-8").split())
+    results = {name: record["result"] for name, record in speed_page.read(speed_page.RESULTS).items()}
+    stops = {row["step"]: row for row in results["laws"]["exact"] if row["method"] == "rk4"}
+    platform = [2.0 / row["march"] for row in results["whole_machines"]["platform"]["ladder"]
+                if (row["drive"], row["method"], row["step"]) == ("rate", "rk4", 0.01)]  # fmt: skip
+    wheel, best = results["scipy_peer"]["coulomb_wheel"], results["mujoco_peer"]["best"]
+    ours = next(row for row in results["mujoco_peer"]["omnisim"] if (row["method"], row["step"]) == ("dopri5", 0.01))
+    told = {
+        r"1\.0e-5 \(m, rad\) off at (\d+) times real time": 2e3 / stops[0.01]["march"],
+        r"2\.0e-9 off at (\d+)\.": 2e3 / stops[0.001]["march"],
+        r"nine rollers, within 2e-6 m: (\d+) to": min(platform),
+        r"nine rollers, within 2e-6 m: \d+ to (\d+) times": max(platform),
+        r"bare wheel takes ([\d.]+) times a hand-written C loop": results["c_loop"]["bare wheel"]["gcc -O3"]["ratio"],
+        r"in NumPy, takes (\d+) times as long": speed_short.min_ratio(wheel, "NumPy"),
+        r"compiled equations (\d+) times": speed_short.min_ratio(wheel, "compiled"),
+        r"all settings tried ([\d.]+) mm": 1e3 * best["position_error"],
+        r"yaw off by ([\d.]+) rad": best["yaw_error"],
+        r"`omnisim.simulate` is (\d+) times closer": best["position_error"] / ours["position_error"],
+        r"times closer and (\d+) times faster": ours["simulate"]["ratios"]["the best"],
+    }
+    for words, value in told.items():
+        (number,) = re.findall(words, readme)
+        assert float(number) == pytest.approx(value, rel=0.02), words
+    assert [f"{stops[step]['error']:.1e}" for step in (0.01, 0.001)] == ["1.0e-05", "2.0e-09"]

@@ -1,5 +1,6 @@
 """A trajectory is complete, finite and of the right shape, or it does not come into being."""
 
+import re
 import subprocess
 import sys
 
@@ -58,9 +59,15 @@ def test_complete_is_what_status_says():
     assert "wheel tips over" in repr(stopped)
 
 
-def test_repr_tells_rows_wheels_and_events_in_one_line():
-    text = repr(synthetic_trajectory(rows=11, events=3))
-    assert text == "<Trajectory 'rollers µ': 11 rows to 1 s, wheels wheel, 3 events, complete>"
+def test_repr_tells_rows_wheels_events_and_how_to_reach_datasets():
+    trajectory = synthetic_trajectory(rows=11, events=3)
+    lines = repr(trajectory).splitlines()
+    assert lines[0] == "<Trajectory 'rollers µ': complete"
+    assert lines[1].startswith("  duration  1 s, 11 rows, one every 0.1 s")
+    assert lines[2].startswith("  wheels    wheel (")
+    assert sum(map(int, re.findall(r"\d+", lines[3]))) == 3
+    (path,) = re.findall(r"run\['(.*)'\]", lines[-1])
+    assert path in trajectory and f" {len(list(trajectory))}," in lines[-1] and len(lines) == 6
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])

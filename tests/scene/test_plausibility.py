@@ -15,7 +15,7 @@ from omnisim.scene.scene import packaged_scenes, parse
 
 WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
 MECANUM, OMNI = "wheel_types.mecanum", "wheel_types.omni"
-O_FOR_X = [
+X_FOR_O = [
     f"wheels.{name}.mirrored={value}" for name, value in zip(WHEELS, ("true", "false", "false", "true"), strict=True)
 ]
 CORNERS = ((1, 1), (1, -1), (-1, 1), (-1, -1))
@@ -63,8 +63,8 @@ DOUBTS = {
     "mm/s": (plausibility.large_lengths, "youbot", ["command.twist=[[0, 0, 0], [500, 0, 0]]"], "command.twist[1] = [500, 0, 0]", "500 m/s; expected"),
     "mm/s^2": (plausibility.large_lengths, "six_rollers", ["scene.gravity=9810"], "scene.gravity = 9810", "9810 m/s^2; expected at most 100 m/s^2"),
     "one place": (plausibility.wheels_in_one_place, "youbot", ["wheels.rear_right.position=[-0.235, 0.15]"], "wheels.rear_right.position = ", "0 m from 'rear_left': the two wheels overlap by 0.0445 m"),
-    "O for X": (plausibility.wrong_hands, "youbot", O_FOR_X, "wheels.front_left.mirrored = true", "so that the machine turns by a lever of 0.085 m, not 0.385 m; expected mirrored = true on front_right, rear_left, and on no other wheel"),
-    "O for X in a square": (plausibility.wrong_hands, "youbot on torques", [*O_FOR_X, *places(0.2, 0.2)], "wheels.front_left.mirrored = true", "form an O for an X, so that the machine cannot turn; expected mirrored = true on front_right"),
+    "X for O": (plausibility.wrong_hands, "youbot", X_FOR_O, "wheels.front_left.mirrored = true", "so that the machine turns by a lever of 0.085 m, not 0.385 m; expected mirrored = true on front_right, rear_left, and on no other wheel"),
+    "X for O in a square": (plausibility.wrong_hands, "youbot on torques", [*X_FOR_O, *places(0.2, 0.2)], "wheels.front_left.mirrored = true", "form an X for an O, so that the machine cannot turn; expected mirrored = true on front_right"),
     "one wheel of the other hand": (plausibility.wrong_hands, "youbot", ["wheels.rear_left.mirrored=false"], "wheels.rear_left.mirrored = false", "the rollers of rear_left have the hand of the other diagonal"),
     "headings along the radius": (plausibility.wrong_hands, "kiwi on torques", headings(60, 180, 300), "wheels = [", "no spin rate changes with the yaw rate, so that the machine cannot turn"),
     "kg mm^2": (plausibility.gyrations, "youbot", [f"{MECANUM}.roller.inertia_transverse=12.8"], "roller.inertia_transverse = 12.8", "its radius of gyration is 16 m, of a body that reaches 0.0335 m; expected 5.62e-07 to 0.000506 kg m^2 for 0.05 kg"),
@@ -137,7 +137,7 @@ def test_a_scene_that_follows_the_advice_is_not_doubted(scene, wrong, advice, ri
 @pytest.mark.short
 def test_a_command_that_an_o_cannot_follow_is_an_error_that_says_how_to_mirror_the_wheels():
     with pytest.raises(omnisim.SceneError) as error:
-        doubted("youbot", *O_FOR_X, *places(0.2, 0.2))
+        doubted("youbot", *X_FOR_O, *places(0.2, 0.2))
     text = str(error.value)
     assert (
         "they leave open: rotation; " in text
