@@ -18,7 +18,7 @@ ROOMS = ("base", "scene", "contact", "dynamics", "march", "results", "run", "cad
 ONLY = {
     "h5py": {"results.hdf5", "base.trajectory_file"},
     "pydantic": {"scene.schema", "scene.problems", "scene.validation"},
-    "numba": {"base.kernel", "base.calls"},
+    "numba": {"base.kernel", "base.compiler", "base.calls"},
     "tomlkit": {"scene.toml_text"},
     "pandas": {"results.trajectory", "results.tables"},
     "xarray": {"results.trajectory", "results.tables"},

@@ -2,19 +2,27 @@
 
 import numba
 
-DIRECT: dict = {}  # kernels that `direct` has called
+DIRECT: dict = {}  # kernels that `direct` has called, by what their arguments have
 
 
 def direct(function, *arguments):
-    """Call a kernel whose arguments are of the same types in every call, as those of a run are.
+    """Call a kernel whose arguments are of the same types in every call but for members that are there or None.
 
     From the second call on it is called at once: finding out the types of so many arrays takes longer than handing
     them over.
     """
-    call = DIRECT.get(function)
+    key = function, *map(members, arguments)
+    call = DIRECT.get(key)
     if call is not None:
         return call(*arguments)
     result = function(*arguments)
-    if hasattr(function, "overloads"):  # compilation may be switched off
-        DIRECT[function] = function.get_overload(tuple(map(numba.typeof, arguments)))
+    if hasattr(function, "entry"):  # compilation may be switched off
+        DIRECT[key] = function.entry.get_overload(tuple(map(numba.typeof, arguments)))
     return result
+
+
+def members(argument):
+    """The Python types of the members of a NamedTuple, and of theirs; of anything else nothing."""
+    if not isinstance(argument, tuple):
+        return None
+    return tuple([members(member) if isinstance(member, tuple) else type(member) for member in argument])

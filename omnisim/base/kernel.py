@@ -11,17 +11,27 @@ import re
 import shutil
 import tempfile
 import warnings
-from functools import partial
+from functools import cached_property
 from pathlib import Path
 
 import numba
 import platformdirs
 from numba.core import config as numba_config
 from numba.core.caching import IndexDataCacheFile
-from numba.core.compiler import Compiler
+from numba.core.registry import CPUDispatcher
 from numba.core.types import unliteral
 
+from omnisim.base.compiler import EntryCompiler, PartCompiler, PartResults
+
 NAME = re.compile(r"[\w.]+")
+OPTIONS = {
+    "nopython": True,
+    "boundscheck": None,
+    "error_model": "numpy",
+    "_nrt": False,
+    "fastmath": {"contract"},
+    "no_cfunc_wrapper": True,  # nobody calls kernels from C
+}
 KEPT_CACHES = 4  # how many cache folders of other versions of the sources survive
 
 
@@ -167,43 +177,48 @@ class KernelFiles(IndexDataCacheFile):
             return None
 
     def _name(self, key):
-        return f"{Path(self._index_name).stem}.{hashlib.sha256(repr(key).encode()).hexdigest()[:16]}.nbc"
+        return f"{Path(self._index_name).stem}{self.kind}.{hashlib.sha256(repr(key).encode()).hexdigest()[:16]}.nbc"
 
 
-class Disjoint(Compiler):
-    """The compiler, told that no two arrays that a kernel is given overlap where it writes."""
+class Kernel(CPUDispatcher):
+    """A compiled function that others call; what Python calls is its `entry`, compiled when it does so first."""
 
-    def define_pipelines(self):
-        self.state.flags.noalias = True
-        return super().define_pipelines()
+    def __call__(self, *arguments):
+        return self.entry(*arguments)
+
+    @cached_property
+    def entry(self):
+        return cached(CPUDispatcher(self.py_func, targetoptions=dict(OPTIONS), pipeline_class=EntryCompiler), ".entry")
+
+    def compile(self, signature):
+        """Compile for the types of the arguments alone.
+
+        Numba would do it again for every constant that a caller hands over, and its own optimiser finds those anyway
+        where it inlines.
+        """
+        return super().compile(tuple(map(unliteral, signature)) if isinstance(signature, tuple) else signature)
 
 
 def compiled(function, inline, inlining="never"):
-    """Numba reads its cache folder while decorating, so the setting is put back at once: other packages keep theirs."""
-    theirs = numba_config.CACHE_DIR
-    numba_config.CACHE_DIR = str(CACHE_DIRECTORY)
-    try:
-        options = {
-            "cache": True,
-            "error_model": "numpy",
-            "_nrt": False,
-            "pipeline_class": Disjoint,
-            "fastmath": {"contract"},
-            "no_cfunc_wrapper": True,  # nobody calls kernels from C
-        }
-        dispatcher = numba.njit(forceinline=inline, inline=inlining, **options)(function)
-    finally:
-        numba_config.CACHE_DIR = theirs
-    if hasattr(dispatcher, "overloads"):  # compilation may be switched off
-        dispatcher.compile = partial(compile_once, dispatcher.compile)
-        dispatcher._cache._cache_file.__class__ = KernelFiles
+    if numba_config.DISABLE_JIT:
+        return function
+    options = OPTIONS | {"forceinline": inline, "inline": inlining}
+    dispatcher = cached(Kernel(function, targetoptions=options, pipeline_class=PartCompiler))
+    dispatcher._cache._impl.__class__ = PartResults
     return dispatcher
 
 
-def compile_once(compile_for, types):
-    """Compile for the types of the arguments alone.
+def cached(dispatcher, kind=""):
+    """A dispatcher that keeps what it compiles.
 
-    Numba would do it again for every constant that a caller hands over, and its own optimiser finds those anyway where
-    it inlines.
+    Numba reads its cache folder here, so the setting is put back at once: other packages keep theirs.
     """
-    return compile_for(tuple(map(unliteral, types)) if isinstance(types, tuple) else types)
+    theirs = numba_config.CACHE_DIR
+    numba_config.CACHE_DIR = str(CACHE_DIRECTORY)
+    try:
+        dispatcher.enable_caching()
+    finally:
+        numba_config.CACHE_DIR = theirs
+    files = dispatcher._cache._cache_file
+    files.__class__, files.kind = KernelFiles, kind
+    return dispatcher

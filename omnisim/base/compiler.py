@@ -1,0 +1,287 @@
+"""How kernels are compiled: what a scene does not have is left out, and every kernel is optimised once.
+
+Numba would optimise and translate every function by itself, with all that it calls, and again within each of its
+callers. Here a kernel is a part, and only what Python calls becomes machine code:
+
+    inlined     its own code alone; wherever it is called it becomes part of what is optimised there
+    outlined    optimised once, with the inlined ones that it calls; what else it calls stays a call
+    entry       the same, and linked with all outlined kernels that it reaches: then it is translated, once
+"""
+
+import hashlib
+from importlib import import_module
+from operator import is_, is_not
+from typing import NamedTuple
+
+import llvmlite.binding as llvm
+from numba import _dynfunc
+from numba.core import ir, itanium_mangler, types
+from numba.core.caching import CompileResultCacheImpl
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler, CompileResult
+from numba.core.compiler_machinery import FunctionPass, register_pass
+from numba.core.ir_utils import get_definition, guard
+from numba.core.typed_passes import NativeLowering
+from numba.core.untyped_passes import InlineInlinables, RewriteSemanticConstants
+
+
+@register_pass(mutates_CFG=False, analysis_only=False)
+class FoldAbsent(FunctionPass):
+    """What a scene does not have is None in what its kernels are given, so `parameters.rho is None` is known from the
+    types: it becomes a constant, and Numba drops the branch that is never taken before it looks at what is in it."""
+
+    _name = "fold_absent"
+
+    def __init__(self):
+        FunctionPass.__init__(self)
+
+    def run_pass(self, state):
+        folded = False
+        for block in state.func_ir.blocks.values():
+            for statement in block.body:
+                value = getattr(statement, "value", None)
+                if not (isinstance(value, ir.Expr) and value.op == "binop" and value.fn in (is_, is_not)):
+                    continue
+                kind = type_of(state, value.lhs) if is_none(state.func_ir, value.rhs) else None
+                if kind is not None:
+                    known = ir.Const(isinstance(kind, types.NoneType) == (value.fn is is_), statement.loc)
+                    definitions = state.func_ir._definitions[statement.target.name]
+                    definitions[definitions.index(value)] = statement.value = known
+                    folded = True
+        return folded
+
+
+def is_none(func_ir, variable):
+    """Whether a variable of Numba's intermediate representation is the constant None."""
+    found = guard(get_definition, func_ir, variable)
+    return isinstance(found, ir.Const | ir.Global | ir.FreeVar) and found.value is None
+
+
+def type_of(state, variable):
+    """Numba's type of a variable that is an argument, or a member of one; None of any other."""
+    found = guard(get_definition, state.func_ir, variable)
+    if isinstance(found, ir.Arg):
+        return state.args[found.index]
+    if isinstance(found, ir.Expr) and found.op == "getattr":
+        whole = type_of(state, found.value)
+        if isinstance(whole, types.NamedTuple) and found.attr in whole.fields:
+            return whole[whole.fields.index(found.attr)]
+    return None
+
+
+class Source(NamedTuple):
+    """Where a compiled kernel comes from: its module, its name there, and the types of its arguments."""
+
+    module: str
+    name: str
+    arguments: tuple
+
+    def library(self):
+        """Its Part, compiled or loaded if need be."""
+        kernel = getattr(import_module(self.module), self.name)
+        kernel.compile(self.arguments)
+        return kernel.overloads[self.arguments].library
+
+
+class Part(JITCodeLibrary):
+    """LLVM code of a kernel that others call.
+
+    source: Source. inlined: whether it becomes part of its callers; if not, it is optimised here. calls: the kernels
+    that it calls, a Part or a Source that has not been looked up yet; of one not inlined, those not inlined either.
+    """
+
+    def __init__(self, codegen, name, source, inlined):
+        super().__init__(codegen, name)
+        self.source, self.inlined, self.calls = source, inlined, []
+
+    def finalize(self):
+        self.calls = linked(self)
+        if not self.inlined:
+            self.calls = absorbed(self, self.calls)
+            self._optimize_final_module()
+        self._final_module.verify()
+        self._finalized = True
+
+    def called(self):
+        """The same, looked up: Parts."""
+        self.calls = [call.library() if isinstance(call, Source) else call for call in self.calls]
+        return self.calls
+
+    def module(self):
+        """Its code, to be linked into that of a caller."""
+        if self._shared_module is None:
+            self._shared_module = self._final_module.clone()
+            for function in self._shared_module.functions:
+                if not function.is_declaration and function.linkage == llvm.Linkage.external:
+                    function.linkage = "linkonce_odr"
+        return self._shared_module
+
+    def get_pointer_to_function(self, name):
+        return 0  # of no machine code
+
+    def _get_module_for_linking(self):
+        """The code of all that it needs, for functions that are no kernels of ours and call it."""
+        whole = self.module().clone()
+        for part in reached([self]):
+            if part is not self:
+                whole.link_in(part.module(), preserve=True)
+        return whole
+
+
+class Entry(JITCodeLibrary):
+    """LLVM code of a kernel that Python calls, and of all that it needs; machine code at the end."""
+
+    def finalize(self):
+        calls = absorbed(self, linked(self))
+        self._optimize_final_module()
+        for part in reached(calls):
+            if not part.inlined:
+                self._final_module.link_in(part.module(), preserve=True)
+        self._final_module.verify()
+        self._finalize_final_module()
+
+
+def linked(library):
+    """The Parts that a library calls, after what else it calls has been linked in."""
+    libraries = dict.fromkeys(library._linking_libraries)
+    for other in libraries:
+        if not isinstance(other, Part):
+            library._final_module.link_in(other._get_module_for_linking(), preserve=True)
+    return [other for other in libraries if isinstance(other, Part)]
+
+
+def absorbed(library, calls):
+    """The Parts that a library still calls after all inlined ones have been linked in."""
+    found = reached(calls, through=lambda part: part.inlined)
+    for part in found:
+        if part.inlined:
+            library._final_module.link_in(part.module(), preserve=True)
+    return [part for part in found if not part.inlined]
+
+
+def reached(parts, through=lambda _: True):
+    """These Parts and all that they call, each once, but not beyond those that `through` denies."""
+    found, waiting = {}, list(parts)
+    while waiting:
+        part = waiting.pop()
+        if part not in found:
+            found[part] = None
+            if through(part):
+                waiting += part.called()
+    return list(found)
+
+
+class KernelLowering(NativeLowering):
+    """Numba's step from its own code to that of LLVM, with names that are short and the same in every process: the
+    types in them would fill thousands of characters."""
+
+    def __init__(self):
+        NativeLowering.__init__(self)
+
+    def run_pass(self, state):
+        context, function = state.targetctx, state.func_id
+        function.unique_id = 0
+        context.mangler = mangled
+        try:
+            return self.lower(state, context.codegen(), function)
+        finally:
+            del context.mangler
+
+    def lower(self, state, codegen, function):
+        raise NotImplementedError
+
+
+def mangled(name, arguments, *, abi_tags=(), uid=None):
+    """Name of a function in LLVM, by its own and a digest of the types of its arguments."""
+    digest = hashlib.sha256(repr(arguments).encode()).hexdigest()[:16]
+    return itanium_mangler.mangle(name, (digest,), abi_tags=abi_tags, uid=uid)
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class PartLowering(KernelLowering):
+    _name = "part_lowering"
+
+    def lower(self, state, codegen, function):
+        flags, source = state.flags, Source(function.modname, function.func_qualname, tuple(state.args))
+        flags.no_compile = flags.no_cpython_wrapper = True
+        state.library = library = Part(codegen, function.func_qualname, source, flags.forceinline)
+        super(KernelLowering, self).run_pass(state)
+        library.finalize()
+        lowered = state["cr"]
+        state["cr"] = lowered._replace(cfunc=token(lowered.fndesc, lowered.env, library))
+        state.targetctx.insert_user_function(state["cr"].cfunc, lowered.fndesc, [library])
+        return True
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class EntryLowering(KernelLowering):
+    _name = "entry_lowering"
+
+    def lower(self, state, codegen, function):
+        state.library = Entry(codegen, function.func_qualname)
+        state.library.enable_object_caching()
+        return super(KernelLowering, self).run_pass(state)
+
+
+def token(descriptor, environment, library):
+    """What stands for the machine code of a Part where Numba wants it: something to know it by, not to be called."""
+    return _dynfunc.make_function(
+        descriptor.lookup_module(), descriptor.qualname, "part of a kernel", 0, environment, (library,)
+    )
+
+
+class KernelCompiler(Compiler):
+    """Numba's compiler, told that no two arrays that a kernel is given overlap where it writes, to leave out what is
+    not there, and how to link. lowering: its last step."""
+
+    lowering: type
+
+    def define_pipelines(self):
+        self.state.flags.noalias = True
+        first, *others = super().define_pipelines()
+        first.add_pass_after(FoldAbsent, RewriteSemanticConstants)
+        first.add_pass_after(FoldAbsent, InlineInlinables)  # in the functions that became part of this one
+        first.passes = [(self.lowering if step is NativeLowering else step, why) for step, why in first.passes]
+        first.finalize()
+        return [first, *others]
+
+
+class PartCompiler(KernelCompiler):
+    lowering = PartLowering
+
+
+class EntryCompiler(KernelCompiler):
+    lowering = EntryLowering
+
+
+class PartResults(CompileResultCacheImpl):
+    """How a compiled Part is kept on disk."""
+
+    def reduce(self, result):
+        part, descriptor = result.library, result.fndesc
+        descriptor.typemap = descriptor.calltypes = None
+        calls = [call if isinstance(call, Source) else call.source for call in part.calls]
+        code = part._final_module.as_bitcode()
+        return part.name, part.source, part.inlined, code, calls, descriptor, result.environment, result.signature
+
+    def rebuild(self, target_context, payload):
+        name, source, inlined, code, calls, descriptor, environment, signature = payload
+        part = Part(target_context.codegen(), name, source, inlined)
+        part._final_module, part.calls, part._finalized = llvm.parse_bitcode(code), calls, True
+        return CompileResult(
+            typing_context=target_context.typing_context,
+            target_context=target_context,
+            entry_point=token(descriptor, environment, part),
+            typing_error=None,
+            type_annotation="",
+            signature=signature,
+            objectmode=False,
+            lifted=(),
+            fndesc=descriptor,
+            library=part,
+            call_helper=None,
+            environment=environment,
+            metadata=None,
+            reload_init=[],
+            referenced_envs=[],
+        )
