@@ -41,7 +41,7 @@ SHORTFALL = 2.5e-3  # of the wheel radius: how much lower a row of spheres may c
 def of_type(kind: WheelType) -> np.record:
     """The record of a wheel of this type, not mirrored."""
     values = wheel_values(kind, Wheel(name="wheel", type="wheel"), np.zeros(2))
-    return records(WHEEL, [values | {"rates": 0, "contacts": 0}])[0]
+    return records(WHEEL, [values | {"rates": 0, "contacts": 0, "row": 0, "rows": 1}])[0]
 
 
 # --- rollers on their wheel -----------------------------------------------------------------------

@@ -4,6 +4,7 @@ from omnisim.base.kernel import outlined
 from omnisim.contact.kinematics import Slip, slip_jacobian
 from omnisim.contact.mobility import inverse_mass, solution
 from omnisim.contact.set_valued import CREEP, SLIP
+from omnisim.dynamics.indices import rate_place
 from omnisim.dynamics.planar_body import (
     free_equations,
     held_equations,
@@ -14,7 +15,7 @@ from omnisim.dynamics.planar_body import (
     set_lever,
     yielding,
 )
-from omnisim.dynamics.state import places, rate_place
+from omnisim.dynamics.state import places
 from omnisim.dynamics.wheel import body_motion, contact_state, world_heading
 
 
@@ -53,7 +54,7 @@ def align_slip(parameters, run):
             spin = contact.spin[0] * impulse_h + contact.spin[1] * impulse_k
             roller = contact.arm[0] * impulse_h + contact.arm[1] * impulse_k
             y[at.spin_rate + w] += spin * wheel.spin_mobility
-            y[rate_place(parameters, run.mode[w].roller, w, 0)] += roller * wheel.axial_mobility
+            y[rate_place(parameters, run.mode[w], w, 0)] += roller * wheel.axial_mobility
     y[at.velocity] += change.x * body.cos - change.y * body.sin
     y[at.velocity + 1] += change.x * body.sin + change.y * body.cos
     y[at.yaw_rate] += change.yaw
@@ -74,8 +75,6 @@ def change_slip(parameters, run, w, side, slip):
     if not mode.shared:
         y[at.spin_rate + w] += (j.spin_h * impulse.h + j.spin_k * impulse.k) * wheel.spin_mobility
     y[at.yaw_rate] += (j.yaw_h * impulse.h + j.yaw_k * impulse.k) * machine.yaw_mobility
-    y[rate_place(parameters, mode.roller, w, side)] += (
-        j.roller_h * impulse.h + j.roller_k * impulse.k
-    ) * wheel.axial_mobility
+    y[rate_place(parameters, mode, w, side)] += (j.roller_h * impulse.h + j.roller_k * impulse.k) * wheel.axial_mobility
     mean_h, mean_k = 0.5 * (slip.h + state.slip.h), 0.5 * (slip.k + state.slip.k)
     y[at.friction_loss] -= impulse.h * mean_h + impulse.k * mean_k

@@ -25,6 +25,7 @@ from omnisim.dynamics.parameters import (
     MULTIBODY,
     PART,
     RESTING,
+    ROLLER_ROW,
     SERVO,
     WHEEL,
     YAW_TORQUE,
@@ -64,11 +65,14 @@ def pack(config: Config) -> Parameters:
         bodies=1 + len(wheels) * (1 + most) if machine["formulation"] == MULTIBODY else 0,
     )
     rates = machine["places"].roller_rate
-    starts = [{"rates": rates + machine["slots"] * w, "contacts": TOUCHING * w} for w in range(len(wheels))]
+    starts = [
+        {"rates": rates + machine["slots"] * w, "contacts": TOUCHING * w, "row": w, "rows": 1}
+        for w in range(len(wheels))
+    ]
     wheels = [wheel | start for wheel, start in zip(wheels, starts, strict=True)]
     machine["slip_mobility"] = max(slip_mobility_bound(machine, wheel) for wheel in wheels)
     packed, starts_inputs = records(WHEEL, wheels), merge_tables(config, rows)
-    constants = records(MACHINE, [machine])[0], packed, sectors(packed.rollers)
+    constants = records(MACHINE, [machine])[0], packed, rows_of(packed), sectors(packed.rollers)
     return Parameters(*constants, *starts_inputs, workspace(packed, most))
 
 
@@ -279,6 +283,11 @@ def slip_mobility_bound(machine: dict, wheel: dict) -> float:
     yaw = (e_k + l + c * wheel["sin_alpha"] * s * h_0) ** 2 + (e_h + c * c * wheel["sin_alpha"] * h_0) ** 2
     roller = h_0**2 * wheel["axial_mobility"]
     return 2.0 / machine["mass"] + spin * wheel["spin_mobility"] + yaw / machine["yaw_inertia"] + roller
+
+
+def rows_of(wheels: np.recarray) -> np.recarray:
+    """The rows of rollers of these wheels, records ROLLER_ROW: each has one, in its middle."""
+    return records(ROLLER_ROW, [{"phase": phase, "offset": 0.0} for phase in wheels.phase])
 
 
 def sectors(rollers: np.ndarray) -> np.ndarray:

@@ -57,6 +57,8 @@ WHEEL = np.dtype(
         ("rollers", np.int64),  # N_r
         ("rates", np.uint32),  # where the first slot of its roller rates stands in the state
         ("contacts", np.uint32),  # which is the first of its contacts
+        ("row", np.int64),  # which is the first of its rows of rollers
+        ("rows", np.int64),  # how many it has
         ("alpha", np.float64),  # pi / N_r, rad
         ("sin_alpha", np.float64),
         ("cos_alpha", np.float64),
@@ -94,6 +96,12 @@ WHEEL = np.dtype(
         ("odometry", np.float64, (3,)),  # chassis twist by the spin rate: m, m, 1
     ],
     align=True,
+)
+ROLLER_ROW = np.dtype(
+    [
+        ("phase", np.float64),  # azimuth of roller 0 at spin angle 0, were it on this row, rad
+        ("offset", np.float64),  # of the row from the wheel's centre along k, m
+    ]
 )
 FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE, DRIVE_INPUT = range(5)  # channels of the inputs; the last is of wheel 0
 SERVO, CONTACTS = 0, 1
@@ -208,13 +216,14 @@ class Workspace(NamedTuple):
 class Parameters(NamedTuple):
     """Constants of a run, W wheels of at most N rollers, S pieces between knots of the tables.
 
-    machine: record MACHINE. wheels: (W,) records WHEEL. sector: (W, N, 2) cosine and sine of 2 pi i / N_r.
-    starts: (S,) where the pieces begin, s. inputs: (S, 4 + W, 2) value at the start of the piece and slope of every
-    channel. workspace: Workspace.
+    machine: record MACHINE. wheels: (W,) records WHEEL. roller_rows: records ROLLER_ROW of the rows of rollers of all
+    wheels. sector: (W, N, 2) cosine and sine of 2 pi i / N_r. starts: (S,) where the pieces begin, s. inputs: (S, 4 +
+    W, 2) value at the start of the piece and slope of every channel. workspace: Workspace.
     """
 
     machine: np.record
     wheels: np.recarray
+    roller_rows: np.recarray
     sector: np.ndarray
     starts: np.ndarray
     inputs: np.ndarray

@@ -19,12 +19,13 @@ from omnisim.contact.set_valued import SLIP
 from omnisim.contact.tracking import IMPLICIT_TRACKING, rho_rate, roller_axis
 from omnisim.dynamics.actuation import rest_motors
 from omnisim.dynamics.contact_forces import find_contact_forces
+from omnisim.dynamics.indices import rho_place
 from omnisim.dynamics.multibody.right_hand_side import multibody_rhs
 from omnisim.dynamics.normal_forces import set_body_tilt, solve
 from omnisim.dynamics.parameters import CONTACTS, MULTIBODY
 from omnisim.dynamics.planar_body import Acceleration, free_equations, inclined_equations
 from omnisim.dynamics.state import YAW, X, Y, places
-from omnisim.dynamics.wheel import body_motion, external_wrench, rho_index, rho_of, world_heading
+from omnisim.dynamics.wheel import body_motion, external_wrench, rho_of, world_heading
 from omnisim.dynamics.wheel_forces import move_wheel, observe_wheel, press_wheel, slide_wheel
 
 
@@ -132,5 +133,5 @@ def rho_rates(parameters, body, y, dy):
             cos_i, sin_i = parameters.sector[w, i, 0], parameters.sector[w, i, 1]
             axis = roller_axis(wheel, cos_0 * cos_i - sin_0 * sin_i, sin_0 * cos_i + cos_0 * sin_i)
             rate = rho_rate(heading, axis, y[at.spin_rate + w], y[at.yaw_rate], rho_of(parameters, y, w, i))
-            j = rho_index(parameters, w, i)
+            j = rho_place(parameters, w, i)
             dy[j], dy[j + 1], dy[j + 2] = rate.x, rate.y, rate.z

@@ -81,18 +81,10 @@ def places_of(wheels, slots, integrals, currents, bearing_friction, motors, odom
     return Places(3, rates, rates + 2, rates + 3, rollers, *drives, pose, rho, first, drift)
 
 
-@kernel
-def rate_place(parameters, roller, w, side):
-    """Where the rate of a contact's roller stands in the state: `roller` is that of side 0, side 1 is behind it."""
-    first = parameters.wheels[w].rates
-    if parameters.machine.every_rate:
-        return np.uint32(first + (roller - side) % parameters.wheels[w].rollers)
-    return np.uint32(first + side)  # unsigned: nobody tests whether it counts from the end
-
-
 MODE = np.dtype(
     [
-        ("roller", np.int64),  # of contact 0, counted on through every turn: its index is roller mod N_r
+        ("roller", np.int64),  # of contact 0, counted on through every turn of its axle: see indices.py
+        ("row", np.int64, (2,)),  # on which row of rollers each contact is
         ("direction", np.int64),  # +1 or -1: sense in which the spin angle runs throughout a step
         ("shared", np.int64),  # 1: the wheel rests on `roller` at q = +alpha and on the one behind it, contact 1
         ("loaded", np.int64),  # 1: the floor carries the wheel

@@ -23,8 +23,9 @@ from omnisim.contact.tracking import (
     implicit_contact,
     roller_axis,
 )
+from omnisim.dynamics.indices import rate_place, rho_place, roller_index, roller_of, row_index
 from omnisim.dynamics.parameters import FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE
-from omnisim.dynamics.state import YAW, places, rate_place
+from omnisim.dynamics.state import YAW, places
 
 
 class Body(NamedTuple):
@@ -137,9 +138,16 @@ def external_wrench(parameters, piece, t, body):
 
 
 @kernel
-def azimuth(wheel, roller, spin_angle):
-    """q of a roller (counted on through every turn), rad."""
-    return wheel.phase + 2.0 * wheel.alpha * roller - spin_angle
+def azimuth(wheel, row, roller, spin_angle):
+    """q of a roller (counted on through every turn) on a row, a record ROLLER_ROW, rad."""
+    return row.phase + 2.0 * wheel.alpha * roller - spin_angle
+
+
+@kernel
+def azimuth_of(parameters, w, roller, spin_angle):
+    """The same of any roller of wheel w, whichever row it is on."""
+    wheel = parameters.wheels[w]
+    return azimuth(wheel, parameters.roller_rows[row_index(wheel, roller)], roller, spin_angle)
 
 
 @kernel
@@ -151,23 +159,31 @@ def roller_end(wheel, roller, direction):
 @kernel
 def contact_state(parameters, mode, w, side, body, y):
     """Tracking and kinematics of a contact of wheel w: a ContactState."""
-    machine, wheel, at, roller = parameters.machine, parameters.wheels[w], places(parameters), mode.roller - side
+    machine, wheel, at = parameters.machine, parameters.wheels[w], places(parameters)
+    row, roller = parameters.roller_rows[mode.row[side]], roller_of(mode, side)
     spin_rate, yaw_rate = y[at.spin_rate + w], body.yaw_rate
-    roller_rate = y[rate_place(parameters, mode.roller, w, side)]
-    q = azimuth(wheel, roller, y[at.spin_angle + w])
+    roller_rate = y[rate_place(parameters, mode, w, side)]
+    q = azimuth(wheel, row, roller, y[at.spin_angle + w])
     cos_q, sin_q = cos_sin(q)
     axis = roller_axis(wheel, cos_q, sin_q)
     if machine.tracking == IMPLICIT_TRACKING:
-        rho = rho_of(parameters, y, w, roller % wheel.rollers)
+        rho = rho_of(parameters, y, w, roller_index(wheel, roller))
         contact = implicit_contact(wheel, world_heading(wheel, body), axis, rho)
     else:
         contact = explicit_contact(wheel, cos_q, sin_q)
+    contact = on_row(contact, row)
     velocity = centre_velocity(wheel, body)
     joint = joint_rate(axis, roller_rate, spin_rate, yaw_rate)
     slip = slip_velocity(wheel, contact, velocity.h, velocity.k, spin_rate, yaw_rate, joint)
     return ContactState(
         axis, contact, cos_q, sin_q, velocity, joint, slip, yaw_rate + joint * axis.n, spin_rate, yaw_rate
     )
+
+
+@kernel
+def on_row(contact, row):
+    """The Contact of a wheel from that of a roller that stands in its middle: `row` has its offset along the axle."""
+    return Contact(contact.l + row.offset, contact.arm_h, contact.arm_k)
 
 
 @kernel
@@ -178,10 +194,10 @@ def all_rollers(parameters, mode, w, cos_q, sin_q, y):
     along = wheel.axial_inertia * wheel.sin_psi
     if machine.bearing_friction:
         return bearing_rollers(parameters, mode, w, cos_q, sin_q, y)
-    rate = y[rate_place(parameters, mode.roller, w, 0)]
+    rate = y[rate_place(parameters, mode, w, 0)]
     cos_sum, sin_sum, total = mode.air_cos + rate, mode.air_sin, mode.air_sum + rate
     if mode.shared:  # contact 1 stands 2 alpha behind
-        rate, angle = y[rate_place(parameters, mode.roller, w, 1)], -2.0 * wheel.alpha
+        rate, angle = y[rate_place(parameters, mode, w, 1)], -2.0 * wheel.alpha
         cos_sum, sin_sum, total = cos_sum + rate * math.cos(angle), sin_sum + rate * math.sin(angle), total + rate
     g_h = across * (cos_q * cos_sum - sin_q * sin_sum)
     g_n = across * (sin_q * cos_sum + cos_q * sin_sum)
@@ -191,7 +207,7 @@ def all_rollers(parameters, mode, w, cos_q, sin_q, y):
 @outlined
 def bearing_rollers(parameters, mode, w, cos_q, sin_q, y):
     """The same when every roller's rate is a state, with the friction of their bearings."""
-    wheel, at, here = parameters.wheels[w], places(parameters), mode.roller % parameters.wheels[w].rollers
+    wheel, at, here = parameters.wheels[w], places(parameters), roller_of(mode, 0)
     spin_rate, yaw_rate = y[at.spin_rate + w], y[at.yaw_rate]
     g_h, g_k, g_n, bearing_h, bearing_k, bearing_n, loss = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(wheel.rollers):
@@ -222,11 +238,5 @@ def bearing_torque(wheel, joint):
 @kernel
 def rho_of(parameters, y, w, roller):
     """rho of a roller (0..N_r-1) of wheel w (Vec3)."""
-    at = rho_index(parameters, w, roller)
+    at = rho_place(parameters, w, roller)
     return Vec3(y[at], y[at + 1], y[at + 2])
-
-
-@kernel
-def rho_index(parameters, w, roller):
-    """Where rho of a roller stands in the state: all rho follow one another, wheel by wheel."""
-    return places(parameters).rho + 3 * (w * parameters.sector.shape[1] + roller)

@@ -8,6 +8,7 @@ from omnisim.contact.kinematics import Jacobian, Motion, Slip, joint_rate, slip_
 from omnisim.contact.set_valued import CREEP, SLIP, STICK
 from omnisim.contact.tracking import Axis, roller_axis
 from omnisim.dynamics.actuation import actuate
+from omnisim.dynamics.indices import rate_place, roller_of
 from omnisim.dynamics.normal_forces import (
     TILT_X,
     TILT_Y,
@@ -20,7 +21,7 @@ from omnisim.dynamics.normal_forces import (
 )
 from omnisim.dynamics.parameters import CONTACTS
 from omnisim.dynamics.planar_body import holding_force, holds, pushed_equations, set_contact, set_holding, set_lever
-from omnisim.dynamics.state import places, rate_place
+from omnisim.dynamics.state import places
 from omnisim.dynamics.wheel import (
     FreeWheel,
     all_rollers,
@@ -46,7 +47,7 @@ def free_wheel(parameters, stage, w, body):
         air_rates(parameters, mode, w, state, y, dy)
     else:
         for side in range(2):
-            dy[rate_place(parameters, mode.roller, w, side)] = 0.0
+            dy[rate_place(parameters, mode, w, side)] = 0.0
     spin = drive - rollers.bearing_k - body.yaw_rate * rollers.g_h
     return FreeWheel(state, rollers, demand, drive, spin, spin_rate * rollers.g_h - rollers.bearing_n)
 
@@ -107,7 +108,7 @@ def slide_wheel(parameters, stage, w, body, load, equations):
         return pushed_equations(equations, 0.0, 0.0, free.yaw_moment), 0.0, power
     if stage.monitoring:
         set_part(parameters, mode, w, free, body, load)
-    dy[rate_place(parameters, mode.roller, w, 0)] += rolling * wheel.axial_mobility
+    dy[rate_place(parameters, mode, w, 0)] += rolling * wheel.axial_mobility
     dy[places(parameters).spin_rate + w] = (free.spin + spin) * wheel.spin_mobility
     return pushed_equations(equations, x, y, free.yaw_moment + yaw), loss, power
 
@@ -117,7 +118,7 @@ def press_wheel(parameters, stage, w):
     """Rates of a wheel that slides under the load that has been found for it, and its heat, W."""
     wheel, part, mode, dy = parameters.wheels[w], parameters.workspace.parts[w], stage.mode[w], stage.dy
     normal = max(part.normal_force, 0.0) if mode.loaded else 0.0
-    dy[rate_place(parameters, mode.roller, w, 0)] += part.rolling * normal * wheel.axial_mobility
+    dy[rate_place(parameters, mode, w, 0)] += part.rolling * normal * wheel.axial_mobility
     dy[places(parameters).spin_rate + w] = (part.free_spin + part.turning * normal) * wheel.spin_mobility
     if stage.monitoring:
         contact, monitors = parameters.workspace.contacts[wheel.contacts], stage.monitors[w]
@@ -229,7 +230,7 @@ def move_wheel(parameters, stage, w, acceleration):
         if machine.patch_radius > 0.0:
             axis = Axis(contact.axis[0], contact.axis[1], contact.axis[2])
             rolling, turning, heat = twist(axis, contact.turn, contact.torque, rolling, turning, heat)
-        dy[rate_place(parameters, mode.roller, w, side)] += rolling * wheel.axial_mobility
+        dy[rate_place(parameters, mode, w, side)] += rolling * wheel.axial_mobility
         spin, loss = spin + turning, loss + heat
     dy[at.spin_rate + w] = 0.0 if mode.shared else spin * wheel.spin_mobility
     if stage.monitoring:
@@ -280,7 +281,7 @@ def monitor_loads(mode, part, contact, monitors):
 def air_rates(parameters, mode, w, state, y, dy):
     """p' of the rollers of wheel w as if all were in the air, where their bearings have friction."""
     wheel = parameters.wheels[w]
-    first, here = wheel.rates, mode.roller % wheel.rollers
+    first, here = wheel.rates, roller_of(mode, 0)
     for i in range(wheel.rollers):
         sector = parameters.sector[w, (i - here) % wheel.rollers]
         cos_i = state.cos_q * sector[0] - state.sin_q * sector[1]

@@ -30,6 +30,7 @@ from omnisim.base.status import EVENT_KINDS, JAMMED, LIFT_OFF, RUNNING, TIPPING
 from omnisim.contact.friction import COULOMB, SATURATED
 from omnisim.contact.set_valued import CREEP, SLIP, STICK
 from omnisim.dynamics.actuation import limit_guard, next_limit
+from omnisim.dynamics.indices import roller_index, roller_of
 from omnisim.dynamics.normal_forces import LEAST_REGULAR
 from omnisim.dynamics.parameters import CONTACTS
 from omnisim.dynamics.state import places
@@ -138,16 +139,16 @@ def all_hold(parameters, run, w):
 def transition(parameters, run, log, fired, time):
     """Change the mode after a Guard fired at `time`, and the derivative with it."""
     kind, w, side = fired
-    mode, clock, rollers = run.mode[w], run.clock, parameters.wheels[w].rollers
+    mode, clock, wheel = run.mode[w], run.clock, parameters.wheels[w]
     if kind == TURN:
         mode.direction = -mode.direction
         roller = mode.roller
         if comes_to_rest_between(parameters, run, w, time):
             joins = mode.roller if mode.roller != roller else roller - 1
-            record(clock, log, time, SHARED, w, roller % rollers, joins % rollers)
+            record(clock, log, time, SHARED, w, roller_index(wheel, roller), roller_index(wheel, joins))
     elif kind == EXIT:
         roller = mode.roller + mode.direction
-        record(clock, log, time, EXCHANGE, w, mode.roller % rollers, roller % rollers)
+        record(clock, log, time, EXCHANGE, w, roller_index(wheel, mode.roller), roller_index(wheel, roller))
         release_rollers(parameters, run, w)
         held = mode.grip[0] == STICK
         stand_on(parameters, run, w, roller, False, time)
@@ -155,7 +156,7 @@ def transition(parameters, run, log, fired, time):
             record(clock, log, time, SLIPS if held else STUCK, w, -1, -1)
     elif kind == SHARE:
         left = leave_edge(parameters, run, w, time)
-        record(clock, log, time, PARTED, w, left % rollers, mode.roller % rollers)
+        record(clock, log, time, PARTED, w, roller_index(wheel, left), roller_index(wheel, mode.roller))
     elif kind == LOAD:
         change_load(parameters, run, log, w, time)
     elif kind == JAM:
@@ -174,7 +175,7 @@ def transition(parameters, run, log, fired, time):
         end_slips(parameters, run, log, w, side, time)
     else:
         if mode.shared:
-            record(clock, log, time, SLIPS, w, (mode.roller - side) % rollers, -1)
+            record(clock, log, time, SLIPS, w, roller_index(wheel, roller_of(mode, side)), -1)
         start_slip(parameters, run, w, side, time)
 
 
@@ -280,7 +281,7 @@ def end_slips(parameters, run, log, w, side, time):
         mode = run.mode[v]
         for other in range(1 + mode.shared):
             if mode.stopped[other]:
-                which = (mode.roller - other) % parameters.wheels[v].rollers if mode.shared else -1  # of the two
+                which = roller_index(parameters.wheels[v], roller_of(mode, other)) if mode.shared else -1  # of the two
                 record(run.clock, log, time, STUCK, v, which, -1)
 
 

@@ -15,7 +15,7 @@ from omnisim.base.vector import Vec3, cross, dot
 from omnisim.dynamics.multibody.joint_forces import mounting, recover
 from omnisim.dynamics.parameters import MULTIBODY
 from omnisim.dynamics.state import YAW, X, Y, places
-from omnisim.dynamics.wheel import body_motion, world_heading
+from omnisim.dynamics.wheel import azimuth_of, body_motion, world_heading
 from omnisim.march.roller_exchange import release_rollers
 
 LEAST, MOST = range(2)
@@ -120,7 +120,7 @@ def follow_bearings(parameters, run, found):
         heading = world_heading(wheel, body_motion(parameters, y))
         follow_joint(joints[w, 0], Vec3(-heading.sin, heading.cos, 0.0), found[w, 0])
         for i in range(wheel.rollers):
-            _, _, axis = mounting(wheel, heading, i, y[at.spin_angle + w])
+            _, _, axis = mounting(wheel, heading, azimuth_of(parameters, w, i, y[at.spin_angle + w]))
             follow_joint(joints[w, i + 1], axis, found[w, i + 1])
 
 

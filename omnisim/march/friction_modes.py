@@ -22,7 +22,8 @@ from omnisim.contact.kinematics import Motion, Slip, slip_acceleration
 from omnisim.contact.mobility import across, inverse_mass, largest
 from omnisim.contact.set_valued import CREEP, SLIP, STICK, TINY
 from omnisim.dynamics.impulses import align_slip, change_slip
-from omnisim.dynamics.state import places, rate_place
+from omnisim.dynamics.indices import rate_place
+from omnisim.dynamics.state import places
 from omnisim.dynamics.wheel import body_motion, centre_acceleration, contact_state
 from omnisim.march.runge_kutta import refresh
 
@@ -59,7 +60,7 @@ def slip_rate(parameters, run, w, side):
     state = contact_state(parameters, run.mode[w], w, side, body, run.y)
     x, y, yaw = slope[at.velocity], slope[at.velocity + 1], slope[at.yaw_rate]
     centre = centre_acceleration(wheel, body, x * body.cos + y * body.sin, y * body.cos - x * body.sin, yaw)
-    roller = slope[rate_place(parameters, run.mode[w].roller, w, side)]
+    roller = slope[rate_place(parameters, run.mode[w], w, side)]
     motion = Motion(centre.h, centre.k, slope[at.spin_rate + w], yaw, roller)
     mobility = inverse_mass(parameters.machine, wheel, state.axis, state.contact)
     return slip_acceleration(wheel, state, motion), state.slip, mobility
@@ -226,7 +227,7 @@ def rest_speed(parameters, mode, w, side, y):
     wheel, at = parameters.wheels[w], places(parameters)
     spin = wheel.radius * abs(y[at.spin_rate + w])
     yaw = (abs(wheel.offset[0]) + abs(wheel.offset[1])) * abs(y[at.yaw_rate])
-    rate = y[rate_place(parameters, mode.roller, w, side)]
+    rate = y[rate_place(parameters, mode, w, side)]
     roller = (wheel.radius - wheel.roller_distance) * abs(rate)
     return REST * (1.0 + abs(y[at.velocity]) + abs(y[at.velocity + 1]) + spin + yaw + roller)
 

@@ -14,6 +14,7 @@ from omnisim.base.kernel import merged, outlined
 from omnisim.base.status import RUNNING
 from omnisim.contact.friction import COULOMB, SATURATED
 from omnisim.contact.set_valued import SLIP
+from omnisim.dynamics.indices import roller_index, roller_of
 from omnisim.dynamics.state import places
 from omnisim.march.events import SHARED, record, restore_consistency
 from omnisim.march.friction_modes import come_to_rest
@@ -76,11 +77,13 @@ def find_friction(parameters, run, log):
     clock, slip_speed = run.clock, parameters.machine.slip_speed
     clock.events, clock.status, clock.wheel = 0, RUNNING, -1
     for w in range(len(run.mode)):
-        mode, rollers = run.mode[w], parameters.wheels[w].rollers
+        mode, wheel = run.mode[w], parameters.wheels[w]
         mode.loaded, mode.drive = 1, 0
         mode.grip[0] = mode.grip[1] = SLIP
         if mode.shared:
-            record(clock, log, 0.0, SHARED, w, mode.roller % rollers, (mode.roller - 1) % rollers)
+            record(
+                clock, log, 0.0, SHARED, w, roller_index(wheel, mode.roller), roller_index(wheel, roller_of(mode, 1))
+            )
     refresh(parameters, run, 0.0)
     if parameters.machine.law == COULOMB:
         come_to_rest(parameters, run, -1, 0, True, 0.0)

@@ -7,8 +7,9 @@ from omnisim.contact.friction import COULOMB, SATURATED
 from omnisim.contact.set_valued import SLIP
 from omnisim.contact.tracking import EXPLICIT_TRACKING, explicit_touches, implicit_touches, roller_axis
 from omnisim.dynamics.contact_forces import LOST
-from omnisim.dynamics.state import places, rate_place
-from omnisim.dynamics.wheel import azimuth, rho_of, roller_end
+from omnisim.dynamics.indices import carries, rate_place, roller_index, roller_of, row_index
+from omnisim.dynamics.state import places
+from omnisim.dynamics.wheel import azimuth_of, rho_of, roller_end
 from omnisim.march.friction_modes import come_to_rest, rest_speed, rests
 from omnisim.march.runge_kutta import copy, evaluate, refresh
 
@@ -143,7 +144,7 @@ def touching(parameters, w, y):
     """
     wheel, at, found, ahead, behind = parameters.wheels[w], places(parameters), False, 0, 0
     for i in range(wheel.rollers):
-        q = azimuth(wheel, i, y[at.spin_angle + w])
+        q = azimuth_of(parameters, w, i, y[at.spin_angle + w])
         cos_q, sin_q = math.cos(q), math.sin(q)
         if parameters.machine.tracking == EXPLICIT_TRACKING:
             touches = explicit_touches(wheel, cos_q)
@@ -163,18 +164,21 @@ def take_rollers(parameters, run, w, roller, shared):
 
     The sums of those in the air are taken anew each time, so they never drift.
     """
-    mode, count = run.mode[w], parameters.wheels[w].rollers
+    mode, wheel = run.mode[w], parameters.wheels[w]
     mode.roller, mode.shared = roller, shared
-    here, behind = roller % count, (roller - 1) % count
+    for side in range(2):
+        mode.row[side] = row_index(wheel, roller_of(mode, side))
     mode.air_cos, mode.air_sin, mode.air_sum = 0.0, 0.0, 0.0
-    for i in range(count):
+    for i in range(wheel.rollers):
         rate, place = run.rates[w, i], -1
         if parameters.machine.every_rate:
-            place = parameters.wheels[w].rates + i
-        elif i == here or (shared and i == behind):
-            place = rate_place(parameters, roller, w, 0 if i == here else 1)
+            place = wheel.rates + i
+        elif carries(wheel, mode, 0, i):
+            place = rate_place(parameters, mode, w, 0)
+        elif shared and carries(wheel, mode, 1, i):
+            place = rate_place(parameters, mode, w, 1)
         else:
-            sector = parameters.sector[w, (i - here) % count]
+            sector = parameters.sector[w, roller_index(wheel, i - roller)]
             mode.air_cos += rate * sector[0]
             mode.air_sin += rate * sector[1]
             mode.air_sum += rate
@@ -185,10 +189,11 @@ def take_rollers(parameters, run, w, roller, shared):
 @kernel
 def release_rollers(parameters, run, w):
     """Write the roller rates of the state back to `rates`, where those of all rollers stand."""
-    mode, count = run.mode[w], parameters.wheels[w].rollers
+    mode, wheel = run.mode[w], parameters.wheels[w]
     if parameters.machine.every_rate:
-        for i in range(count):
-            run.rates[w, i] = run.y[parameters.wheels[w].rates + i]
+        for i in range(wheel.rollers):
+            run.rates[w, i] = run.y[wheel.rates + i]
     else:
         for side in range(1 + mode.shared):
-            run.rates[w, (mode.roller - side) % count] = run.y[rate_place(parameters, mode.roller, w, side)]
+            i = roller_index(wheel, roller_of(mode, side))
+            run.rates[w, i] = run.y[rate_place(parameters, mode, w, side)]

@@ -10,6 +10,7 @@ from omnisim.contact.friction import COULOMB, friction_factor
 from omnisim.contact.kinematics import Slip
 from omnisim.contact.mobility import inverse_mass, largest
 from omnisim.contact.tracking import IMPLICIT_TRACKING, Axis, Contact, explicit_contact, roller_axis
+from omnisim.dynamics.indices import roller_index
 from omnisim.dynamics.state import X, Y, places
 from omnisim.dynamics.wheel import rho_of
 
@@ -38,7 +39,7 @@ def check(parameters, run):
     stiff = -1
     for w in range(len(run.mode)):
         if parameters.machine.tracking == IMPLICIT_TRACKING:
-            rho = rho_of(parameters, run.y, w, run.mode[w].roller % parameters.wheels[w].rollers)
+            rho = rho_of(parameters, run.y, w, roller_index(parameters.wheels[w], run.mode[w].roller))
             if abs(dot(rho, rho) - 1.0) > LOST:
                 clock.status, clock.wheel = LOST_TRACK, w
                 return

@@ -11,6 +11,7 @@ from omnisim.base.records import blank, plain
 from omnisim.base.vector import Vec3, combine, cross
 from omnisim.contact.kinematics import joint_rate
 from omnisim.contact.tracking import IMPLICIT_TRACKING, roller_axis
+from omnisim.dynamics.indices import roller_index, row_index
 from omnisim.dynamics.multibody.joint_forces import recover, resolve_joints
 from omnisim.dynamics.multibody.residuals import residuals
 from omnisim.dynamics.normal_forces import servo
@@ -101,9 +102,9 @@ def contact_angle(parameters, mode, w, heading, y):
     """q of the roller in contact, rad: from the spin angle, or from the rho that the implicit tracking integrated."""
     wheel, at = parameters.wheels[w], places(parameters)
     if parameters.machine.tracking == IMPLICIT_TRACKING:
-        rho = rho_of(parameters, y, w, mode.roller % wheel.rollers)
+        rho = rho_of(parameters, y, w, roller_index(wheel, mode.roller))
         return math.atan2(-rho.x * heading.cos - rho.y * heading.sin, rho.z)
-    return azimuth(wheel, mode.roller, y[at.spin_angle + w])
+    return azimuth(wheel, parameters.roller_rows[mode.row[0]], mode.roller, y[at.spin_angle + w])
 
 
 @kernel
@@ -123,14 +124,15 @@ def observe_rollers(parameters, rows, row, w, body, observed):
     centre = combine(wheel.offset[0], h, wheel.offset[1], k, 1.0, Vec3(y[X], y[Y], wheel.radius))
     velocity, acceleration = combine(slow.h, h, slow.k, k, 0.0, up), combine(fast.h, h, fast.k, k, 0.0, up)
     for i in range(wheel.rollers):
-        q = azimuth(wheel, i, y[at.spin_angle + w])
+        own = parameters.roller_rows[row_index(wheel, i)]
+        q = azimuth(wheel, own, i, y[at.spin_angle + w])
         axis = roller_axis(wheel, math.cos(q), math.sin(q))
         observed.joint_rate[row, w, i] = joint_rate(axis, rows.rates[row, w, i], spin_rate, yaw_rate)
         if parameters.machine.tracking == IMPLICIT_TRACKING:  # what it integrated is what it shows
             d = combine(-1.0, rho_of(parameters, y, w, i), 0.0, up, 0.0, up)
         else:
             d = combine(math.sin(q), h, -math.cos(q), up, 0.0, up)
-        arm = combine(wheel.roller_distance, d, 0.0, up, 0.0, up)
+        arm = combine(wheel.roller_distance, d, own.offset, k, 0.0, up)
         around = cross(rate, arm)
         store(observed.motion[0, row, w, i], combine(1.0, centre, 1.0, arm, 0.0, up))
         store(observed.motion[1, row, w, i], combine(1.0, velocity, 1.0, around, 0.0, up))

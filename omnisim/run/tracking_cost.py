@@ -36,7 +36,7 @@ def track_explicitly(parameters, y):
     at, total = places(parameters), 0.0
     for w in range(len(parameters.wheels)):
         wheel = parameters.wheels[w]
-        q = azimuth(wheel, 0, y[at.spin_angle + w])
+        q = azimuth(wheel, parameters.roller_rows[wheel.row], 0, y[at.spin_angle + w])
         contact = explicit_contact(wheel, math.cos(q), math.sin(q))
         total += contact.l + contact.arm_h + contact.arm_k
     return total
@@ -47,7 +47,7 @@ def track_implicitly(parameters, y, slopes):
     at, body, total = places(parameters), body_motion(parameters, y), 0.0
     for w in range(len(parameters.wheels)):
         wheel = parameters.wheels[w]
-        q = azimuth(wheel, 0, y[at.spin_angle + w])
+        q = azimuth(wheel, parameters.roller_rows[wheel.row], 0, y[at.spin_angle + w])
         axis = roller_axis(wheel, math.cos(q), math.sin(q))
         contact = implicit_contact(wheel, world_heading(wheel, body), axis, rho_of(parameters, y, w, 0))
         total += contact.l + contact.arm_h + contact.arm_k

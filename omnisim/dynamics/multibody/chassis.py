@@ -4,11 +4,11 @@ from typing import NamedTuple
 
 from omnisim.base.kernel import kernel, merged
 from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
+from omnisim.dynamics.indices import body_place
 from omnisim.dynamics.multibody.elimination import UP, Wrench3
 from omnisim.dynamics.multibody.rigid_body import (
     RigidBody,
     against_gravity,
-    body_place,
     first_axis,
     rigid_body,
     second_axis,

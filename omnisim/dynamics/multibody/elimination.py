@@ -17,9 +17,9 @@ from typing import NamedTuple
 
 from omnisim.base.kernel import kernel, merged
 from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
+from omnisim.dynamics.indices import body_place
 from omnisim.dynamics.multibody.rigid_body import (
     against_gravity,
-    body_place,
     gyroscopic,
     rigid_body,
     second_axis,

@@ -10,17 +10,18 @@ rollers load, those of the axle. Axes of the results are fixed in what carries t
 from omnisim.base.kernel import kernel, merged, outlined
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
+from omnisim.dynamics.indices import carries, row_index
 from omnisim.dynamics.multibody.rigid_body import against_gravity, needed_wrench
 from omnisim.dynamics.state import places
-from omnisim.dynamics.wheel import azimuth, body_motion, centre_acceleration, world_heading
+from omnisim.dynamics.wheel import azimuth_of, body_motion, centre_acceleration, world_heading
 
 RADIAL, LATERAL, AXIAL = range(3)
 
 
 @kernel
-def mounting(wheel, heading, i, spin_angle):
-    """Directions d, a x d and a of roller i (Vec3, world)."""
-    cos_q, sin_q = cos_sin(azimuth(wheel, i, spin_angle))
+def mounting(wheel, heading, q):
+    """Directions d, a x d and a of the roller at azimuth q (Vec3, world)."""
+    cos_q, sin_q = cos_sin(q)
     d = Vec3(sin_q * heading.cos, sin_q * heading.sin, -cos_q)
     k = Vec3(-heading.sin, heading.cos, 0.0)
     axis = plus(times(wheel.cos_psi, cross(k, d)), times(wheel.sin_psi, k))
@@ -44,14 +45,14 @@ def recover(parameters, mode, w, y, dy, rates):
     centre = plus(plus(times(along.h, h), times(along.k, k)), against_gravity(machine))  # with the weight
     across, axle = wheel.disk_inertia[0], wheel.disk_inertia[1]
     force, moment = needed_wrench(wheel.disk_mass, across, axle, k, rate, centre, bent)
-    here, normal = mode.roller % wheel.rollers, max(part.normal_force, 0.0) if part.loaded else 0.0
+    normal = max(part.normal_force, 0.0) if part.loaded else 0.0
     for i in range(wheel.rollers):
-        d, _, axis = mounting(wheel, heading, i, y[at.spin_angle + w])
-        rho = times(wheel.roller_distance, d)
+        d, _, axis = mounting(wheel, heading, azimuth_of(parameters, w, i, y[at.spin_angle + w]))
+        rho = plus(times(wheel.roller_distance, d), times(parameters.roller_rows[row_index(wheel, i)].offset, k))
         joint, rolling = rates[i] - dot(rate, axis), dy[wheel.rates + i] if machine.every_rate else 0.0
         pressed, twisted = Vec3(0.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.0)
         for side in range(part.contacts):
-            if (i + side - here) % wheel.rollers == 0:
+            if carries(wheel, mode, side, i):
                 contact = workspace.contacts[part.first + side]
                 floor = plus(times(contact.force[0], h), times(contact.force[1], k))
                 floor = plus(floor, times(contact.share * normal, up))
@@ -87,7 +88,7 @@ def resolve_joints(parameters, w, y, found):
     h, k, up = Vec3(heading.cos, heading.sin, 0.0), Vec3(-heading.sin, heading.cos, 0.0), Vec3(0.0, 0.0, 1.0)
     resolve(joints[w, 0], h, k, up, found[0])
     for i in range(wheel.rollers):
-        d, lateral, axis = mounting(wheel, heading, i, y[at.spin_angle + w])
+        d, lateral, axis = mounting(wheel, heading, azimuth_of(parameters, w, i, y[at.spin_angle + w]))
         resolve(joints[w, i + 1], d, lateral, axis, found[i + 1])
 
 

@@ -13,10 +13,11 @@ import math
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
+from omnisim.dynamics.indices import body_place, row_index
+from omnisim.dynamics.multibody.joint_forces import mounting
 from omnisim.dynamics.multibody.rigid_body import (
     Quaternion,
     RigidBody,
-    body_place,
     product,
     rigid_body,
     square,
@@ -26,7 +27,7 @@ from omnisim.dynamics.multibody.rigid_body import (
     turned_to,
 )
 from omnisim.dynamics.state import BODY_STATES, YAW, X, Y, places
-from omnisim.dynamics.wheel import azimuth, body_motion, world_heading
+from omnisim.dynamics.wheel import azimuth_of, body_motion, world_heading
 
 
 @kernel
@@ -51,7 +52,7 @@ def length(a):
 def project_bodies(parameters, run, counted):
     """Put every body of run.y where its joints hold it; if `counted`, how far it was from there enters the drift."""
     machine, wheels, y, at = parameters.machine, parameters.wheels, run.y, places(parameters)
-    body, up = body_motion(parameters, y), Vec3(0.0, 0.0, 1.0)
+    body = body_motion(parameters, y)
     turning = Vec3(0.0, 0.0, body.yaw_rate)
     ahead, left, above = machine.lever[0], machine.lever[1], machine.lever[2]
     c = Vec3(ahead * body.cos - left * body.sin, ahead * body.sin + left * body.cos, above)
@@ -74,11 +75,10 @@ def project_bodies(parameters, run, counted):
         tilted = math.atan2(wheel.sin_psi, wheel.cos_psi) + math.pi
         tilt = Quaternion(math.cos(0.5 * tilted), math.sin(0.5 * tilted), 0.0, 0.0)
         for i in range(wheel.rollers):
-            q = azimuth(wheel, i, spin_angle)
-            cos_q, sin_q = cos_sin(q)
-            d = plus(times(-cos_q, up), times(sin_q, h))
-            axis = plus(times(wheel.cos_psi, cross(k, d)), times(wheel.sin_psi, k))
-            rho, place = times(wheel.roller_distance, d), body_place(parameters, w, i + 1)
+            q = azimuth_of(parameters, w, i, spin_angle)
+            d, _, axis = mounting(wheel, heading, q)
+            rho = plus(times(wheel.roller_distance, d), times(parameters.roller_rows[row_index(wheel, i)].offset, k))
+            place = body_place(parameters, w, i + 1)
             now = rigid_body(y, place).rotation
             rotation = product(upright, product(about_y(0.5 * math.pi - q), tilt))  # x along d
             if square(now) > 0.0:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from omnisim.dynamics.indices import row_index
 from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.state import BODY_STATES, places_in
 
@@ -33,10 +34,12 @@ def residuals(parameters: Parameters, y: np.ndarray) -> dict[str, np.ndarray]:
         axle = np.array([-wheel.sin_heading, wheel.cos_heading, 0.0])
         joint_residuals(gaps, speeds, bodies, rotation, 0, disk, centre, axle, np.array([0.0, 1.0, 0.0]))
         for i in range(int(wheel.rollers)):
-            gamma = wheel.phase + 2.0 * wheel.alpha * i
+            row = parameters.roller_rows[row_index(wheel, i)]
+            gamma = row.phase + 2.0 * wheel.alpha * i
             d = np.array([np.sin(gamma), 0.0, -np.cos(gamma)])  # in the disk, whose spin angle is in its rotation
             axis = wheel.cos_psi * np.cross([0.0, 1.0, 0.0], d) + wheel.sin_psi * np.array([0.0, 1.0, 0.0])
-            joint_residuals(gaps, speeds, bodies, rotation, disk, disk + 1 + i, wheel.roller_distance * d, axis, up)
+            place = wheel.roller_distance * d + np.array([0.0, row.offset, 0.0])
+            joint_residuals(gaps, speeds, bodies, rotation, disk, disk + 1 + i, place, axis, up)
     norms = np.linalg.norm(bodies[..., 3:7], axis=-1)
     gaps += list((norms[:, norms[0] > 0.0] - 1.0).T) if len(y) else []
     return {

@@ -16,6 +16,7 @@ from omnisim.contact.set_valued import CREEP
 from omnisim.contact.tracking import IMPLICIT_TRACKING, Axis, Heading, explicit_contact, implicit_contact
 from omnisim.dynamics.actuation import actuate, rest_motors
 from omnisim.dynamics.contact_forces import find_contact_forces
+from omnisim.dynamics.indices import body_place, carries, roller_index, roller_of
 from omnisim.dynamics.multibody.chassis import (
     Balance,
     chassis_balance,
@@ -40,7 +41,6 @@ from omnisim.dynamics.multibody.elimination import (
 from omnisim.dynamics.multibody.joint_forces import keep_joint
 from omnisim.dynamics.multibody.rigid_body import (
     against_gravity,
-    body_place,
     needed_wrench,
     rate_states,
     rigid_body,
@@ -53,7 +53,7 @@ from omnisim.dynamics.normal_forces import TILT_X, TILT_Y, held_body, place_load
 from omnisim.dynamics.parameters import CONTACTS
 from omnisim.dynamics.planar_body import holds, set_contact
 from omnisim.dynamics.state import YAW, X, Y, places
-from omnisim.dynamics.wheel import Body, ContactState, bearing_torque, external_wrench, rho_of
+from omnisim.dynamics.wheel import Body, ContactState, bearing_torque, external_wrench, on_row, rho_of
 from omnisim.dynamics.wheel_forces import find_friction, monitor_loads, react
 
 
@@ -201,7 +201,8 @@ def kept_articulated(record):
 @kernel
 def place_of(parameters, mode, w, side, y, l):
     """The Place of a contact of wheel w that is l (m) along the axle from the foot of its centre."""
-    wheel, index = parameters.wheels[w], (mode.roller - side) % parameters.wheels[w].rollers
+    wheel = parameters.wheels[w]
+    index = roller_index(wheel, roller_of(mode, side))
     disk = rigid_body(y, body_place(parameters, w, 0))
     roller = rigid_body(y, body_place(parameters, w, index + 1))
     k = second_axis(disk.rotation)
@@ -214,7 +215,7 @@ def place_of(parameters, mode, w, side, y, l):
 def meet(parameters, mode, w, side, carrier, body, y):
     """A contact of wheel w from the bodies as they stand, and its friction by the load, into the workspace."""
     machine, wheel, workspace = parameters.machine, parameters.wheels[w], parameters.workspace
-    index = (mode.roller - side) % wheel.rollers
+    index = roller_index(wheel, roller_of(mode, side))
     disk = rigid_body(y, body_place(parameters, w, 0))
     roller = rigid_body(y, body_place(parameters, w, index + 1))
     at_centre = place_of(parameters, mode, w, side, y, 0.0)
@@ -225,6 +226,7 @@ def meet(parameters, mode, w, side, carrier, body, y):
         touch = implicit_contact(wheel, Heading(h.x, h.y), axis, rho_of(parameters, y, w, index))
     else:
         touch = explicit_contact(wheel, cos_q, sin_q)
+    touch = on_row(touch, parameters.roller_rows[mode.row[side]])
     point = place_of(parameters, mode, w, side, y, touch.l)
     moved = plus(roller.velocity, cross(roller.rate, point.arm))
     joint, spin_rate = dot(minus(roller.rate, disk.rate), a), dot(minus(disk.rate, carrier.body.rate), k)
@@ -290,7 +292,7 @@ def move_bodies(parameters, stage, w, carrier, linear, angular):
     centre = plus(linear, plus(cross(angular, arm), cross(rate, cross(rate, arm))))
     rate_states(dy, body_place(parameters, w, 0), disk, centre, bent)
     keep_joint(workspace.joints[w, 0], axle.moment, axle.force)
-    across, along, here = wheel.transverse_inertia, wheel.axial_inertia, mode.roller % wheel.rollers
+    across, along = wheel.transverse_inertia, wheel.axial_inertia
     for i in range(wheel.rollers):
         first = body_place(parameters, w, i + 1)
         roller = rigid_body(y, first)
@@ -298,7 +300,7 @@ def move_bodies(parameters, stage, w, carrier, linear, angular):
         joint = dot(minus(roller.rate, disk.rate), axis)
         pressed, twisted = Vec3(0.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.0)
         for side in range(part.contacts):
-            if (i + side - here) % wheel.rollers == 0:
+            if carries(wheel, mode, side, i):
                 point, pressed, torque = floor_force(parameters, mode, w, side, y)
                 twisted = plus(cross(point.arm, pressed), torque)
         acceleration = plus(centre, plus(cross(bent, rho), cross(disk.rate, cross(disk.rate, rho))))

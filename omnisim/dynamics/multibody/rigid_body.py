@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 from omnisim.base.kernel import kernel
 from omnisim.base.vector import Vec3, cross, dot, plus, times
-from omnisim.dynamics.state import BODY_STATES, places
 
 
 class Quaternion(NamedTuple):
@@ -32,13 +31,6 @@ class RigidBody(NamedTuple):
     rotation: Quaternion
     velocity: Vec3
     rate: Vec3
-
-
-@kernel
-def body_place(parameters, w, i):
-    """Where the states of a body of wheel w begin: i = 0 is its disk, i + 1 its roller i; w = -1: the chassis."""
-    each = parameters.sector.shape[1] + 1
-    return places(parameters).bodies + (BODY_STATES * (1 + w * each + i) if w >= 0 else 0)
 
 
 @kernel
