@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from omnisim_cli.compare import KINDS
-from omnisim_cli.screen import BAD_INPUT, Failure, Progress, compilation_noted, note
+from .compare import KINDS
+from .screen import BAD_INPUT, Failure, Progress, compilation_noted, note
 
 if TYPE_CHECKING:
     from omnisim.run.work_precision import Precision, Setting
@@ -66,7 +66,7 @@ def bench(
     from omnisim.run.work_precision import Setting, ladder
     from omnisim.scene.scene import load
 
-    changes = [[*overrides, f"friction.law={law}"] for law in laws] or [overrides]
+    changes = [(*overrides, f"friction.law={law}") for law in laws] or [overrides]
     entries = [load(name, change) for name in scenes or SCENES for change in changes]
     plan = []
     for scene in entries:
@@ -82,7 +82,7 @@ def bench(
 
 def report_folder(text: str) -> Path:
     """Where to write, made if need be; Failure if that is no folder or holds a report already."""
-    from omnisim_cli.bench_report import FILES
+    from .bench_report import FILES
 
     folder = Path(text)
     try:
@@ -103,7 +103,8 @@ def report_folder(text: str) -> Path:
 def measure_all(plan: Sequence[tuple[Scene, list[Setting]]], repeats: int) -> tuple[list[Precision], list[str]]:
     """Measure and show one scene after the other; what was measured, and what went wrong in a line each."""
     from omnisim.run.work_precision import Interrupted, Unconverged, measure
-    from omnisim_cli.bench_report import shown
+
+    from .bench_report import shown
 
     measured: list[Precision] = []
     failures: list[str] = []
@@ -133,16 +134,17 @@ def measure_all(plan: Sequence[tuple[Scene, list[Setting]]], repeats: int) -> tu
 
 def write(measured: Sequence[Precision], folder: Path) -> None:
     """The report as data, as text, and as a picture if matplotlib is there."""
-    from omnisim_cli.bench_report import FILES, as_json, as_markdown, scene_data, title
-    from omnisim_cli.output import deliver
+    from .bench_report import FILES, as_json, as_markdown, scene_data, title
+    from .output import deliver
 
+    pictured = True
     try:
-        from omnisim_cli.bench_plot import plot
+        from .bench_plot import plot
     except ModuleNotFoundError:
         note("no plot: it needs matplotlib (pip install matplotlib)")
-        plot = None
-    texts = {"report.json": as_json(measured), "report.md": as_markdown(measured, pictured=plot is not None)}
+        pictured = False
+    texts = {"report.json": as_json(measured), "report.md": as_markdown(measured, pictured)}
     deliver({folder / name: text.encode() for name, text in texts.items()}, force=False)
-    if plot:
+    if pictured:
         plot([(title(found), scene_data(found)) for found in measured], folder)
     click.echo(f"\nwritten: {folder}/" + ", ".join(name for name in FILES if (folder / name).exists()))

@@ -4,8 +4,10 @@ from collections.abc import Sequence
 from io import BytesIO
 from itertools import groupby
 from pathlib import Path
+from typing import Any
 
 from matplotlib import rc_context
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
@@ -24,7 +26,7 @@ def plot(measured: Sequence[tuple[str, dict]], folder: Path) -> None:
     down = -(-len(measured) // across)
     figure = Figure(figsize=(PANEL[0] * across, PANEL[1] * down + 0.5), layout="constrained")
     panels = figure.subplots(down, across, squeeze=False).ravel()
-    entries = {}
+    entries: dict[str, Artist] = {}
     for axes, (title, data) in zip(panels, measured, strict=False):
         panel(axes, title, data)
         handles, labels = axes.get_legend_handles_labels()
@@ -33,7 +35,7 @@ def plot(measured: Sequence[tuple[str, dict]], folder: Path) -> None:
         axes.set_axis_off()
     label_width = 0.6 + 0.085 * max(map(len, entries))  # inches
     columns = min(len(entries), int(PANEL[0] * across / label_width))
-    figure.legend(entries.values(), entries, loc="outside lower center", ncols=columns, frameon=False)
+    figure.legend(list(entries.values()), list(entries), loc="outside lower center", ncols=columns, frameon=False)
     save(figure, folder / "work_precision")
 
 
@@ -62,7 +64,13 @@ def panel(axes: Axes, title: str, data: dict) -> None:
         curve = list(line)
         style, marker = STYLES[tracking]
         label = method if tracking == "explicit" else f"{method}, {tracking} tracking"
-        look = {"color": COLOURS[method], "linestyle": style, "marker": marker, "markersize": 5.5, "linewidth": 1.4}
+        look: dict[str, Any] = {
+            "color": COLOURS[method],
+            "linestyle": style,
+            "marker": marker,
+            "markersize": 5.5,
+            "linewidth": 1.4,
+        }
         axes.plot(*points(curve, trusted), markerfacecolor="white", label=label, **look)
         axes.plot(*points([row for row in curve if row["pareto"]], trusted), **look | {"linestyle": "none"})
     limits = axes.get_xlim()

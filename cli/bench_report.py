@@ -13,8 +13,10 @@ from omnisim.run.work_precision import Precision, Row, Setting, fastest, finest_
 
 FILES = ("report.json", "report.md", "work_precision.png", "work_precision.svg")
 GOALS = (1e-6, 1e-9)
-HEADER = ("", "method", "tracking", "step, s", "error", "order", "s per s", "x real time")
-HEADER += ("whole, ms", "steps", "evaluations", "events")
+HEADER = (
+    *("", "method", "tracking", "step, s", "error", "order", "s per s", "x real time"),
+    *("whole, ms", "steps", "evaluations", "events"),
+)
 WORDS = 3  # columns of words, which stand to the left
 LEGEND = (
     "error: the largest over all rows, of position (m), yaw and spin angles (rad). order: observed, from the next "

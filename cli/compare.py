@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from omnisim_cli.screen import Failure, compilation_noted, note
+from .screen import Failure, compilation_noted, note
 
 if TYPE_CHECKING:
     from omnisim.results.comparison import Comparison, Divergence
@@ -65,20 +65,20 @@ def kind_of(a: str, b: str) -> tuple[str, tuple[str, ...]]:
 def compare_pair(pair: Sequence[Scene], kind: str, choices: tuple[str, str]) -> Sequence[Trajectory]:
     """Run one scene in both ways and print how they compare."""
     note(f"{pair[0].source}: {' and '.join(choices)}, in turn ...")
-    from omnisim.results import comparison
+    from omnisim.results.comparison import compare, divergence
     from omnisim.run import timing
 
     with compilation_noted():
         trajectories, times = timing.race(pair)
         costs = timing.tracking_costs(pair) if kind == "tracking" else []
-    comparison = comparison.compare(*trajectories)
+    comparison = compare(*trajectories)
     click.echo(headline(trajectories, comparison, choices) + "\n")
     if kind == "tracking":
         click.echo(beside_the_paper(trajectories, comparison, times, costs) + "\n")
     else:
         click.echo(march_times(choices, times) + "\n")
     if any(row.difference for row in comparison.differences):
-        click.echo(over_time(comparison.divergence(*trajectories)) + "\n")
+        click.echo(over_time(divergence(trajectories[0], trajectories[1])) + "\n")
     click.echo(everything(comparison) + "\n")
     return trajectories
 

@@ -7,7 +7,8 @@ from pathlib import Path
 import click
 
 from omnisim.base.formatting import visible
-from omnisim_cli.screen import BAD_INPUT, Failure
+
+from .screen import BAD_INPUT, Failure
 
 
 @click.command()
@@ -28,7 +29,8 @@ def export(file: str, out: str, force: bool) -> None:
     from omnisim.base.trajectory_file import TrajectoryError
     from omnisim.results.tables import ExportError, images, outputs
     from omnisim.results.trajectory import open_trajectory
-    from omnisim_cli.output import deliver, output_path
+
+    from .output import deliver, output_path
 
     try:
         paths = [output_path(str(path), file, force) for path in outputs(out)]

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import click
 
 from omnisim.base.formatting import aligned, columns
-from omnisim_cli.screen import BAD_INPUT, Failure, compilation_noted, warn
+
+from .screen import BAD_INPUT, Failure, compilation_noted, warn
 
 if TYPE_CHECKING:
     import numpy as np
@@ -138,7 +139,7 @@ def ideal_table(config: Config) -> str:
     from omnisim.scene.ideal_kinematics import wheel_rows
 
     motions = ("1 m/s forward", "1 m/s left", "1 rad/s of yaw")
-    rows = [("name", *motions)]
+    rows: list[tuple[str, ...]] = [("name", *motions)]
     for wheel, rates in zip(config.wheels, wheel_rows(config), strict=True):
         shown = zip(rates, motions, strict=True)
         rows.append((wheel.name, *(f"{round(rate, 9) + 0.0:>{len(motion)}.4g}" for rate, motion in shown)))
@@ -149,13 +150,16 @@ def slope_table(config: Config, parameters: Parameters) -> str:
     """On which slopes the machine slides, drives up no more, or tips."""
     from omnisim.dynamics.slopes import least, steepest
 
-    rows = [("uphill", "holds, wheels locked", "drives up", "tips")]
-    rows += [("ahead", *steepest(config, parameters, 0.0)), ("to the left", *steepest(config, parameters, 90.0))]
-    rows.append(("any way, the least", *least(config, parameters)))
+    found = {
+        "ahead": steepest(config, parameters, 0.0),
+        "to the left": steepest(config, parameters, 90.0),
+        "any way, the least": least(config, parameters),
+    }
     if config.floor.slope_deg:
         uphill_deg = config.floor.uphill_deg - config.initial.yaw_deg
-        rows.append((f"on its {config.floor.slope_deg:g} deg", *steepest(config, parameters, uphill_deg)))
-    return columns([rows[0], *((name, *map(shown_slope, slopes)) for name, *slopes in rows[1:])], indent="  ")
+        found[f"on its {config.floor.slope_deg:g} deg"] = steepest(config, parameters, uphill_deg)
+    rows = [(name, *map(shown_slope, slopes)) for name, slopes in found.items()]
+    return columns([("uphill", "holds, wheels locked", "drives up", "tips"), *rows], indent="  ")
 
 
 def shown_slope(slope: float) -> str:
@@ -175,10 +179,9 @@ def motors(config: Config) -> dict[Drive, list[str]]:
 
 def motor_facts(drive: Drive) -> dict[str, str]:
     """What follows from the constants of a motor or from its data sheet: at the wheel, behind the gear."""
-    from omnisim.scene.drives import drive_law, sheet_constants
+    from omnisim.scene.drives import data_sheet, drive_law, motor_of, sheet_constants
 
-    law, gear = drive_law(drive), drive.gear_ratio
-    motor = law.motor
+    law, motor, gear = drive_law(drive), motor_of(drive), drive.gear_ratio
     facts = {
         "resistance": f"{motor.resistance:.6g} ohm",
         "torque constant": f"{motor.constant:.6g} N m/A or V s/rad; {motor.constant / gear:.6g} before its gear",
@@ -186,7 +189,7 @@ def motor_facts(drive: Drive) -> dict[str, str]:
     }
     if drive.nominal_voltage:
         sheet, voltage = sheet_constants(drive), drive.nominal_voltage
-        speed, stall = drive.no_load_speed / gear, gear * sheet.stall_torque
+        speed, stall = data_sheet(drive).no_load_speed / gear, gear * sheet.stall_torque
         facts |= {"without load": f"{speed:.4g} rad/s at {voltage:g} V", "stalled": f"{stall:.4g} N m at {voltage:g} V"}
     if drive.inductance:
         facts["current"] = f"settles in {motor.inductance / motor.resistance:.3g} s (L / R)"

@@ -7,17 +7,17 @@ from typing import Any
 
 import click
 
-from omnisim_cli.bench import bench
-from omnisim_cli.compare import compare
-from omnisim_cli.export import export
-from omnisim_cli.info import info
-from omnisim_cli.new import new
-from omnisim_cli.plot import plot
-from omnisim_cli.run import run
-from omnisim_cli.screen import BAD_INPUT, ENDING, Failure, leave_at_once, shown, warn
-from omnisim_cli.view import view
-from omnisim_cli.warmup import warmup
-from omnisim_cli.wheel import wheel
+from .bench import bench
+from .compare import compare
+from .export import export
+from .info import info
+from .new import new
+from .plot import plot
+from .run import run
+from .screen import BAD_INPUT, ENDING, Failure, leave_at_once, shown, warn
+from .view import view
+from .warmup import warmup
+from .wheel import wheel
 
 
 class Commands(click.Group):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from omnisim_cli.screen import BAD_INPUT, Failure, note
+from .screen import BAD_INPUT, Failure, note
 
 if TYPE_CHECKING:
     from omnisim.scene.design import Robot
@@ -37,11 +37,12 @@ class Quantity(click.ParamType):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         if isinstance(value, float):
             return value
-        number, unit = re.fullmatch(r"\s*([-+.\deE]*)\s*(.*?)\s*", str(value)).groups()
-        scale = UNITS[self.unit].get(re.sub(r"[\s.*]", "", unit) or self.unit.replace(" ", ""))
+        found = re.fullmatch(r"\s*([-+.\deE]*)\s*(.*?)\s*", str(value))
+        number, unit = found.groups() if found else ("", "")
+        scale = UNITS[self.unit].get(re.sub(r"[\s.*]", "", unit) or self.unit.replace(" ", ""), 0.0)
         try:
             result = float(number) * scale
-        except (TypeError, ValueError):
+        except ValueError:
             result = 0.0
         if not 0.0 < result < 1e9:
             known = f" with a unit or none: {', '.join(UNITS[self.unit])}" if self.unit else ""
@@ -50,7 +51,7 @@ class Quantity(click.ParamType):
 
 
 # Option, what it is, its unit, and what it is by default (by kind where that differs).
-QUESTIONS = {
+QUESTIONS: dict[str, tuple[str, str, Any]] = {
     "wheel_radius": ("Radius of a wheel", "m", {"mecanum": "76 mm", "kiwi": "50 mm", "four-omni": "30 mm"}),
     "track": (
         "Track, from a left wheel to a right one",
@@ -112,7 +113,8 @@ def new(file: str, force: bool, yes: bool, **given: Any) -> None:
     omnisim new arm.toml --kind kiwi --wheel-radius 50mm --distance 15cm --mass 3 --torque "10 kg cm"
     """
     from omnisim.scene.scene import SceneError, parse
-    from omnisim_cli.output import deliver, output_path
+
+    from .output import deliver, output_path
 
     if Path(file).suffix != ".toml":
         raise Failure(f"{file}: a scene is a TOML file; choose a name that ends in .toml", BAD_INPUT)
@@ -120,14 +122,14 @@ def new(file: str, force: bool, yes: bool, **given: Any) -> None:
     robot, told = answered(given, yes)
     text = written(robot, f"omnisim new {shlex.join(told)}")
     try:
-        doubts = parse(text, file).warnings
+        doubts = list(parse(text, file).warnings)
     except SceneError as error:
         doubts = str(error).splitlines()
     if doubts:
         without_place = (doubt.split(": ", 2)[1:] for doubt in reversed(doubts))  # a line of no file
         once = {said: f"{key}: {said}" for key, said in without_place}  # what is wrong with all wheels, of the first
-        told = "\n".join(reversed(once.values()))
-        raise Failure(f"these numbers make no machine; nothing was written\n{told}", BAD_INPUT)
+        wrong = "\n".join(reversed(once.values()))
+        raise Failure(f"these numbers make no machine; nothing was written\n{wrong}", BAD_INPUT)
     deliver({path: text.encode()}, force)
     click.echo(path)
     note(f"next: omnisim info {path}; omnisim run {path}; omnisim view {path.stem}.h5 --open")
@@ -189,7 +191,7 @@ def refuse_others(what: str, given: dict[str, Any], choices: dict[str, tuple[str
             raise Failure(f"--{name.replace('_', '-')}: not of --{what} {choice}, which has {has}", BAD_INPUT)
 
 
-def answer(name: str, given: dict[str, Any], kind: str, yes: bool) -> float:
+def answer(name: str, given: dict[str, Any], kind: str, yes: bool) -> Any:
     if given[name] is not None:
         return given[name]
     text, unit, default = QUESTIONS[name]

@@ -10,7 +10,8 @@ from pathlib import Path
 import click
 
 from omnisim.base.formatting import visible
-from omnisim_cli.screen import BAD_INPUT, ENDING, Failure
+
+from .screen import BAD_INPUT, ENDING, Failure
 
 
 def output_path(text: str, source: str, force: bool) -> Path:

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import click
 
 from omnisim.base.formatting import visible
-from omnisim_cli.screen import BAD_INPUT, Failure
+
+from .screen import BAD_INPUT, Failure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -48,7 +49,7 @@ def plot(files: tuple[str, ...], view: str, output: str | None, force: bool) -> 
 
         pyplot.show()  # until the window is closed
     else:
-        from omnisim_cli.output import deliver
+        from .output import deliver
 
         deliver({path: encoded(figure, path.suffix.lower())}, force)
         click.echo(f"{visible(str(path))} ({view})")
@@ -56,7 +57,7 @@ def plot(files: tuple[str, ...], view: str, output: str | None, force: bool) -> 
 
 def picture_path(output: str, files: tuple[str, ...], force: bool) -> Path:
     """Where to write, or Failure."""
-    from omnisim_cli.output import output_path
+    from .output import output_path
 
     if Path(output).suffix.lower() not in FORMATS:
         raise Failure(f"{visible(output)}: the suffix says the format; take one of {', '.join(FORMATS)}", BAD_INPUT)
@@ -86,7 +87,7 @@ def drawn(view: str, trajectories: dict[str, Trajectory], interactive: bool) -> 
             matplotlib.use("agg")
         from omnisim.pictures import plots
     except ModuleNotFoundError as error:
-        if error.name.partition(".")[0] != "matplotlib":
+        if (error.name or "").partition(".")[0] != "matplotlib":
             raise
         raise Failure("plots need matplotlib: pip install 'omnisim-engine[plot]'", BAD_INPUT) from None
     if interactive and not has_window():

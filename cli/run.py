@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 import click
 
 from omnisim.base.formatting import aligned, visible
-from omnisim_cli.screen import BAD_INPUT, Failure, Progress, compilation_noted, note, warn
+
+from .screen import BAD_INPUT, Failure, Progress, compilation_noted, note, warn
 
 if TYPE_CHECKING:
     from omnisim.results.trajectory import Trajectory
@@ -69,7 +70,8 @@ def run(scene: str, output: str | None, overrides: tuple[str, ...], force: bool,
 def result_path(text: str, source: str, force: bool) -> Path:
     """Where to write, checked with all files beside it; Failure also for a suffix that says nothing we can write."""
     from omnisim.results.tables import FORMATS, ExportError, outputs
-    from omnisim_cli.output import output_path
+
+    from .output import output_path
 
     path, suffix = output_path(text, source, force), Path(text).suffix.lower()
     if suffix in HDF5:
@@ -89,7 +91,8 @@ def simulate_and_save(scene: Scene, path: Path, force: bool, quiet: bool) -> tup
     up or no folder takes it.
     """
     from omnisim.run.simulation import simulate
-    from omnisim_cli.output import unwritten
+
+    from .output import unwritten
 
     with Progress(quiet) as progress:
         with compilation_noted(quiet):

@@ -66,7 +66,7 @@ class Failure(click.ClickException):
 
     def __init__(self, message: str, exit_code: int = STOPPED):
         super().__init__(message)
-        self.exit_code = exit_code
+        self.exit_code = exit_code  # type: ignore[misc]  # click means it so
 
     def format_message(self) -> str:
         return self.message.replace("\n", "\n       ")  # below what follows "Error: "
@@ -124,9 +124,9 @@ class Progress:
 
     def __init__(self, quiet: bool):
         self.quiet = quiet
-        self.bar = None
+        self.bar: Any = None  # of click
         self.begun = self.stop = self.given_up = False
-        self.handlers: dict[int, object] = {}
+        self.handlers: dict[int, Any] = {}
 
     def __enter__(self) -> "Progress":
         return self

@@ -6,7 +6,8 @@ from pathlib import Path
 import click
 
 from omnisim.base.formatting import visible
-from omnisim_cli.screen import BAD_INPUT, Failure
+
+from .screen import BAD_INPUT, Failure
 
 PAGES = (".html", ".htm")
 
@@ -29,7 +30,8 @@ def view(file: str, output: str | None, force: bool, show: bool) -> None:
     from omnisim.pictures.viewer import NothingToShow, page
     from omnisim.results.trajectory import open_trajectory
     from omnisim.scene.scene import SceneError
-    from omnisim_cli.output import deliver, output_path
+
+    from .output import deliver, output_path
 
     if output is not None and Path(output).suffix.lower() not in PAGES:
         raise Failure(f"{visible(output)}: a page is {' or '.join(PAGES)}; `omnisim plot` makes pictures", BAD_INPUT)

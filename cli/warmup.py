@@ -4,7 +4,7 @@ import time
 
 import click
 
-from omnisim_cli.screen import note
+from .screen import note
 
 TINY = ("time.end=0.01", "time.step=0.001", "time.output_interval=0.01")
 
@@ -22,7 +22,8 @@ def warmup() -> None:
     from omnisim.march.stiffness import explanation
     from omnisim.run import timing
     from omnisim.scene.scene import load
-    from omnisim_cli.info import wheel_facts
+
+    from .info import wheel_facts
 
     for tracking in ("explicit", "implicit"):
         scene = load("six_rollers", [*TINY, f"solver.tracking={tracking}"])

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import click
 
 from omnisim.base.formatting import aligned, columns
-from omnisim_cli.screen import BAD_INPUT, Failure, note
+
+from .screen import BAD_INPUT, Failure, note
 
 if TYPE_CHECKING:
     import numpy as np
@@ -56,7 +57,7 @@ def wheel(scene: str, name: str | None, output: str | None, part: str | None, pa
     elif suffix in MODELS:
         write_model(loaded, scene, output, package, force)
     else:
-        from omnisim_cli.output import output_path
+        from .output import output_path
 
         path = output_path(output, scene, force)
         if suffix in DRAWINGS:
@@ -150,7 +151,9 @@ def told(distance: float) -> str:
 def ripple_table(record: np.record) -> str:
     from omnisim.cad.geometry import ripple, shapes
 
-    rows = [("roller", "height of the centre, peak to peak, mm", "rolling radius: mean", "lowest", "highest")]
+    rows: list[tuple[str, ...]] = [
+        ("roller", "height of the centre, peak to peak, mm", "rolling radius: mean", "lowest", "highest")
+    ]
     for shape, reach in shapes(record).items():
         found = ripple(record, reach)
         relative = [
@@ -191,7 +194,8 @@ def write_model(scene: Scene, source: str, output: str, package: str | None, for
     A mesh that is there already, just as it would be written, stays: that of a model in the other format.
     """
     from omnisim.cad.robot_files import robot_files
-    from omnisim_cli.output import deliver, output_path
+
+    from .output import deliver, output_path
 
     path = output_path(output, source, force)
     if not path.stem.isprintable():

@@ -15,7 +15,7 @@ from pathlib import Path
 try:
     from fcntl import LOCK_EX, LOCK_NB, flock
 except ImportError:  # no POSIX: files are not reserved there
-    flock = None
+    flock = None  # type: ignore[assignment]
 
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 SILENCE = 2.0  # s that a pipe without a writer is waited for

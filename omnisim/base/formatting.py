@@ -5,7 +5,7 @@ And text that a terminal only shows: what would act on it is written out.
 
 import re
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 WIDTH = 110  # columns
 # what moves the cursor, colours, reorders or breaks lines; lone surrogates stand for bytes that are no UTF-8
@@ -35,7 +35,7 @@ def hanging(head: str, text: str) -> str:
     return head + f"\n{'':<{len(head)}}".join(lines)
 
 
-def columns(rows: list[tuple[str, ...]], indent: str = "") -> str:
+def columns(rows: Sequence[Sequence[str]], indent: str = "") -> str:
     """A table: every column as wide as its longest cell; the last one is wrapped. Empty without rows."""
     widths = [max(map(len, column)) for column in list(zip(*rows, strict=True))[:-1]]
     heads = ("  ".join(f"{cell:<{width}}" for cell, width in zip(row, widths, strict=False)) for row in rows)

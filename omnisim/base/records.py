@@ -4,6 +4,7 @@ An array of np.record is at once what a recarray wants; viewing others as one ta
 """
 
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
@@ -15,10 +16,11 @@ def blank(dtype: np.dtype, *shape: int) -> np.recarray:
 
 def records(dtype: np.dtype, rows: list[dict]) -> np.recarray:
     """Rows with a value for every field."""
-    values = [tuple([row[name] for name in dtype.names]) for row in rows]
+    values = [tuple([row[name] for name in dtype.names or ()]) for row in rows]
     return np.array(values, (np.record, dtype)).view(np.recarray)
 
 
-def plain(record: np.record) -> SimpleNamespace:
-    """A copy of a record for Python, which reads all of its fields at once as fast as one or two of the record."""
-    return SimpleNamespace(**dict(zip(record.dtype.names, record.item(), strict=True)))
+def plain(record: np.record) -> Any:
+    """A copy of a record for Python, which reads all of its fields at once as fast as one or two of the record: whoever
+    reads a record by its fields reads it too."""
+    return SimpleNamespace(**dict(zip(record.dtype.names or (), record.item(), strict=True)))

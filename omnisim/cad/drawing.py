@@ -3,6 +3,7 @@
 import math
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib import rc_context
@@ -18,7 +19,8 @@ from omnisim.scene.schema import WheelType
 
 STATIONS, CURVE = 17, 181  # of the table, of a drawn outline
 PAPER = (11.7, 8.3)  # inches: A4
-EDGE, RUBBER, METAL, THIN = "0.15", "#c3d4e4", "#f1f1f1", {"color": "0.35", "linewidth": 0.6}
+EDGE, RUBBER, METAL = "0.15", "#c3d4e4", "#f1f1f1"
+THIN: dict[str, Any] = {"color": "0.35", "linewidth": 0.6}
 AXIS_LINE = THIN | {"linestyle": (0, (14, 3, 2, 3))}
 MM = 1e3
 ROUNDING = 1e-12  # less of a direction is across an axis: there the whole end disc is farthest
@@ -60,7 +62,7 @@ def side_view(axes: Axes, kind: WheelType, wheel: np.record) -> None:
     rollers(axes, kind, wheel, RIGHT_SIDE, alpha=0.75)
     for radius in (reach, distance):
         axes.add_patch(Circle((0.0, 0.0), radius, fill=False, zorder=4, **AXIS_LINE))
-    cross(axes, 1.08 * reach, 1.08 * reach)
+    symmetry(axes, 1.08 * reach, 1.08 * reach)
     dimension(axes, (-reach, 0.0), (reach, 0.0), (0.0, -1.15 * reach), f"\N{DIAMETER SIGN} {2.0 * reach:.2f}")
     up = -0.25 * math.pi
     rim = (distance * math.cos(up), distance * math.sin(up))
@@ -73,14 +75,14 @@ def side_view(axes: Axes, kind: WheelType, wheel: np.record) -> None:
 
 def front_view(axes: Axes, kind: WheelType, wheel: np.record) -> None:
     """From ahead, the left of the wheel to the right; farther rollers stand behind nearer ones."""
-    reach, half = kind.radius * MM, support(wheel, abs(wheel.sin_psi)) * MM
+    reach, half = kind.radius * MM, float(support(wheel, abs(wheel.sin_psi))) * MM
     hub, width = hub_radius(wheel) * MM, hub_half_width(kind) * MM
     if hub > 0.0:
         axes.add_patch(
             Rectangle((-width, -hub), 2.0 * width, 2.0 * hub, facecolor=METAL, edgecolor=EDGE, linewidth=0.8)
         )
     rollers(axes, kind, wheel, AHEAD)
-    cross(axes, 1.25 * half, 1.08 * reach)
+    symmetry(axes, 1.25 * half, 1.08 * reach)
     dimension(axes, (-half, 0.0), (half, 0.0), (0.0, -1.15 * reach), f"{2.0 * half:.2f}")
     axes.set_title("front", fontsize=9)
 
@@ -91,7 +93,7 @@ def roller_view(axes: Axes, wheel: np.record) -> None:
     half, middle, tip = u[-1], r[CURVE // 2], r[-1]
     outline = np.column_stack([np.append(u, u[::-1]), np.append(r, -r[::-1])])
     axes.add_patch(Polygon(outline, facecolor=RUBBER, edgecolor=EDGE, linewidth=1.0))
-    cross(axes, 1.12 * half, 1.15 * middle)
+    symmetry(axes, 1.12 * half, 1.15 * middle)
     dimension(axes, (-half, -tip), (half, -tip), (0.0, -1.3 * middle), f"{2.0 * half:.3f}")
     dimension(axes, (0.0, -middle), (0.0, middle), (-1.22 * half, 0.0), f"\N{DIAMETER SIGN} {2.0 * middle:.3f}")
     dimension(axes, (half, -tip), (half, tip), (1.22 * half, 0.0), f"\N{DIAMETER SIGN} {2.0 * tip:.3f}")
@@ -110,7 +112,7 @@ def profile_table(axes: Axes, wheel: np.record) -> None:
 
 def rollers(axes: Axes, kind: WheelType, wheel: np.record, view: np.ndarray, alpha: float = 1.0) -> None:
     """All rollers from afar; the last ones drawn are nearest."""
-    nearness = np.cross(*view)
+    nearness = np.cross(view[0], view[1])
     for centre, axis in sorted(roller_frames(kind), key=lambda frame: frame[0] @ nearness):
         points = MM * outline(wheel, centre, axis, view)
         axes.add_patch(Polygon(points, facecolor=RUBBER, edgecolor=EDGE, linewidth=0.8, alpha=alpha))
@@ -129,7 +131,7 @@ def outline(wheel: np.record, centre: np.ndarray, axis: np.ndarray, view: np.nda
     return np.array(points)
 
 
-def cross(axes: Axes, x: float, y: float) -> None:
+def symmetry(axes: Axes, x: float, y: float) -> None:
     """Lines of symmetry."""
     axes.plot([-x, x], [0.0, 0.0], zorder=4, **AXIS_LINE)
     axes.plot([0.0, 0.0], [-y, y], zorder=4, **AXIS_LINE)
@@ -141,9 +143,9 @@ def dimension(axes: Axes, start: tuple, end: tuple, place: tuple, text: str) -> 
     ends = [(place[0], point[1]) if upright else (point[0], place[1]) for point in (start, end)]
     for point, arrow in zip((start, end), ends, strict=True):
         axes.plot(*zip(point, arrow, strict=True), zorder=3, **THIN)
-    axes.annotate("", *ends, arrowprops={"arrowstyle": "<->", "shrinkA": 0, "shrinkB": 0, **THIN})
-    middle = np.mean(ends, axis=0)
-    label(axes, *middle, text, 90.0 if upright else 0.0)
+    axes.annotate("", ends[0], ends[1], arrowprops={"arrowstyle": "<->", "shrinkA": 0, "shrinkB": 0, **THIN})
+    x, y = np.mean(ends, axis=0)
+    label(axes, x, y, text, 90.0 if upright else 0.0)
 
 
 def label(axes: Axes, x: float, y: float, text: str, rotation: float) -> None:

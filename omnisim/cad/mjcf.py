@@ -37,7 +37,7 @@ def mjcf(config: Config, name: str, meshes: Mapping[str, str], contacts: Mapping
     SubElement(world, "geom", name="floor", type="plane", size="10 10 1", rgba="0.85 0.85 0.85 1")
     for file in (*meshes.values(), *contacts.values()):
         SubElement(asset, "mesh", name=file, file=file)
-    elements = {}
+    elements: dict[str | None, Element] = {}
     for body in bodies(config):
         element = SubElement(elements.get(body.parent, world), "body", name=body.name)
         element.attrib |= {"pos": numbers(*body.place), "euler": numbers(*body.angles)}

@@ -8,7 +8,7 @@ whatever the scene starts with.
 
 import math
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Comment, Element
 
@@ -37,7 +37,7 @@ class Body(NamedTuple):
     mass: float
     centre: tuple[float, ...]
     inertia: tuple[float, float, float]
-    shape: tuple[str, str | tuple[float, ...]]
+    shape: tuple[str, Any]
     damping: float = 0.0  # of the hinge, N m s
     friction: float = 0.0  # of the hinge, N m
     armature: float = 0.0  # at the hinge, kg m^2

@@ -63,7 +63,7 @@ def stand_in(link: Element, body: Body) -> None:
 def joint(root: Element, body: Body) -> None:
     element = SubElement(root, "joint", name=body.joint, type="continuous")
     SubElement(element, "origin", xyz=numbers(*body.place), rpy=numbers(*body.angles))
-    SubElement(element, "parent", link=body.parent)
+    SubElement(element, "parent", link=str(body.parent))
     SubElement(element, "child", link=body.name)
     SubElement(element, "axis", xyz=body.hinge)
     SubElement(element, "dynamics", damping=numbers(body.damping), friction=numbers(body.friction))

@@ -9,7 +9,7 @@ from omnisim.base.formatting import hanging
 from omnisim.base.records import plain
 from omnisim.dynamics.parameters import CONTACTS, MULTIBODY, Parameters
 from omnisim.dynamics.state import places_in
-from omnisim.scene.drives import drive_law
+from omnisim.scene.drives import drive_law, motor_of
 from omnisim.scene.ideal_kinematics import rms_distance, undetermined, wheel_rows
 from omnisim.scene.schema import Config, Drive, Friction, Roller, Wheel, unused_keys
 
@@ -240,12 +240,12 @@ def rate_reason(drive: Drive) -> str:
 
 
 def motor_reason(drive: Drive) -> str:
-    law = drive_law(drive)
-    windings = f"{law.motor.resistance:.4g} ohm, {law.motor.constant / drive.gear_ratio:.4g} N m/A"
+    law, motor = drive_law(drive), motor_of(drive)
+    windings = f"{motor.resistance:.4g} ohm, {motor.constant / drive.gear_ratio:.4g} N m/A"
     sheet = " (from its data sheet)" if drive.nominal_voltage else ""
     rotor = f", rotor {drive.rotor_inertia:g} kg m^2" if drive.rotor_inertia else ""
-    viscous = f", viscous friction {law.motor.viscosity:.4g} N m s" if law.motor.viscosity else ""
-    coulomb = f", Coulomb friction {law.motor.friction_torque:.4g} N m" if law.motor.friction_torque else ""
+    viscous = f", viscous friction {motor.viscosity:.4g} N m s" if motor.viscosity else ""
+    coulomb = f", Coulomb friction {motor.friction_torque:.4g} N m" if motor.friction_torque else ""
     limits = ((law.limit, "V"), (drive.current_limit, "A"))
     within = " and ".join(f"{limit:g} {unit}" for limit, unit in limits if isfinite(limit))
     limit = f", within {within} (reaching a limit is an event)" if within else ""

@@ -135,9 +135,9 @@ def follow_joint(joint, axis, found):
     widen(found[LEAST_AXIAL : MOST_AXIAL + 1], dot(force, axis))
 
 
-def wheel_extremes(extremes: np.recarray, motor: bool) -> dict[str, np.ndarray]:
+def wheel_extremes(extremes: np.ndarray, motor: bool) -> dict[str, np.ndarray]:
     """Datasets of one wheel, by path with {} for its name, from its extremes (T,); motor: whether it has one."""
-    extremes, found = np.asarray(extremes), {}
+    extremes, found = np.asarray(extremes), {}  # quicker than as records
     for name in OF_WHEELS + OF_MOTORS * motor:
         found[f"interval_max/wheels/{{}}/{name}"] = extremes[name][:, MOST]
         found[f"interval_min/wheels/{{}}/{name}"] = extremes[name][:, LEAST]

@@ -53,7 +53,7 @@ def clock_at_start(time: Time, choice: int, stability_limit: float, lightness: f
         "reach": dt,
         "stability_limit": stability_limit,
     }
-    return records(CLOCK, [dict.fromkeys(CLOCK.names, 0) | begun])[0]
+    return records(CLOCK, [dict.fromkeys(CLOCK.names or (), 0) | begun])[0]
 
 
 def newton_workspace(parameters: Parameters, states: int) -> Newton:

@@ -61,7 +61,7 @@ def _of_currents(config: Config, parameters: Parameters) -> str:
     if rate == 0.0:
         return ""
     told, limit = f"; currents of motors settle at up to {rate:.2g} 1/s", method.tableau.stability_limit
-    if resolve(config, parameters) != EXPLICIT or rate * config.time.step <= limit:
+    if resolve(config, parameters) != EXPLICIT or rate * (config.time.step or 0.0) <= limit:
         return told
     return f"{told}, too fast for this step: time.step < {SAFE_STEP * limit / rate:.2g} s or method = 'auto' would do"
 
@@ -69,6 +69,7 @@ def _of_currents(config: Config, parameters: Parameters) -> str:
 def _of_friction(config: Config, parameters: Parameters) -> str:
     """The same for friction, of the floor and of bearings."""
     method, step, rate = METHODS[config.solver.method], config.time.step, relaxation_rate(config, parameters)
+    assert step is not None, "of a scene whose step is picked there is nothing to say yet"
     choice, limit = resolve(config, parameters), method.tableau.stability_limit / step
     used = method_used(method.name, choice)
     bearings = parameters.machine.bearing_relaxation

@@ -1,7 +1,7 @@
 """From the records of a march to a trajectory: observed rows, events in order, attributes."""
 
 from types import SimpleNamespace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -94,7 +94,8 @@ def outcome(config: Config, parameters: Parameters, run: Run, rows: Recording) -
 
 def so_far(rows: Recording, clock: np.record) -> Recording:
     """The rows that are written."""
-    return Recording(*(values[: clock.row] for values in rows))
+    parts: list[Any] = [values[: clock.row] for values in rows]
+    return Recording(*parts)
 
 
 def finite_rows(sampled: dict[str, np.ndarray]) -> int:
@@ -103,8 +104,8 @@ def finite_rows(sampled: dict[str, np.ndarray]) -> int:
     if moderate(sampled):
         return count
     broken = [~np.isfinite(values.reshape(count, -1)).all(axis=1) for values in sampled.values()] if count else []
-    rows = np.flatnonzero(np.any(broken, axis=0)) if count else []
-    return int(rows[0]) if len(rows) else count
+    rows = np.flatnonzero(np.any(broken, axis=0)).tolist() if count else []
+    return rows[0] if rows else count
 
 
 def moderate(energies: dict[str, np.ndarray]) -> bool:
@@ -126,5 +127,11 @@ def events(log: np.ndarray, names: list[str]) -> dict[str, np.ndarray]:
 
 def with_stop(data: dict[str, np.ndarray], stop_time: float, stop_wheel: str) -> dict[str, np.ndarray]:
     """The event datasets with the final "stop" appended."""
-    last = {"time": stop_time, "kind": EVENT_KINDS[STOP], "wheel": stop_wheel, "roller_from": -1, "roller_to": -1}
+    last: dict[str, Any] = {
+        "time": stop_time,
+        "kind": EVENT_KINDS[STOP],
+        "wheel": stop_wheel,
+        "roller_from": -1,
+        "roller_to": -1,
+    }
     return data | {f"events/{name}": np.append(data[f"events/{name}"], value) for name, value in last.items()}

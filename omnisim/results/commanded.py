@@ -13,7 +13,7 @@ import numpy as np
 
 from omnisim.results.trajectory import Trajectory
 from omnisim.scene.ideal_kinematics import inverse, rms_distance, wheel_rows
-from omnisim.scene.schema import Config, Drive
+from omnisim.scene.schema import Command, Config, Drive
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)  # error below 1e-18 of a piece that turns by less than a turn
 AGREEING = 1e-9  # of the fastest wheel: target rates that ideal wheels have together, but for rounding
@@ -90,8 +90,9 @@ def _twists(config: Config) -> Table | None:
     """The commanded twist, None where there is none."""
     if config.command:
         return Table(np.array(config.command.times), np.array(config.command.twist))
-    tables = _rate_tables(config)
-    if config.chassis is None or any(table is None for table in tables):
+    asked = _rate_tables(config)
+    tables = [table for table in asked if table is not None]
+    if config.chassis is None or len(tables) < len(asked):
         return None
     rows = wheel_rows(config)
     twist_of = inverse(rows, rms_distance(config))
@@ -107,13 +108,15 @@ def _twists(config: Config) -> Table | None:
 
 def _rate_tables(config: Config) -> list[Table | None]:
     """The target rate of each wheel as the scene has it, None of a drive without one."""
-    rows = wheel_rows(config) if config.command else [None] * len(config.wheels)
-    return [_rate_table(wheel.drive, config, row) for wheel, row in zip(config.wheels, rows, strict=True)]
+    return [
+        _rate_table(wheel.drive, config.command, row)
+        for wheel, row in zip(config.wheels, wheel_rows(config), strict=True)
+    ]
 
 
-def _rate_table(drive: Drive, config: Config, row: np.ndarray | None) -> Table | None:
-    if drive.follows_command:
-        return Table(np.array(config.command.times), np.array(config.command.twist) @ row[:, None])
+def _rate_table(drive: Drive, command: Command | None, row: np.ndarray) -> Table | None:
+    if drive.follows_command and command:
+        return Table(np.array(command.times), np.array(command.twist) @ row[:, None])
     if drive.rate is None:
         return None
     rates = np.atleast_1d(drive.rate)[:, None]

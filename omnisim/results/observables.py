@@ -280,7 +280,7 @@ def targets(parameters: Parameters, w: int, pieces: np.ndarray, times: np.ndarra
     return value + slope * (times - parameters.starts[pieces])
 
 
-def motor_datasets(seen: np.recarray, resistance: float) -> dict[str, np.ndarray]:
+def motor_datasets(seen: np.ndarray, resistance: float) -> dict[str, np.ndarray]:
     """Datasets of a motor, by path below the group of its wheel."""
     voltage, current = seen["voltage"], seen["current"]
     return {

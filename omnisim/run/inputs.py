@@ -74,7 +74,7 @@ def table_edits(config: Config, parameters: Parameters, held: Held) -> dict[KeyP
     for w in sorted(driven):
         times, values = table(parameters, held, [DRIVE_INPUT + w])
         edits["wheels", w, "drive", "times"] = times
-        edits["wheels", w, "drive", config.wheels[w].drive.given] = [value for (value,) in values]
+        edits["wheels", w, "drive", str(config.wheels[w].drive.given)] = [value for (value,) in values]
     if not held.channels.isdisjoint(WRENCH):
         times, values = table(parameters, held, WRENCH)
         edits["wrench", "times"] = times

@@ -27,8 +27,10 @@ def search(scene: Scene, run: Callable[[Scene], Loop]) -> Trajectory:
     says so. `error_target` and, if there is one, `error_estimate` are added to its attributes.
     """
     solver = scene.config.solver
-    order, enough = METHODS[solver.method].tableau.order, max(solver.error, LEAST)
-    gaps, best, code, error = [], None, RUNNING, math.inf
+    order, enough = METHODS[solver.method].tableau.order, max(solver.error or 0.0, LEAST)
+    gaps: list[float] = []
+    best: Trajectory | None = None
+    code, error = RUNNING, math.inf
     for candidate in candidates(scene):
         loop = run(candidate)
         before, code = code, int(loop.run.clock.status)
@@ -37,7 +39,7 @@ def search(scene: Scene, run: Callable[[Scene], Loop]) -> Trajectory:
         if code in CURABLE:
             continue
         latest = loop.trajectory()
-        gaps = [*gaps, distance(best, latest)] if code == before else []
+        gaps = [*gaps, distance(best, latest)] if best is not None and code == before else []
         best, error = latest, estimate(gaps, order)
         if error <= enough and loop.run.clock.choice == AUTO:
             other = run(by_radau5(candidate))

@@ -3,8 +3,9 @@
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from functools import partial
 from statistics import median
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from omnisim.results.comparison import distance
 from omnisim.results.trajectory import Trajectory
@@ -43,6 +44,9 @@ class Reference(NamedTuple):
     distance: float
 
 
+Measured = Any  # a float; None of a run that stopped early
+
+
 class Row(NamedTuple):
     """What a setting costs and reaches.
 
@@ -56,10 +60,10 @@ class Row(NamedTuple):
     method: str
     tracking: str
     step: float
-    error: float | None
-    order: float | None
-    march: float | None
-    whole: float | None
+    error: Measured
+    order: Measured
+    march: Measured
+    whole: Measured
     steps: int
     evaluations: int
     events: int
@@ -87,8 +91,8 @@ def ladder(scene: Scene, steps: Sequence[float] = ()) -> list[float]:
             raise SceneError(
                 f"{scene.source}: a step of {step!r} s must divide the output interval, {interval!r} s{samples}"
             )
-    chosen = set(steps) or {step for factor in FACTORS if scene.config.suits(step := factor * own)}
-    return sorted(chosen, reverse=True)
+    multiples = (factor * (own or 0.0) for factor in FACTORS)
+    return sorted(set(steps) or {step for step in multiples if scene.config.suits(step)}, reverse=True)
 
 
 def varied(scene: Scene, setting: Setting) -> Scene:
@@ -114,22 +118,26 @@ def measure(
     share = 1.0 / (1 + repeats)
     for done, setting in enumerate(settings):
         contestant = varied(scene, setting)
-        run = simulate(contestant, lambda _, done=done: progress(share * done / len(settings)))
+        run = simulate(contestant, partial(_tell, progress, share * done / len(settings)))
         rows.append(untimed(setting, run, reference.run))
         if run.complete:
             running[setting] = contestant
-    rounds = []
+    rounds: list[Any] = []
     try:
         for taken in interleaved(list(running.values()), repeats, lambda part: progress(share + (1.0 - share) * part)):
             rounds.append(taken)
     except Interrupted:
         if not rounds:
             raise
-    for setting, taken in zip(running, zip(*rounds, strict=True), strict=True):
-        march, whole = (median(seconds) for seconds in zip(*taken, strict=True))
+    for setting, times in zip(running, zip(*rounds, strict=True), strict=True):
+        march, whole = (median(seconds) for seconds in zip(*times, strict=True))
         place = settings.index(setting)
         rows[place] = rows[place]._replace(march=march / scene.config.time.end, whole=whole)
     return Precision(scene, reference, len(rounds), judged(rows, reference.distance))
+
+
+def _tell(progress: Callable[[float], object], fraction: float, _: float) -> object:
+    return progress(fraction)
 
 
 def converged(scene: Scene, step: float, progress: Callable[[float], object]) -> Reference:

@@ -123,7 +123,7 @@ class Part(NamedTuple):
     """The wheel type: number and distance of rollers, size of hub (m), masses (kg)."""
 
     shape: Outline
-    count: int
+    rollers: int
     bore: float
     roller_mass: float
     hub: float
@@ -132,7 +132,7 @@ class Part(NamedTuple):
 
     @property
     def mass(self) -> float:
-        return self.disk_mass + self.count * self.roller_mass
+        return self.disk_mass + self.rollers * self.roller_mass
 
 
 def wheels(robot: Robot) -> list[Wheel]:
@@ -188,8 +188,8 @@ def _distance(robot: Robot, kind: Kind, count: int) -> float:
     distance = radius - 0.5 * robot.roller_diameter
     if not nearest <= distance <= farthest:
         thin, thick = 2.0 * (radius - farthest), 2.0 * (radius - nearest)
-        fitting = f"diameters from {1e3 * thin:.3g} to {1e3 * thick:.3g} mm do"
-        raise DesignError(f"{count} rollers of {1e3 * robot.roller_diameter:g} mm do not fit on this wheel; {fitting}")
+        others = f"diameters from {1e3 * thin:.3g} to {1e3 * thick:.3g} mm do"
+        raise DesignError(f"{count} rollers of {1e3 * robot.roller_diameter:g} mm do not fit on this wheel; {others}")
     return distance
 
 

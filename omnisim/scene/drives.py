@@ -16,7 +16,7 @@ over the rate r. The rotor appears at the axle with g^2 times its inertia.
 import math
 from typing import NamedTuple
 
-from omnisim.scene.schema import Drive
+from omnisim.scene.schema import DATA_SHEET, Drive
 
 SHEET_TOLERANCE = 0.05  # of the stall torque: data sheets are rounded
 
@@ -55,16 +55,15 @@ class DriveLaw(NamedTuple):
 
 
 def drive_law(drive: Drive) -> DriveLaw:
-    gains = (drive.proportional, drive.proportional, drive.integral) if drive.controlled else (1.0,)
+    law = DriveLaw(drive.proportional, drive.proportional, drive.integral) if drive.controlled else DriveLaw(1.0)
     if drive.kind != "dc_motor":
-        return DriveLaw(*gains, limit=drive.torque_limit)
-    return DriveLaw(
-        *gains,
+        return law._replace(limit=drive.torque_limit)
+    return law._replace(
         derivative=drive.derivative,
         limit=voltage_limit(drive),
         sample_time=drive.sample_time or 0.0,
         rotor_inertia=drive.gear_ratio**2 * drive.rotor_inertia,
-        motor=motor(drive),
+        motor=motor_of(drive),
     )
 
 
@@ -75,7 +74,7 @@ def voltage_limit(drive: Drive) -> float:
     return drive.voltage_limit
 
 
-def motor(drive: Drive) -> Motor:
+def motor_of(drive: Drive) -> Motor:
     gear, sheet = drive.gear_ratio, sheet_constants(drive) if drive.nominal_voltage else None
     return Motor(
         constant=gear * (sheet.torque_constant if sheet else drive.torque_constant),
@@ -104,6 +103,22 @@ def friction_torque(drive: Drive) -> float:
     return own.friction_torque if own else 0.0
 
 
+class DataSheet(NamedTuple):
+    """What a data sheet says of a motor, at its nominal voltage (V), before its gear: torque (N m) and current (A) at
+    standstill, speed (rad/s) and current (A) without load. The order is that of schema.DATA_SHEET."""
+
+    stall_torque: float
+    stall_current: float
+    no_load_speed: float
+    no_load_current: float
+    nominal_voltage: float
+
+
+def data_sheet(drive: Drive) -> DataSheet:
+    """Of a motor that is given by it."""
+    return DataSheet(*(getattr(drive, key) for key in DATA_SHEET))
+
+
 class SheetConstants(NamedTuple):
     """What a data sheet makes of a motor before its gear: resistance (ohm), torque constant (N m/A), Coulomb friction
     (N m), viscosity (N m s), and the stall torques (N m) between which friction can be parted into these two."""
@@ -130,9 +145,10 @@ def sheet_constants(drive: Drive) -> SheetConstants:
     All torque without load is friction, k I_0, and T is what of it is left at standstill: between all and nothing. The
     stall torque is that of the line of torque over speed, as data sheets have it; at rest itself Coulomb friction is 0.
     """
-    resistance = drive.nominal_voltage / drive.stall_current
-    constant = (drive.nominal_voltage - resistance * drive.no_load_current) / drive.no_load_speed
-    most, without_load = constant * drive.stall_current, constant * drive.no_load_current
-    coulomb = min(max(most - drive.stall_torque, 0.0), without_load)
-    viscosity = (without_load - coulomb) / drive.no_load_speed
+    sheet = data_sheet(drive)
+    resistance = sheet.nominal_voltage / sheet.stall_current
+    constant = (sheet.nominal_voltage - resistance * sheet.no_load_current) / sheet.no_load_speed
+    most, without_load = constant * sheet.stall_current, constant * sheet.no_load_current
+    coulomb = min(max(most - sheet.stall_torque, 0.0), without_load)
+    viscosity = (without_load - coulomb) / sheet.no_load_speed
     return SheetConstants(resistance, constant, coulomb, viscosity, most - without_load, most)

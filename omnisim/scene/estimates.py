@@ -54,9 +54,9 @@ def _needed(path: KeyPath, table: Table, shapes: Mapping[str, str]) -> Iterator[
 def complete(config: Config) -> Config:
     """The same scene with a number wherever a shape stands for one."""
     kinds = {name: _complete_type(kind) for name, kind in config.wheel_types.items()}
-    parts = {"wheel_types": kinds}
+    parts: dict[str, Any] = {"wheel_types": kinds}
     if config.chassis is not None:
-        parts["chassis"] = _filled(config.chassis, **_box(config.chassis, _clearance(config)))
+        parts["chassis"] = _filled(config.chassis, **_box(config.chassis, _clearance(config, config.chassis)))
     return config.model_copy(update=parts)
 
 
@@ -77,7 +77,7 @@ def estimates(config: Config) -> Iterator[Estimate]:
         size = " x ".join(f"{side:g}" for side in config.chassis.size)
         for key in _left_out(config.chassis, "center_of_mass", "inertia"):
             numbers = ", ".join(f"{number:.5g}" for number in getattr(config.chassis, key))
-            above = f", {_clearance(config):g} m above the floor"
+            above = f", {_clearance(config, config.chassis):g} m above the floor"
             unit, where = ("m", above) if key == "center_of_mass" else ("kg m^2", f", {config.chassis.mass:g} kg")
             yield Estimate(("chassis", key), f"[{numbers}] {unit}", f"a box of {size} m{where}")
 
@@ -114,14 +114,14 @@ def _across(disk: Disk) -> float:
     return 0.5 * disk.inertia_axle + disk.mass * disk.width**2 / 12.0
 
 
-def _clearance(config: Config) -> float:
+def _clearance(config: Config, chassis: Chassis) -> float:
     """Between the chassis box and the floor, m."""
-    if "ground_clearance" in config.chassis.model_fields_set:
-        return config.chassis.ground_clearance
+    if "ground_clearance" in chassis.model_fields_set:
+        return chassis.ground_clearance
     return CLEARANCE * min(config.type_of(wheel).radius for wheel in config.wheels)
 
 
 def _box(chassis: Chassis, clearance: float) -> dict[str, tuple[float, float, float]]:
     a, b, c = (side**2 for side in chassis.size)
-    inertia = tuple(chassis.mass * squares / 12.0 for squares in (b + c, a + c, a + b))
+    inertia = chassis.mass * (b + c) / 12.0, chassis.mass * (a + c) / 12.0, chassis.mass * (a + b) / 12.0
     return {"center_of_mass": (0.0, 0.0, clearance + 0.5 * chassis.size[2]), "inertia": inertia}

@@ -71,7 +71,7 @@ def _wheel_type(robot: Robot, wheel: Part) -> str:
         f"radius = {short(robot.wheel_radius)} # m",
         f"roller_distance = {short(shape.roller_distance)} {_marked(robot.roller_diameter)}"
         f"rollers {2e3 * (shape.radius - shape.roller_distance):.4g} mm thick amid",
-        f"roller_count = {wheel.count} {_marked(robot.rollers)}of one wheel{rows}",
+        f"roller_count = {wheel.rollers} {_marked(robot.rollers)}of one wheel{rows}",
         f"roller_angle_deg = {short(kind.psi_deg)}",
         f"disk = {{ {disk} }} {ESTIMATED}: {known}a cylinder",
         f"roller = {{ density = {short(ROLLER_DENSITY)}, bore_radius = {short(wheel.bore)} }} {ESTIMATED}: kg/m^3, m",

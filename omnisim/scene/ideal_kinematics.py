@@ -58,7 +58,7 @@ def _scale(distance: float) -> np.ndarray:
 
 
 def _rank(values: np.ndarray) -> int:
-    return np.count_nonzero(values > RANK_TOLERANCE * values[0])
+    return int(np.count_nonzero(values > RANK_TOLERANCE * values[0]))
 
 
 def rms_distance(config: Config) -> float:

@@ -81,6 +81,7 @@ def outside(config: Config) -> str:
 
 def _common_center_of_mass(config: Config) -> tuple[float, float]:
     """Of the chassis and the wheels with their rollers: x and y, m."""
+    assert config.chassis is not None
     types = [config.type_of(wheel) for wheel in config.wheels]
     masses = [config.chassis.mass, *(kind.disk.mass + kind.roller_count * kind.roller.mass for kind in types)]
     points = [config.chassis.center_of_mass[:2], *(wheel.position for wheel in config.wheels)]

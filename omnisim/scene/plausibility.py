@@ -69,8 +69,8 @@ def _room(kind: WheelType, rows: int) -> str:
     near, far = kind.roller_distance, kind.radius * math.cos(math.pi / kind.roller_count)
     if fits(kind.roller_count, far):
         for _ in range(30):
-            middle = 0.5 * (near + far)
-            near, far = (near, middle) if fits(kind.roller_count, middle) else (middle, far)
+            between = 0.5 * (near + far)
+            near, far = (near, between) if fits(kind.roller_count, between) else (between, far)
         ways.append(f"a roller_distance of at least {far:.4g} m")
     return " or ".join(ways) or "fewer and thinner rollers"
 
@@ -168,9 +168,9 @@ def gyrations(config: Config) -> Iterator[Problem]:
     if config.chassis and ("chassis",) not in massive:
         size = max(0.5 * math.hypot(*config.chassis.size), *(math.hypot(*wheel.position) for wheel in config.wheels))
         largest = max(config.chassis.inertia)
-        path = ("chassis", "inertia", config.chassis.inertia.index(largest))
+        place = ("chassis", "inertia", config.chassis.inertia.index(largest))
         if size > 0.0:
-            yield from _gyration(path, largest, config.chassis.mass, size, CHASSIS_GYRATION)
+            yield from _gyration(place, largest, config.chassis.mass, size, CHASSIS_GYRATION)
 
 
 def _gyration(

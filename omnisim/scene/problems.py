@@ -52,10 +52,14 @@ class _Place(NamedTuple):
 
 
 def _place(location: KeyPath) -> _Place:
-    table, field, nested, path, rest = Config, None, Config, (), location
+    table: type[Table] = Config
+    field: FieldInfo | None = None
+    nested: type[Table] | None = Config
+    path: KeyPath = ()
+    rest = location
     while rest and nested:
         table, path, rest = nested, (*path, rest[0]), rest[1:]
-        field = _fields(table).get(path[-1])
+        field = _fields(table).get(str(path[-1]))
         nested, many = _nested(field.annotation) if field else (None, False)
         if many and rest:
             path, rest = (*path, rest[0]), rest[1:]
@@ -79,7 +83,7 @@ def _nested(annotation: Any) -> tuple[type[Table] | None, bool]:
 def _allowed(place: _Place) -> str:
     if place.nested:
         return f"a table with the keys {', '.join(_fields(place.nested))}"
-    return place.field.description
+    return (place.field and place.field.description) or "a known key"
 
 
 def allowed_at(path: KeyPath) -> str:
@@ -128,8 +132,9 @@ def _wrong_value(data: Any, place: _Place) -> Problem:
             path = (*path, index)
     value, hint = value_at(data, path), ""
     if isinstance(value, str):
-        if get_origin(place.field.annotation) is Literal:
-            hint = did_you_mean(value, get_args(place.field.annotation))
+        annotation = place.field.annotation if place.field else None
+        if get_origin(annotation) is Literal:
+            hint = did_you_mean(value, get_args(annotation))
         elif "number" in _allowed(place) and (number := _number_in(value)) is not None:
             hint = f"; did you mean {number}?"
     return Problem(path, f"must be {_allowed(place)}{hint}")

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from omnisim.base.methods import EXPLICIT, METHODS
-from omnisim.scene.drives import SHEET_TOLERANCE, sheet_constants
+from omnisim.scene.drives import SHEET_TOLERANCE, data_sheet, sheet_constants
 from omnisim.scene.problems import Problem, allowed_at, did_you_mean
 from omnisim.scene.schema import (
     CONTROLLER,
@@ -171,10 +171,11 @@ def _motor_rules(path: KeyPath, drive: Drive, present: set[str]) -> Iterator[Pro
 
 def _sheet_rules(path: KeyPath, drive: Drive) -> Iterator[Problem]:
     """The values of a data sheet are one motor."""
-    if drive.no_load_current >= drive.stall_current:
-        yield Problem((*path, "no_load_current"), f"must be below stall_current = {drive.stall_current:g}")
+    sheet = data_sheet(drive)
+    if sheet.no_load_current >= sheet.stall_current:
+        yield Problem((*path, "no_load_current"), f"must be below stall_current = {sheet.stall_current:g}")
         return
-    motor, torque = sheet_constants(drive), drive.stall_torque
+    motor, torque = sheet_constants(drive), sheet.stall_torque
     low, high = motor.least_stall, motor.most_stall
     if not low * (1.0 - SHEET_TOLERANCE) <= torque <= high * (1.0 + SHEET_TOLERANCE):
         rest = f"nominal_voltage, no_load_speed and the currents (torque constant {motor.torque_constant:.4g} N m/A)"

@@ -150,8 +150,8 @@ def changed(scene: Scene, overrides: Overrides) -> Scene:
 def parse(text: str, source: str = "<text>", overrides: Overrides = ()) -> Scene:
     """The scene in a TOML text; `source` names it in messages. Raises SceneError."""
     try:
-        line, data = long_key(text), {}
-        data = data if line else tomllib.loads(text)
+        line = long_key(text)
+        data = {} if line else tomllib.loads(text)
     except (ValueError, RecursionError) as error:
         raise SceneError(_syntax(error, text, source)) from None
     if line or is_deeper(data, DEEPEST):
@@ -312,7 +312,7 @@ def _with_index(data: dict[str, Any], path: KeyPath, origin: str) -> KeyPath:
         return path
     wheels = data.get("wheels")
     wheels = wheels if isinstance(wheels, list) else []
-    names = [wheel.get("name") if isinstance(wheel, dict) else None for wheel in wheels]
+    names: list[Any] = [wheel.get("name") if isinstance(wheel, dict) else None for wheel in wheels]
     if path[1] not in names:
         known = [name for name in names if is_name(name)]
         hint = (did_you_mean(path[1], known) or ".") + f" Wheels: {', '.join(known) or 'none'}"

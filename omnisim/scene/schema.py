@@ -8,7 +8,7 @@ import math
 import re
 from collections.abc import Iterable
 from functools import lru_cache
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -74,6 +74,24 @@ Positive = Annotated[float, Field(gt=0, description="a finite number > 0")]
 PositiveOrNone = Annotated[float | None, Field(gt=0, description="a finite number > 0")]
 NonNegative = Annotated[float, Field(ge=0, description="a finite number >= 0")]
 Slope = Annotated[float, Field(ge=0, lt=90, description="a finite number from 0 to less than 90")]
+if TYPE_CHECKING:  # to a type checker a word is a word
+    Upright = str
+    Method = str
+    Tracking = str
+    Formulation = str
+    Law = str
+    ContactTorque = str
+    Kind = str
+    Frame = str
+else:
+    Upright = _choice("servo", "contacts")
+    Method = _choice("heun", "rk4", "dopri5", "radau5", "auto")
+    Tracking = _choice("explicit", "implicit")
+    Formulation = _choice("reduced", "multibody")
+    Law = _choice(*FRICTION_KEYS)
+    ContactTorque = _choice("none", "contensou")
+    Kind = _choice(*DRIVE_KEYS)
+    Frame = _choice("world", "body")
 Boolean = Annotated[bool, Field(description="true or false")]
 Name = Annotated[str, Field(pattern=f"^{NAME}$", description="a name (a letter, then letters, digits, _ or -)")]
 Count = Annotated[int, Field(ge=3, le=MAX_ROLLERS, description=f"an integer from 3 to {MAX_ROLLERS}")]
@@ -112,7 +130,7 @@ class World(Table):
     """[scene]: gravity in m/s^2, and what carries roll and pitch."""
 
     gravity: NonNegative = 9.81
-    upright: _choice("servo", "contacts") = None
+    upright: Upright = None  # type: ignore[assignment]  # see Config.upright
 
 
 class Floor(Table):
@@ -140,9 +158,15 @@ class Time(Table):
     def steps_per_output(self) -> int:
         """Steps of one output interval; by default a divisor of all steps that leaves about 100 intervals."""
         if self.interval is not None:
-            return round(self.interval / self.step)
-        steps = round(self.end / self.step)
+            return round(self.interval / self._known_step)
+        steps = round(self.end / self._known_step)
         return steps // _about(INTERVALS, steps)
+
+    @property
+    def _known_step(self) -> float:
+        if self.step is None:
+            raise ValueError("the step is still to be picked")
+        return self.step
 
     @property
     def output_interval(self) -> float:
@@ -170,9 +194,9 @@ class Solver(Table):
     is not used. None: no step is picked.
     """
 
-    method: _choice("heun", "rk4", "dopri5", "radau5", "auto") = "rk4"
-    tracking: _choice("explicit", "implicit") = "explicit"
-    formulation: _choice("reduced", "multibody") = "reduced"
+    method: Method = "rk4"
+    tracking: Tracking = "explicit"
+    formulation: Formulation = "reduced"
     error: PositiveOrNone = None
 
 
@@ -182,11 +206,11 @@ class Friction(Table):
     contact_torque adds friction of the contact patch, of patch_radius (m), against turning about the normal.
     """
 
-    law: _choice(*FRICTION_KEYS)
+    law: Law
     coefficient: NonNegative = 0.0
     slip_speed: Positive = 0.0
     viscosity: NonNegative = 0.0
-    contact_torque: _choice("none", "contensou") = "none"
+    contact_torque: ContactTorque = "none"
     patch_radius: Positive = 0.0
 
     @model_validator(mode="before")
@@ -286,10 +310,10 @@ class Drive(Table):
     voltage (V), which is then the largest voltage of a controller that has no other.
     """
 
-    kind: _choice(*DRIVE_KEYS)
+    kind: Kind
     times: Reals = ()
     torque: Tabulated = 0.0
-    rate: Tabulated = None
+    rate: Tabulated = None  # type: ignore[assignment]  # where [command] gives it
     proportional: Positive = 0.0
     integral: NonNegative = 0.0
     derivative: NonNegative = 0.0
@@ -357,7 +381,7 @@ class Wheel(Table):
 class Wrench(Table):
     """[wrench]: force (N) and yaw torque (N m) on the body, linear between `times` (s)."""
 
-    frame: _choice("world", "body") = "world"
+    frame: Frame = "world"
     times: Reals = ()
     force: Vectors = ()
     yaw_torque: Reals = ()

@@ -26,6 +26,9 @@ class Outline(NamedTuple):
     sin_psi: float
 
 
+Shape = Outline | np.record  # a wheel's record has these fields as well
+
+
 def outline(kind: WheelType) -> Outline:
     psi = math.radians(kind.roller_angle_deg)
     return Outline(kind.radius, kind.roller_distance, math.pi / kind.roller_count, math.cos(psi), math.sin(psi))
@@ -34,7 +37,7 @@ def outline(kind: WheelType) -> Outline:
 # --- the roller -----------------------------------------------------------------------------------
 
 
-def profile(wheel: Outline, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def profile(wheel: Shape, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """u(q) and r(q), m, of roller_profile.py at every profile parameter q (rad)."""
     h, c = wheel.radius - wheel.roller_distance / np.cos(q), wheel.cos_psi
     u = wheel.roller_distance * np.tan(q) / c + h * c * np.sin(q)
@@ -49,7 +52,7 @@ class Solid(NamedTuple):
     transverse: float
 
 
-def solid(wheel: Outline, bore: float = 0.0) -> Solid:
+def solid(wheel: Shape, bore: float = 0.0) -> Solid:
     """The profile less a cylindrical bore of radius b (m) from end to end. Where r < b nothing is left.
 
         V = int pi (r^2 - b^2) du                         axial = int pi/2 (r^4 - b^4) du
@@ -68,7 +71,7 @@ def solid(wheel: Outline, bore: float = 0.0) -> Solid:
     return Solid(float(ring @ du), float(0.5 * fourth @ du), float((0.25 * fourth + ring * u**2) @ du))
 
 
-def bored_end(wheel: Outline, bore: float) -> float:
+def bored_end(wheel: Shape, bore: float) -> float:
     """The profile parameter where r = b, rad; alpha if the tips are thicker than the bore. r falls with q."""
     if profile(wheel, np.array(wheel.alpha))[1] >= bore:
         return wheel.alpha
@@ -79,7 +82,7 @@ def bored_end(wheel: Outline, bore: float) -> float:
     return low
 
 
-def support(wheel: Outline, sine: np.ndarray) -> np.ndarray:
+def support(wheel: Shape, sine: np.ndarray) -> np.ndarray:
     """How far the roller reaches from its centre in directions whose components along its axis are `sine`, m."""
     q = np.clip(np.arcsin(np.clip(sine / wheel.cos_psi, -1.0, 1.0)), -wheel.alpha, wheel.alpha)
     u, r = profile(wheel, q)
@@ -89,7 +92,7 @@ def support(wheel: Outline, sine: np.ndarray) -> np.ndarray:
 # --- rollers on their wheel -----------------------------------------------------------------------
 
 
-def gap(wheel: Outline, pitches: int = 1) -> float:
+def gap(wheel: Shape, pitches: int = 1) -> float:
     """Distance between the surfaces of two rollers `pitches` apart, m; below 0 they overlap.
 
     Between convex bodies A and B every unit vector n has n . (B - A) - reach of A along n - reach of B along -n, and
@@ -104,12 +107,12 @@ def gap(wheel: Outline, pitches: int = 1) -> float:
     return 2.0 * float(room.max())
 
 
-def hub_radius(wheel: Outline) -> float:
+def hub_radius(wheel: Shape) -> float:
     """Of the largest cylinder about the axle that no roller enters, m; 0 if rollers reach the axle."""
     return max(2.0 * wheel.roller_distance - wheel.radius, 0.0)
 
 
-def half_width(wheel: Outline) -> float:
+def half_width(wheel: Shape) -> float:
     """Of a wheel, m: rollers are thick amid, and their axes long across the wheel."""
     across = float(profile(wheel, np.array(wheel.alpha))[0]) * abs(wheel.sin_psi)
     return max(wheel.radius - wheel.roller_distance, across)

@@ -113,8 +113,8 @@ def value_at(data: Any, path: KeyPath) -> Any:
     """The value under a path, or MISSING."""
     for part in path:
         if isinstance(data, dict if isinstance(part, str) else list | tuple):
-            keys = data if isinstance(part, str) else range(len(data))
-            data = data[part] if part in keys else MISSING
+            keys: Any = data if isinstance(part, str) else range(len(data))
+            data = data[part] if part in keys else MISSING  # type: ignore[index]
         else:
             return MISSING
     return data
@@ -190,7 +190,8 @@ def _splices(scan: "_Scan", paths: Iterable[KeyPath], data: dict[str, Any]) -> d
 
 
 def _spliced(text: str, splices: dict[tuple[int, int], str]) -> str:
-    parts, at = [], 0
+    parts: list[str] = []
+    at = 0
     for (begin, end), new in sorted(splices.items()):
         parts += text[at:begin], new
         at = end
@@ -203,7 +204,7 @@ def _is_bare(key: str) -> bool:
 
 def _dotted(path: KeyPath) -> str:
     """A path of keys as TOML; TypeError for an index."""
-    return ".".join(key if _is_bare(key) else write_value(key) for key in path)
+    return ".".join(key if isinstance(key, str) and _is_bare(key) else write_value(key) for key in path)
 
 
 def _read_key(text: str, at: int) -> tuple[tuple[str, ...], int]:

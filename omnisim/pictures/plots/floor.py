@@ -1,5 +1,7 @@
 """The path of the body on the floor: where it was, where it should have been, where it thought to be."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -15,7 +17,7 @@ from omnisim.results.trajectory import Trajectory
 ARROWS = 12
 MOST_MARKS = 30  # of a kind along a path
 SMALLEST = 1e-6  # m: a machine that turns on the spot moves by rounding
-RING = {"linestyle": "none", "marker": "o", "markersize": 9, "markerfacecolor": "none"}
+RING: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 9, "markerfacecolor": "none"}
 
 
 def deviations(run: Trajectory) -> dict[str, np.ndarray]:
@@ -89,7 +91,7 @@ def draw_path(axes: Axes, runs: Runs) -> None:
 
 
 def count(run: Trajectory, kind: str) -> int:
-    return np.count_nonzero(run["events/kind"] == kind)
+    return int(np.count_nonzero(run["events/kind"] == kind))
 
 
 def draw_others(axes: Axes, run: Trajectory, number: int, runs: int) -> dict[str, Line2D]:

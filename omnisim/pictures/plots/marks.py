@@ -1,6 +1,7 @@
 """Events as marks: what each kind looks like, and how many of many are drawn."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +19,7 @@ def kinds_of(runs: Runs) -> list[str]:
     return [kind for kind in EVENT_KINDS if any(kind in run["events/kind"] for run in runs.values())]
 
 
-def mark(kind: str, colour: str) -> dict[str, object]:
+def mark(kind: str, colour: str) -> dict[str, Any]:
     """Exchanges, which are many, are small and grey."""
     if kind == "exchange":
         return {"marker": MARKERS[kind], "markersize": 4, "color": QUIET}

@@ -1,6 +1,7 @@
 """The machine from above, where it is at a few instants: wheels, the frame between them, which way is front."""
 
 import math
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -60,7 +61,7 @@ def draw_outlines(axes: Axes, config: Config, poses: np.ndarray, colour: str, fi
     rows = instants(way, size)
     drawn = [moved(polygon, pose) for pose in poses[rows] for polygon in polygons]
     marks = [moved(front, pose) for pose in poses[rows]]
-    look = {"facecolor": colour, "alpha": 0.18} if filled else {"facecolor": "none", "alpha": 0.5}
+    look: dict[str, Any] = {"facecolor": colour, "alpha": 0.18} if filled else {"facecolor": "none", "alpha": 0.5}
     axes.add_collection(PolyCollection(drawn, edgecolor=colour, **look, zorder=1.1))
     axes.add_collection(PolyCollection(marks, facecolor=colour, linewidth=0.0, alpha=0.35, zorder=1.1))
     axes.update_datalim(np.concatenate(drawn))

@@ -19,7 +19,7 @@ def story(runs: Runs) -> Figure:
     panels, kinds = [SPEED, YAW_RATE, *drives, NORMAL_FORCE, SLIP_SPEED], len(kinds_of(runs))
     height = HEIGHT + 0.7 * len(drives)
     figure = figure_of(runs, WIDTH, height)
-    left, right = figure.subfigures(1, 2, width_ratios=(0.85, 1.0))
+    left, right = figure.subfigures(1, 2, squeeze=False, width_ratios=(0.85, 1.0))[0]
     path, works, balance = left.subplots(3, 1, height_ratios=(3.6, 1.0, 1.0))
     balance.sharex(works)
     works.tick_params(labelbottom=False)

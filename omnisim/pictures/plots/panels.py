@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -104,7 +105,7 @@ def over_time(runs: Runs, panels: Sequence[Panel]) -> Figure:
     return figure
 
 
-def draw_column(column: Sequence[Axes], panels: Sequence[Panel], runs: Runs) -> None:
+def draw_column(column: Sequence[Axes] | np.ndarray, panels: Sequence[Panel], runs: Runs) -> None:
     """Panels into the axes of a column, the events into the last one if there is one more."""
     shown: list[str] = []
     explained: set[str] = set()
@@ -122,7 +123,7 @@ def draw_column(column: Sequence[Axes], panels: Sequence[Panel], runs: Runs) -> 
         if len(runs) == 1 and shown != wheels and len(wheels) > 1:  # its lanes are wheels
             legend_of_parts(column[-1], wheels, runs, {})
     column[-1].set_xlabel("time, s")
-    column[0].get_figure().align_ylabels(list(column))
+    column[0].figure.align_ylabels(list(column))
 
 
 def draw(axes: Axes, panel: Panel, runs: Runs) -> tuple[list[str], dict[str, Artist]]:
@@ -131,7 +132,10 @@ def draw(axes: Axes, panel: Panel, runs: Runs) -> tuple[list[str], dict[str, Art
     parts = list(dict.fromkeys(part for each in curves for part in each))
     more: dict[str, Artist] = {}
     for number, (name, run, each) in enumerate(zip(runs, runs.values(), curves, strict=True)):
-        style = {"drawstyle": "steps-post" if panel.steps else "default", "marker": "." if len(run.time) == 1 else ""}
+        style: dict[str, Any] = {
+            "drawstyle": "steps-post" if panel.steps else "default",
+            "marker": "." if len(run.time) == 1 else "",
+        }
         looks = {part: look(number, parts.index(part), len(runs)) for part in each}
         for part, values in panel.targets(run).items():
             axes.plot(run.time, values, **TARGET, color=looks[part]["color"], label=f"target of {part or name}")

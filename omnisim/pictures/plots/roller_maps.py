@@ -44,6 +44,6 @@ def draw_map(axes: Axes, run: Trajectory, wheel: str, limit: float) -> AxesImage
                         cmap=COLOUR_MAP, vmin=-limit, vmax=limit)  # fmt: skip
     axes.plot(time, run[f"wheels/{wheel}/contact_roller"], drawstyle="steps-mid", color=INK, linewidth=0.9)
     axes.set_ylabel(f"{wheel}\nroller")
-    axes.yaxis.get_major_locator().set_params(integer=True)
+    axes.locator_params(axis="y", integer=True)
     axes.tick_params(labelbottom=wheel == run.wheels[-1])
     return image

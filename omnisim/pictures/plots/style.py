@@ -2,8 +2,10 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from functools import wraps
+from typing import Any
 
 import matplotlib.pyplot as plt
+import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -14,8 +16,17 @@ from omnisim.results.trajectory import Trajectory
 # Okabe & Ito, without their yellow: told apart with any colour vision, and on white paper
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 LINES = (("-", 1.9), ("--", 1.6), ("-.", 1.4), (":", 1.2))  # style and width: what lies beneath is wider, and seen
-TARGET = {"linewidth": 4.5, "alpha": 0.3, "solid_capstyle": "butt", "zorder": 1.5}  # pale, beneath what follows it
-BAND = {"alpha": 0.22, "linewidth": 0.0, "zorder": 1.2}  # extremes between rows, about the line through the rows
+TARGET: dict[str, Any] = {
+    "linewidth": 4.5,
+    "alpha": 0.3,
+    "solid_capstyle": "butt",
+    "zorder": 1.5,
+}  # pale, beneath what follows it
+BAND: dict[str, Any] = {
+    "alpha": 0.22,
+    "linewidth": 0.0,
+    "zorder": 1.2,
+}  # extremes between rows, about the line through the rows
 LEAST_SPAN = 1e-9  # of an axis, in its unit: less is rounding
 INK, QUIET = "0.15", "0.6"
 WIDEST, TALLEST = 120, 6  # characters in a line of the legend of runs, lines in that of parts
@@ -56,7 +67,7 @@ def named(trajectories: Trajectory | Iterable[Trajectory] | Runs) -> Runs:
     }
 
 
-def look(run: int, part: int, runs: int) -> dict[str, object]:
+def look(run: int, part: int, runs: int) -> dict[str, Any]:
     """Colour and line of a part, a wheel for one: several runs have a colour each, and parts differ by their line."""
     colour = COLOURS[(run if runs > 1 else part) % len(COLOURS)]
     style, width = LINES[part % len(LINES)]
@@ -99,7 +110,7 @@ def widen(axes: Axes) -> None:
 
 def log_scale(axes: Axes) -> None:
     """A logarithmic y axis, unless nothing is above zero."""
-    if any((line.get_ydata() > 0.0).any() for line in axes.get_lines()):
+    if any(np.any(np.asarray(line.get_ydata()) > 0.0) for line in axes.get_lines()):
         axes.set_yscale("log", nonpositive="mask")
 
 
