@@ -52,7 +52,7 @@ def kernel_sources(package: Path) -> dict[Path, bytes]:
     reached, more = set(), {path for path in sources if home in imports[path]}
     while more:
         reached |= more
-        wanted = set().union(*map(imports.get, more))
+        wanted = {name for path in more for name in imports[path]}
         more = {path for path in sources if names[path] in wanted} - reached
     return {path: sources[path] for path in sources if path in reached}
 
@@ -67,7 +67,7 @@ def imported(source: bytes, name: str, is_package: bool) -> set[str]:
 
     Comments may add some. Parsing would add none, and take a hundred times as long.
     """
-    found = set()
+    found: set[str] = set()
     before, *rest = source.replace(b"\\\n", b" ").decode().split("import")
     for after in rest:
         end = "\n)" if after.lstrip().startswith("(") else "\n"

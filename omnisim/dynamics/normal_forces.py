@@ -64,7 +64,7 @@ class Tilt(NamedTuple):
 class LoadedPlaces(NamedTuple):
     """Sums of 1, x, y, x^2, x y and y^2 over the loaded wheels, m."""
 
-    count: float
+    count: float  # type: ignore[assignment]  # in the place of tuple.count
     x: float
     y: float
     xx: float

@@ -53,14 +53,14 @@ def pack(config: Config) -> Parameters:
         twists = inverse(rows, rms_distance(config))
     machine["odometry"] = twists is not None
     if twists is not None:
-        starts = np.radians([wheel.spin_angle_deg for wheel in config.wheels])
+        spin_angles = np.radians([wheel.spin_angle_deg for wheel in config.wheels])
         wheels = [wheel | {"odometry": tuple(column)} for wheel, column in zip(wheels, twists.T, strict=True)]
-        machine["odometry_yaw"] = math.radians(config.initial.yaw_deg) - twists[2] @ starts
+        machine["odometry_yaw"] = math.radians(config.initial.yaw_deg) - twists[2] @ spin_angles
     most = max(kind.roller_count for kind in types)
     machine["places"] = places_of(
         len(wheels),
         machine["slots"],
-        *(int(machine[flag]) for flag in ("integrals", "currents", "bearing_friction", "motors", "odometry")),
+        **{flag: int(machine[flag]) for flag in ("integrals", "currents", "bearing_friction", "motors", "odometry")},
         rhos=len(wheels) * most if config.solver.tracking == "implicit" else 0,
         bodies=1 + len(wheels) * (1 + most) if machine["formulation"] == MULTIBODY else 0,
     )
@@ -324,7 +324,8 @@ def tables(config: Config, rows: np.ndarray) -> Iterator[tuple[list[int], Sequen
     times, forces, yaw_torques = config.wrench.table
     yield WRENCH, times, [(*force, torque) for force, torque in zip(forces, yaw_torques, strict=True)]
     drives = [wheel.drive for wheel in config.wheels]
-    if followers := [w for w, drive in enumerate(drives) if drive.follows_command]:
+    followers = [w for w, drive in enumerate(drives) if drive.follows_command]
+    if followers and config.command:
         twists = np.array(config.command.twist)
         rates = [[rows[w] @ twist for w in followers] for twist in twists]  # of an ideal machine
         yield [DRIVE_INPUT + w for w in followers], config.command.times, rates
