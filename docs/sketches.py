@@ -221,7 +221,7 @@ def bearing_axes() -> Sheet:
     shape = outline(profile(1.0, 0.8, 8, math.radians(45)))
     sheet.line(*[(2.3 + 1.5 * u, 0.2 + 1.5 * r) for u, r in shape], closed=True, fill="#eceff1", colour=INK)
     sheet.arrow((2.3, 0.2), (0.95, 0), COOL)
-    sheet.text((2.9, 0.02), "axial", COOL, symbol=False)
+    sheet.text((3.15, 0.36), "axial", COOL, symbol=False)
     sheet.arrow((2.3, 0.2), (0, -0.75), WARM)
     sheet.text((2.3, -0.7), "radial: out from the wheel's centre", WARM, symbol=False)
     away(sheet, (2.3, 0.2), 0.07)
