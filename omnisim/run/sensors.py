@@ -15,7 +15,8 @@ from omnisim.contact.set_valued import STICK
 from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.state import YAW, Places, Run, X, Y
 from omnisim.march.initial_state import blank_rows
-from omnisim.results.observables import Observed, body, observed_rows
+from omnisim.march.observation import Observed, observed_rows
+from omnisim.results.observables import body
 from omnisim.scene.scene import Scene
 
 Vector = NDArray[np.float64]

@@ -84,6 +84,11 @@ def test_whatever_these_import_counts(kernel_modules):
     assert {"omnisim.base.methods", "omnisim.dynamics.parameters"} <= needed & every <= set(kernel_modules)
 
 
+def test_a_key_of_the_scene_a_dataset_and_a_plot_recompile_nothing(kernel_modules):
+    rooms = ("omnisim.scene", "omnisim.results", "omnisim.cad", "omnisim.pictures")
+    assert not [name for name in kernel_modules if name.startswith(rooms)]
+
+
 def test_an_edit_counts_if_a_kernel_may_see_it(package, kernel_modules):
     for path in package.rglob("*.py"):
         before, text = kernel.source_hash(package), path.read_text()

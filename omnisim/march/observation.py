@@ -1,0 +1,157 @@
+"""The instants that a march has recorded, looked at again: forces, contacts and rollers, which a row does not hold."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from omnisim.base.calls import direct
+from omnisim.base.kernel import kernel
+from omnisim.base.records import blank
+from omnisim.base.vector import Vec3, combine, cross
+from omnisim.contact.kinematics import joint_rate
+from omnisim.contact.tracking import IMPLICIT_TRACKING, roller_axis
+from omnisim.dynamics.indices import roller_index, row_index
+from omnisim.dynamics.multibody.joint_forces import recover, resolve_joints
+from omnisim.dynamics.normal_forces import servo
+from omnisim.dynamics.parameters import MULTIBODY, Parameters
+from omnisim.dynamics.state import MONITORS, Recording, X, Y, places
+from omnisim.dynamics.wheel import (
+    azimuth,
+    body_motion,
+    centre_acceleration,
+    centre_velocity,
+    external_wrench,
+    rho_of,
+    world_heading,
+)
+from omnisim.march.runge_kutta import evaluate
+
+OBSERVED_WHEEL = np.dtype(
+    [
+        ("normal_force", np.float64),  # N
+        ("drive_torque", np.float64),  # N m
+        ("voltage", np.float64),  # of the motor, V
+        ("current", np.float64),  # A
+        ("share", np.float64),  # of the roller ahead while two carry the load, 1
+        ("contact_torque", np.float64),  # on the roller about the normal, N m
+        ("angle", np.float64),  # q of the roller in contact, rad
+        ("point", np.float64, (3,)),  # world, m
+        ("slip_velocity", np.float64, (2,)),  # h, k, m/s
+        ("friction_force", np.float64, (2,)),  # on the roller, N
+    ]
+)
+
+
+class Observed(NamedTuple):
+    """What `observe` finds in T rows of W wheels of at most N rollers.
+
+    slopes (T, n): y'; servo (T, 2): torque about chassis x and y, N m; wheels (T, W): records OBSERVED_WHEEL;
+    joint_rate (T, W, N), rad/s; motion (3, T, W, N, 3): position, velocity and acceleration of every roller centre,
+    world axes; bearing_loads (T, W, N + 1, 2, 3): force (N) and moment (N m) of the axles of each wheel and its
+    rollers, along their own directions, or no rows if nobody asks for them.
+    """
+
+    slopes: np.ndarray
+    servo: np.ndarray
+    wheels: np.recarray
+    joint_rate: np.ndarray
+    motion: np.ndarray
+    bearing_loads: np.ndarray
+
+
+@kernel
+def observe(parameters, rows, times, monitors, observed):
+    """Evaluate every row."""
+    at, workspace = places(parameters), parameters.workspace
+    for row in range(len(times)):
+        y, mode, slopes = rows.y[row], rows.mode[row], observed.slopes[row]
+        evaluate(parameters, mode, rows.piece[row], times[row], y, slopes, monitors)
+        body, multibody = body_motion(parameters, y), parameters.machine.formulation == MULTIBODY
+        wrench, turning = external_wrench(parameters, rows.piece[row], times[row], body), slopes[at.yaw_rate]
+        if multibody:
+            observed.servo[row, 0], observed.servo[row, 1] = workspace.loads.servo[0], workspace.loads.servo[1]
+        else:
+            observed.servo[row, 0], observed.servo[row, 1] = servo(
+                parameters.machine, parameters.wheels, workspace, wrench, body.yaw_rate, turning
+            )
+        for w in range(len(parameters.wheels)):
+            wheel, seen, part = parameters.wheels[w], observed.wheels[row, w], workspace.parts[w]
+            contact, heading = workspace.contacts[part.first], world_heading(wheel, body)
+            seen.normal_force = max(part.normal_force, 0.0) if part.loaded else 0.0
+            seen.drive_torque, seen.share, seen.contact_torque = part.drive_torque, contact.share, contact.torque
+            seen.voltage, seen.current = part.voltage, part.current
+            seen.angle = contact_angle(parameters, mode[w], w, heading, y)
+            along, across = wheel.offset[0], wheel.offset[1] + contact.l
+            seen.point[0] = y[X] + along * heading.cos - across * heading.sin
+            seen.point[1] = y[Y] + along * heading.sin + across * heading.cos
+            for i in range(2):
+                seen.slip_velocity[i], seen.friction_force[i] = contact.slip[i], contact.force[i]
+            observe_rollers(parameters, rows, row, w, body, observed)
+            if len(observed.bearing_loads):
+                if not multibody:
+                    recover(parameters, mode[w], w, y, slopes, rows.rates[row, w])
+                resolve_joints(parameters, w, y, observed.bearing_loads[row, w])
+
+
+@kernel
+def contact_angle(parameters, mode, w, heading, y):
+    """q of the roller in contact, rad: from the spin angle, or from the rho that the implicit tracking integrated."""
+    wheel, at = parameters.wheels[w], places(parameters)
+    if parameters.machine.tracking == IMPLICIT_TRACKING:
+        rho = rho_of(parameters, y, w, roller_index(wheel, mode.roller))
+        return math.atan2(-rho.x * heading.cos - rho.y * heading.sin, rho.z)
+    return azimuth(wheel, parameters.roller_rows[mode.row[0]], mode.roller, y[at.spin_angle + w])
+
+
+@kernel
+def observe_rollers(parameters, rows, row, w, body, observed):
+    """Joint rates of the rollers of wheel w, and the rigid motion of their centres O + R1 d with the wheel."""
+    wheel, y, dy, at = parameters.wheels[w], rows.y[row], observed.slopes[row], places(parameters)
+    heading, spin_rate, yaw_rate = world_heading(wheel, body), y[at.spin_rate + w], y[at.yaw_rate]
+    spin_acceleration, turning = dy[at.spin_rate + w], spin_rate * yaw_rate
+    h, k = Vec3(heading.cos, heading.sin, 0.0), Vec3(-heading.sin, heading.cos, 0.0)
+    up = Vec3(0.0, 0.0, 1.0)
+    rate = combine(spin_rate, k, yaw_rate, up, 0.0, up)
+    rate_rate = combine(spin_acceleration, k, dy[at.yaw_rate], up, -turning, h)  # k' = -theta' h
+    slow, x, y_rate = centre_velocity(wheel, body), dy[at.velocity], dy[at.velocity + 1]
+    fast = centre_acceleration(
+        wheel, body, x * body.cos + y_rate * body.sin, y_rate * body.cos - x * body.sin, dy[at.yaw_rate]
+    )
+    centre = combine(wheel.offset[0], h, wheel.offset[1], k, 1.0, Vec3(y[X], y[Y], wheel.radius))
+    velocity, acceleration = combine(slow.h, h, slow.k, k, 0.0, up), combine(fast.h, h, fast.k, k, 0.0, up)
+    for i in range(wheel.rollers):
+        own = parameters.roller_rows[row_index(wheel, i)]
+        q = azimuth(wheel, own, i, y[at.spin_angle + w])
+        axis = roller_axis(wheel, math.cos(q), math.sin(q))
+        observed.joint_rate[row, w, i] = joint_rate(axis, rows.rates[row, w, i], spin_rate, yaw_rate)
+        if parameters.machine.tracking == IMPLICIT_TRACKING:  # what it integrated is what it shows
+            d = combine(-1.0, rho_of(parameters, y, w, i), 0.0, up, 0.0, up)
+        else:
+            d = combine(math.sin(q), h, -math.cos(q), up, 0.0, up)
+        arm = combine(wheel.roller_distance, d, own.offset, k, 0.0, up)
+        around = cross(rate, arm)
+        store(observed.motion[0, row, w, i], combine(1.0, centre, 1.0, arm, 0.0, up))
+        store(observed.motion[1, row, w, i], combine(1.0, velocity, 1.0, around, 0.0, up))
+        curved = combine(1.0, cross(rate_rate, arm), 1.0, cross(rate, around), 1.0, acceleration)
+        store(observed.motion[2, row, w, i], curved)
+
+
+@kernel
+def store(target, vector):
+    target[0], target[1], target[2] = vector.x, vector.y, vector.z
+
+
+def observed_rows(parameters: Parameters, rows: Recording, times: np.ndarray, bearing_loads: bool = False) -> Observed:
+    """What `observe` finds in these rows, recorded at these times (T,), s."""
+    count, wheels, rollers = rows.rates.shape
+    observed = Observed(
+        slopes=np.empty_like(rows.y),
+        servo=np.empty((count, 2)),
+        wheels=blank(OBSERVED_WHEEL, count, wheels),
+        joint_rate=np.empty((count, wheels, rollers)),
+        motion=np.empty((3, count, wheels, rollers, 3)),
+        bearing_loads=np.zeros((count if bearing_loads else 0, wheels, rollers + 1, 2, 3)),
+    )
+    direct(observe, parameters, rows, times, blank(MONITORS, wheels), observed)
+    return observed
