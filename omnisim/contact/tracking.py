@@ -19,9 +19,7 @@ from typing import NamedTuple
 from omnisim.base.kernel import kernel
 from omnisim.base.vector import Vec3, combine, cross, dot
 
-EXPLICIT_TRACKING, IMPLICIT_TRACKING = 0, 1
 EDGE = 1e-12  # rounding allowed when two rollers touch at once
-TRACKINGS = {"explicit": EXPLICIT_TRACKING, "implicit": IMPLICIT_TRACKING}
 
 
 class Heading(NamedTuple):

@@ -41,7 +41,7 @@ def find_contact_forces(machine, wheels, workspace, load, equations, pushing):
         change = find_shared_forces(machine, wheels, workspace, mobility, acceleration)
         for w in range(len(wheels)):
             part = workspace.parts[w]
-            if part.sought and part.contacts == 1:
+            if workspace.resting is not None and part.sought and part.contacts == 1:
                 correction = turn_creep(machine, wheels[w], workspace, w, mobility, acceleration)
                 change = max(change, correction if correction > STEADY else 0.0)
         if converged(change, last):
@@ -71,7 +71,8 @@ def find_shared_forces(machine, wheels, workspace, mobility, acceleration):
             count += 1
             h_0, k_0, h_1, k_1 = ahead.force[0], ahead.force[1], behind.force[0], behind.force[1]
             acceleration = pushed(machine, acceleration, mobility, workspace, w, -1.0)
-            set_resting(machine, wheels[w], workspace, w, mobility, acceleration)
+            if workspace.resting is not None:
+                set_resting(wheels[w], workspace, w, mobility, acceleration)
             share_load(machine, wheels[w], workspace, w)
             acceleration = pushed(machine, acceleration, mobility, workspace, w, 1.0)
             change = max(change, max(abs(ahead.force[0] - h_0), abs(ahead.force[1] - k_0)))
@@ -103,7 +104,7 @@ def pushed(machine, acceleration, mobility, workspace, w, sign):
 
 
 @merged
-def set_resting(machine, wheel, workspace, w, mobility, acceleration):
+def set_resting(wheel, workspace, w, mobility, acceleration):
     """The contact equations of wheel w on two rollers into `resting` and `mobility` of the workspace; its spin is
     held."""
     for side in range(2):
@@ -177,7 +178,11 @@ def share_load(machine, wheel, workspace, w):
         share = min(max(t_low / (t_low - t_high), 0.0), 1.0)
     elif min(t_low, t_high) > lost or max(t_low, t_high) < -lost:  # one of them will carry on, by the sense of both
         share = 1.0 if t_low > 0.0 else 0.0
-    if (workspace.resting[0].rest or workspace.resting[1].rest) and t_low > 0.0 > t_high:
+    if (
+        workspace.resting is not None
+        and (workspace.resting[0].rest or workspace.resting[1].rest)
+        and t_low > 0.0 > t_high
+    ):
         side = 0
         for _ in range(MOST_ITERATIONS):  # regula falsi, Illinois variant
             t = turning(machine, workspace, w, share)
@@ -202,18 +207,31 @@ def turning(machine, workspace, w, share):
     part = workspace.parts[w]
     normal, total = max(part.normal_force, 0.0), part.free_spin
     for side in range(2):
-        contact, resting = workspace.contacts[part.first + side], workspace.resting[side]
+        contact = workspace.contacts[part.first + side]
         contact.share = share if side == 0 else 1.0 - share
         contact.torque = contact.share * normal * contact.unit_torque
+        if workspace.resting is None or not workspace.resting[side].rest:
+            for i in range(2):
+                contact.force[i] = contact.share * (contact.constant[i] + contact.unit[i] * normal)
+        total -= contact.axis[1] * contact.axis[2] * contact.torque
+    if workspace.resting is not None:
+        find_resting_forces(machine, workspace, part, normal)
+    for side in range(2):
+        contact = workspace.contacts[part.first + side]
+        for i in range(2):
+            total += contact.spin[i] * contact.force[i]
+    return total
+
+
+@merged
+def find_resting_forces(machine, workspace, part, normal):
+    """Forces of the contacts of a wheel that rest, beside those that slip."""
+    for side in range(2):
+        contact, resting = workspace.contacts[part.first + side], workspace.resting[side]
         resting.limit = contact.share * machine.friction * normal
         if not resting.rest:
-            for i in range(2):
-                resting.force[i] = contact.share * (contact.constant[i] + contact.unit[i] * normal)
-        total -= contact.axis[1] * contact.axis[2] * contact.torque
+            resting.force[0], resting.force[1] = contact.force[0], contact.force[1]
     contact_forces(workspace.resting, workspace.loads.mobility)
     for side in range(2):
         contact, resting = workspace.contacts[part.first + side], workspace.resting[side]
-        for i in range(2):
-            contact.force[i] = resting.force[i]
-            total += contact.spin[i] * contact.force[i]
-    return total
+        contact.force[0], contact.force[1] = resting.force[0], resting.force[1]

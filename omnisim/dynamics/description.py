@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from omnisim.base.formatting import hanging
 from omnisim.base.records import plain
-from omnisim.dynamics.parameters import CONTACTS, MULTIBODY, Parameters
+from omnisim.dynamics.parameters import CONTACTS, Parameters
 from omnisim.dynamics.state import places_in
 from omnisim.scene.drives import drive_law, motor_of
 from omnisim.scene.ideal_kinematics import rms_distance, undetermined, wheel_rows
@@ -63,7 +63,7 @@ def integrated(config: Config, parameters: Parameters) -> Iterator[Part]:
     """What has states, or would have."""
     machine, at, (wheels, most) = parameters.machine, places_in(parameters), parameters.sector.shape[:2]
     bearings, implicit = bool(machine.bearing_friction), config.solver.tracking == "implicit"
-    multibody, count = machine.formulation == MULTIBODY, at.integral - at.roller_rate
+    multibody, count = parameters.workspace.articulated is not None, at.integral - at.roller_rate
     every = bearings or multibody
     yield Part("plane motion", True, 6, motion_reason(config))
     yield Part("spin", True, 2 * wheels, wheels_reason(config))

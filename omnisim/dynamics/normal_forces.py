@@ -247,7 +247,7 @@ def carry(machine, workspace):
             if part.contacts == 2:
                 by_y, by_x = tilt_of(machine, contact, contact.force[0], contact.force[1], contact.torque)
                 about_y, about_x = resisted(about_y, by_y), resisted(about_x, by_x)
-            elif not holds(part, contact):
+            elif workspace.resting is None or not holds(part, contact):
                 force_h, force_k, torque = contact.unit[0], contact.unit[1], contact.unit_torque
                 along_x, along_y, turn = push_of(machine, contact, force_h, force_k, torque)
                 by_y, by_x = tilt_of(machine, contact, force_h, force_k, torque)

@@ -9,7 +9,6 @@ import numpy as np
 
 from omnisim.base.records import blank, records
 from omnisim.contact.friction import LAWS
-from omnisim.contact.tracking import TRACKINGS
 from omnisim.dynamics.parameters import (
     ARTICULATED,
     CONTACT,
@@ -18,11 +17,9 @@ from omnisim.dynamics.parameters import (
     FORCE_X,
     FORCE_Y,
     FORCE_Z,
-    FORMULATIONS,
     JOINT,
     LOADS,
     MACHINE,
-    MULTIBODY,
     PART,
     RESTING,
     ROLLER_ROW,
@@ -62,7 +59,7 @@ def pack(config: Config) -> Parameters:
         machine["slots"],
         **{flag: int(machine[flag]) for flag in ("integrals", "currents", "bearing_friction", "motors", "odometry")},
         rhos=len(wheels) * most if config.solver.tracking == "implicit" else 0,
-        bodies=1 + len(wheels) * (1 + most) if machine["formulation"] == MULTIBODY else 0,
+        bodies=1 + len(wheels) * (1 + most) if config.solver.formulation == "multibody" else 0,
     )
     rates = machine["places"].roller_rate
     starts = [
@@ -73,17 +70,22 @@ def pack(config: Config) -> Parameters:
     machine["slip_mobility"] = max(slip_mobility_bound(machine, wheel) for wheel in wheels)
     packed, starts_inputs = records(WHEEL, wheels), merge_tables(config, rows)
     constants = records(MACHINE, [machine])[0], packed, rows_of(packed), sectors(packed.rollers)
-    return Parameters(*constants, *starts_inputs, workspace(packed, most))
+    rho = np.uint32(machine["places"].rho) if config.solver.tracking == "implicit" else None
+    return Parameters(*constants, *starts_inputs, workspace(config, packed, most), rho)
 
 
-def workspace(packed: np.recarray, rollers: int) -> Workspace:
-    """A Workspace for these records WHEEL."""
+def workspace(config: Config, packed: np.recarray, rollers: int) -> Workspace:
+    """A Workspace for a scene with these records WHEEL."""
     wheels, parts = len(packed), blank(PART, len(packed))
     parts.first = packed.contacts
     return Workspace(
-        blank(CONTACT, TOUCHING * wheels), parts, blank(LOADS, 1)[0], blank(RESTING, TOUCHING),
-        blank(ARTICULATED, wheels), blank(JOINT, wheels, rollers + 1),
-    )  # fmt: skip
+        contacts=blank(CONTACT, TOUCHING * wheels),
+        parts=parts,
+        loads=blank(LOADS, 1)[0],
+        resting=blank(RESTING, TOUCHING) if config.friction.law == "coulomb" else None,
+        articulated=blank(ARTICULATED, wheels) if config.solver.formulation == "multibody" else None,
+        joints=blank(JOINT, wheels, rollers + 1),
+    )
 
 
 class Bodies(NamedTuple):
@@ -123,8 +125,7 @@ def machine_values(config: Config, types: list[WheelType]) -> dict:
     """Values of the MACHINE record, but those that take all wheels to know."""
     friction, whole = config.friction, bodies(config)
     bearing_friction = any(kind.roller.has_bearing_friction for kind in types)
-    formulation = FORMULATIONS[config.solver.formulation]
-    every_rate = bearing_friction or formulation == MULTIBODY
+    every_rate = bearing_friction or config.solver.formulation == "multibody"
     along, normal = gravity(config)
     laws = [drive_law(wheel.drive) for wheel in config.wheels]
     motors = [law.motor for law in laws if law.motor]
@@ -147,9 +148,7 @@ def machine_values(config: Config, types: list[WheelType]) -> dict:
         "slip_speed": friction.slip_speed,
         "viscosity": friction.viscosity,
         "slip_floor": slip_floor(friction, whole.mass * normal),
-        "tracking": TRACKINGS[config.solver.tracking],
         "patch_radius": friction.patch_radius if friction.contact_torque != "none" else 0.0,
-        "formulation": formulation,
         "chassis_mass": config.chassis.mass if config.chassis else 0.0,
         "chassis_inertia": config.chassis.inertia if config.chassis else (0.0, 0.0, 0.0),
         "bearing_friction": bearing_friction,

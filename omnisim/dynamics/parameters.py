@@ -24,8 +24,6 @@ MACHINE = np.dtype(
         ("viscosity", np.float64),  # N s/m
         ("slip_floor", np.float64),  # slip over which friction changes near zero slip, m/s
         ("patch_radius", np.float64),  # of the contact patch, m; 0: no contact torque
-        ("tracking", np.int64),  # tracking.TRACKINGS
-        ("formulation", np.int64),  # REDUCED or MULTIBODY
         ("chassis_mass", np.float64),  # kg; 0 of a bare wheel
         ("chassis_inertia", np.float64, (3,)),  # about its own axes, kg m^2
         ("bearing_friction", np.int64),  # 1: bearing friction
@@ -105,8 +103,6 @@ ROLLER_ROW = np.dtype(
 )
 FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE, DRIVE_INPUT = range(5)  # channels of the inputs; the last is of wheel 0
 SERVO, CONTACTS = 0, 1
-REDUCED, MULTIBODY = 0, 1
-FORMULATIONS = {"reduced": REDUCED, "multibody": MULTIBODY}
 
 # What the right-hand side finds at a contact (two of each wheel) and at a wheel.
 CONTACT = np.dtype(
@@ -201,24 +197,29 @@ class Workspace(NamedTuple):
     """Workspace for the forces of an instant, W wheels of at most N rollers; not constant, but without memory either.
 
     contacts: (2 W,) records CONTACT, two for each wheel. parts: (W,) records PART. loads: record LOADS. resting (2,):
-    records RESTING of the contacts of one wheel. articulated (W,): records ARTICULATED. joints (W, N + 1): records
-    JOINT of each wheel's disk and rollers.
+    records RESTING of the contacts of one wheel; None with a smooth law, under which none comes to rest. articulated
+    (W,): records ARTICULATED; None in the reduced formulation. joints (W, N + 1): records JOINT of each wheel's disk
+    and rollers.
     """
 
     contacts: np.recarray
     parts: np.recarray
     loads: np.record
-    resting: np.recarray
-    articulated: np.recarray
+    resting: np.recarray | None
+    articulated: np.recarray | None
     joints: np.recarray
 
 
 class Parameters(NamedTuple):
     """Constants of a run, W wheels of at most N rollers, S pieces between knots of the tables.
 
+    What a scene does not have is None, here, in Workspace, in Run and in Recording. That is known from the types of the
+    arguments of a kernel, and what it would do with it is not compiled: see compiler.py.
+
     machine: record MACHINE. wheels: (W,) records WHEEL. roller_rows: records ROLLER_ROW of the rows of rollers of all
     wheels. sector: (W, N, 2) cosine and sine of 2 pi i / N_r. starts: (S,) where the pieces begin, s. inputs: (S, 4 +
-    W, 2) value at the start of the piece and slope of every channel. workspace: Workspace.
+    W, 2) value at the start of the piece and slope of every channel. workspace: Workspace. rho: where
+    those of the rollers begin in the state; None with explicit tracking.
     """
 
     machine: np.record
@@ -228,3 +229,4 @@ class Parameters(NamedTuple):
     starts: np.ndarray
     inputs: np.ndarray
     workspace: Workspace
+    rho: np.uint32 | None

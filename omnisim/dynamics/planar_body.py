@@ -176,7 +176,7 @@ def balanced_equations(machine, workspace, equations):
             continue
         for c in range(part.first, part.first + part.contacts):
             contact = workspace.contacts[c]
-            if holds(part, contact):
+            if workspace.resting is not None and holds(part, contact):
                 continue
             if part.contacts == 2:
                 force_h, force_k, torque = contact.force[0], contact.force[1], contact.torque

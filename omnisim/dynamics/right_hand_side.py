@@ -16,13 +16,13 @@ from omnisim.base.kernel import kernel, merged
 from omnisim.base.trigonometry import cos_sin
 from omnisim.contact.friction import VISCOUS
 from omnisim.contact.set_valued import SLIP
-from omnisim.contact.tracking import IMPLICIT_TRACKING, rho_rate, roller_axis
+from omnisim.contact.tracking import rho_rate, roller_axis
 from omnisim.dynamics.actuation import rest_motors
 from omnisim.dynamics.contact_forces import find_contact_forces
 from omnisim.dynamics.indices import rho_place
 from omnisim.dynamics.multibody.right_hand_side import multibody_rhs
 from omnisim.dynamics.normal_forces import set_body_tilt, solve
-from omnisim.dynamics.parameters import CONTACTS, MULTIBODY
+from omnisim.dynamics.parameters import CONTACTS
 from omnisim.dynamics.planar_body import Acceleration, free_equations, inclined_equations
 from omnisim.dynamics.state import YAW, X, Y, places
 from omnisim.dynamics.wheel import body_motion, external_wrench, rho_of, world_heading
@@ -34,13 +34,13 @@ def rhs(parameters, stage):
     """Write y' of a Stage; if it is `monitoring`, also what the events need to know of each wheel and, into the
     workspace, what else is of interest: inside a step nobody looks at them.
     """
-    if parameters.machine.formulation == MULTIBODY:
+    if parameters.workspace.articulated is not None:
         multibody_rhs(parameters, stage)
     else:
         reduced_rhs(parameters, stage)
     if parameters.machine.odometry:
         odometry_rates(parameters, stage.y, stage.dy)
-    if parameters.machine.tracking == IMPLICIT_TRACKING:
+    if parameters.rho is not None:
         rho_rates(parameters, body_motion(parameters, stage.y), stage.y, stage.dy)
 
 

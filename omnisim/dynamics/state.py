@@ -180,7 +180,7 @@ class Stage(NamedTuple):
 
 
 class Newton(NamedTuple):
-    """Workspace for the iteration of implicit steps on k coupled of n states; k = n = 0 when the method is explicit.
+    """Workspace for the iteration of implicit steps on k coupled of n states.
 
     active (k,): those states, ascending; stages (7, n): increments z and derivatives of the three stages, and a
     derivative beside the state for the Jacobian; real (2 k + 1, k) float, complex (k + 1, k): Jacobian, factors and
@@ -200,7 +200,8 @@ class Run(NamedTuple):
     y, trial, stage, carry, increment (n,), the last two of compensated summation; slopes (s + 1, n): stage
     derivatives, the first at the start of the step and the last at its end; rates (W, N): absolute axial rate of every
     roller, rad/s (of the one in contact as of its last exchange); mode (W,): records MODE; monitors, monitors_end (W,):
-    records MONITORS at the start and end of the step; clock: record CLOCK; newton: Newton.
+    records MONITORS at the start and end of the step; clock: record CLOCK; newton: Newton, None if all steps are
+    explicit.
     """
 
     y: np.ndarray
@@ -214,15 +215,15 @@ class Run(NamedTuple):
     monitors: np.recarray
     monitors_end: np.recarray
     clock: np.record
-    newton: Newton
+    newton: Newton | None
 
 
 class Recording(NamedTuple):
     """What is recorded at the T output times, and of the interval that each of them ends; the next one is under way.
 
     y (T, n): states; rates (T, W, N); mode (T, W); piece (T,); extremes (T, W): records EXTREME. bearing_extremes
-    (T, W, N + 1, 4): of axle and rollers as extremes.py counts them, odometry_extremes (T, 3): of the error of the
-    reported pose; no rows where a scene has none.
+    (T, W, N + 1, 4): of axle and rollers as extremes.py counts them, None if nobody asks for them; odometry_extremes
+    (T, 3): of the error of the reported pose, no rows where a scene has none.
     """
 
     y: np.ndarray
@@ -230,5 +231,5 @@ class Recording(NamedTuple):
     mode: np.recarray
     piece: np.ndarray
     extremes: np.recarray
-    bearing_extremes: np.ndarray
+    bearing_extremes: np.ndarray | None
     odometry_extremes: np.ndarray

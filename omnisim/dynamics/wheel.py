@@ -15,7 +15,6 @@ from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3
 from omnisim.contact.kinematics import Slip, joint_rate, slip_velocity
 from omnisim.contact.tracking import (
-    IMPLICIT_TRACKING,
     Axis,
     Contact,
     Heading,
@@ -159,14 +158,14 @@ def roller_end(wheel, roller, direction):
 @kernel
 def contact_state(parameters, mode, w, side, body, y):
     """Tracking and kinematics of a contact of wheel w: a ContactState."""
-    machine, wheel, at = parameters.machine, parameters.wheels[w], places(parameters)
+    wheel, at = parameters.wheels[w], places(parameters)
     row, roller = parameters.roller_rows[mode.row[side]], roller_of(mode, side)
     spin_rate, yaw_rate = y[at.spin_rate + w], body.yaw_rate
     roller_rate = y[rate_place(parameters, mode, w, side)]
     q = azimuth(wheel, row, roller, y[at.spin_angle + w])
     cos_q, sin_q = cos_sin(q)
     axis = roller_axis(wheel, cos_q, sin_q)
-    if machine.tracking == IMPLICIT_TRACKING:
+    if parameters.rho is not None:
         rho = rho_of(parameters, y, w, roller_index(wheel, roller))
         contact = implicit_contact(wheel, world_heading(wheel, body), axis, rho)
     else:

@@ -3,7 +3,7 @@
 import math
 
 from omnisim.base.kernel import kernel, merged, outlined
-from omnisim.contact.friction import COULOMB, VISCOUS, friction
+from omnisim.contact.friction import VISCOUS, friction
 from omnisim.contact.kinematics import Jacobian, Motion, Slip, joint_rate, slip_acceleration, slip_jacobian
 from omnisim.contact.set_valued import CREEP, SLIP, STICK
 from omnisim.contact.tracking import Axis, roller_axis
@@ -146,7 +146,7 @@ def observe_wheel(parameters, stage, w, body, load, equations):
         observe_contact(parameters, mode, w, 1, body, contact_state(parameters, mode, w, 1, body, stage.y))
     if parameters.machine.upright == CONTACTS:
         place_load(parameters.wheels[w], parameters.workspace, w)
-    if holds(part, parameters.workspace.contacts[part.first]):
+    if parameters.workspace.resting is not None and holds(part, parameters.workspace.contacts[part.first]):
         equations = held_body(
             parameters.machine, parameters.workspace.loads, parameters.workspace.contacts[part.first], equations
         )
@@ -189,8 +189,8 @@ def find_friction(parameters, mode, w, side, body, state, j):
     machine, wheel = parameters.machine, parameters.wheels[w]
     contact = parameters.workspace.contacts[wheel.contacts + side]
     slip = state.slip
-    contact.rest = machine.law == COULOMB and mode.grip[side] != SLIP
-    if contact.rest:
+    contact.rest = parameters.workspace.resting is not None and mode.grip[side] != SLIP
+    if parameters.workspace.resting is not None and contact.rest:
         spin = 0.0 if mode.shared else parameters.workspace.parts[w].free_spin * wheel.spin_mobility
         roller = bearing_torque(wheel, state.joint) * wheel.axial_mobility if machine.bearing_friction else 0.0
         centre = centre_acceleration(wheel, body, 0.0, 0.0, 0.0)
@@ -207,7 +207,7 @@ def find_friction(parameters, mode, w, side, body, state, j):
         contact.constant[0], contact.constant[1] = -factor * slip.h, -factor * slip.k
     else:
         contact.unit[0], contact.unit[1] = -factor * slip.h, -factor * slip.k
-    if contact.rest:
+    if parameters.workspace.resting is not None and contact.rest:
         creep = contact.creep  # where the last search ended is the best place to begin, if it is of this creeping
         if not creep[0] * mode.creep[0] + creep[1] * mode.creep[1] > NEARLY:
             creep[0], creep[1] = mode.creep[0], mode.creep[1]
@@ -250,7 +250,7 @@ def react(parameters, stage, w, side, acceleration):
         contact.force[0], contact.force[1], contact.torque = 0.0, 0.0, 0.0
     elif part.contacts == 2:
         load = contact.share * normal
-    elif holds(part, contact):
+    elif parameters.workspace.resting is not None and holds(part, contact):
         contact.force[0], contact.force[1] = holding_force(contact, acceleration)
     else:
         contact.force[0] = contact.constant[0] + contact.unit[0] * normal
@@ -263,7 +263,7 @@ def react(parameters, stage, w, side, acceleration):
     monitors.slip_square[side] = slip[0] * slip[0] + slip[1] * slip[1]
     monitors.factor[side] = contact.factor * (contact.share * part.loaded if machine.law == VISCOUS else load)
     monitors.margin[side] = 0.0
-    if contact.rest and not mode.shared:
+    if parameters.workspace.resting is not None and contact.rest and not mode.shared:
         monitors.margin[side] = machine.friction * normal - math.sqrt(force[0] * force[0] + force[1] * force[1])
         if part.sought:  # slip along the direction in which it creeps
             monitors.margin[side] = contact.creep[0] * slip[0] + contact.creep[1] * slip[1]

@@ -27,7 +27,7 @@ import numpy as np
 
 from omnisim.base.kernel import kernel, merged, outlined
 from omnisim.base.status import EVENT_KINDS, JAMMED, LIFT_OFF, RUNNING, TIPPING
-from omnisim.contact.friction import COULOMB, SATURATED
+from omnisim.contact.friction import SATURATED
 from omnisim.contact.set_valued import CREEP, SLIP, STICK
 from omnisim.dynamics.actuation import limit_guard, next_limit
 from omnisim.dynamics.indices import roller_index, roller_of
@@ -107,7 +107,7 @@ def guard(parameters, run, which, at_end):
             return 0.0
         excess = math.sqrt(monitors.slip_square[side]) - machine.slip_speed
         return excess if mode.saturated[side] else -excess
-    if machine.law != COULOMB or mode.grip[side] == SLIP:
+    if parameters.workspace.resting is None or mode.grip[side] == SLIP:
         return 0.0
     if kind == GRIP and mode.grip[side] == STICK:
         return monitors.margin[side] + cone_rounding(machine, monitors)
@@ -127,7 +127,7 @@ def all_hold(parameters, run, w):
     held = held and guard(parameters, run, Guard(LOAD, w, 0), True) >= 0.0
     held = held and guard(parameters, run, Guard(JAM, w, 0), True) >= 0.0
     held = held and guard(parameters, run, Guard(DRIVE, w, 0), True) >= 0.0
-    if parameters.machine.law in (COULOMB, SATURATED):
+    if parameters.workspace.resting is not None or parameters.machine.law == SATURATED:
         for side in range(1 + run.mode[w].shared):
             held = held and guard(parameters, run, Guard(KINK, w, side), True) >= 0.0
             held = held and guard(parameters, run, Guard(GRIP, w, side), True) >= 0.0
@@ -168,14 +168,22 @@ def transition(parameters, run, log, fired, time):
     elif kind == KINK:
         mode.saturated[side] = 1 - mode.saturated[side]
         refresh(parameters, run, time)
-    elif kind == GRIP and mode.grip[side] == STICK:
+    elif parameters.workspace.resting is not None:
+        change_grip(parameters, run, log, kind, w, side, time)
+
+
+@merged
+def change_grip(parameters, run, log, kind, w, side, time):
+    """A contact of set-valued friction lets go, comes to its end, or slips in a direction of its own."""
+    mode, clock = run.mode[w], run.clock
+    if kind == GRIP and mode.grip[side] == STICK:
         record(clock, log, time, SLIPS, w, -1, -1)
         start_creep(parameters, run, w, time)
     elif kind == GRIP:
         end_slips(parameters, run, log, w, side, time)
     else:
         if mode.shared:
-            record(clock, log, time, SLIPS, w, roller_index(wheel, roller_of(mode, side)), -1)
+            record(clock, log, time, SLIPS, w, roller_index(parameters.wheels[w], roller_of(mode, side)), -1)
         start_slip(parameters, run, w, side, time)
 
 

@@ -13,7 +13,6 @@ from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3, cross, dot
 from omnisim.dynamics.multibody.joint_forces import mounting, recover
-from omnisim.dynamics.parameters import MULTIBODY
 from omnisim.dynamics.state import YAW, X, Y, places
 from omnisim.dynamics.wheel import azimuth_of, body_motion, world_heading
 from omnisim.march.roller_exchange import release_rollers
@@ -39,7 +38,7 @@ def begin_interval(parameters, run, rows, row):
         begin_pair(seen.voltage)
         begin_pair(seen.current)
         begin_pair(seen.electrical_power)
-    if len(rows.bearing_extremes):
+    if rows.bearing_extremes is not None:
         for w in range(len(run.mode)):
             for j in range(rows.bearing_extremes.shape[2]):
                 found = rows.bearing_extremes[row, w, j]
@@ -84,7 +83,7 @@ def follow(parameters, run, rows, row):
             seen.slip_square = max(seen.slip_square, slip[0] * slip[0] + slip[1] * slip[1])
     if len(rows.odometry_extremes):
         follow_odometry(parameters, run.y, rows.odometry_extremes[row])
-    if len(rows.bearing_extremes):
+    if rows.bearing_extremes is not None:
         follow_bearings(parameters, run, rows.bearing_extremes[row])
 
 
@@ -111,10 +110,10 @@ def follow_odometry(parameters, y, found):
 @outlined
 def follow_bearings(parameters, run, found):
     """The loads of every bearing into found (W, N + 1, 4): across its axis and along it, N, and tilting, N m."""
-    machine, joints, y, at = parameters.machine, parameters.workspace.joints, run.y, places(parameters)
+    joints, y, at = parameters.workspace.joints, run.y, places(parameters)
     for w in range(len(run.mode)):
         wheel = parameters.wheels[w]
-        if machine.formulation != MULTIBODY:
+        if parameters.workspace.articulated is None:
             release_rollers(parameters, run, w)
             recover(parameters, run.mode[w], w, y, run.slopes[0], run.rates[w])
         heading = world_heading(wheel, body_motion(parameters, y))

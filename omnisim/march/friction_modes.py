@@ -17,7 +17,6 @@ import math
 
 from omnisim.base.kernel import kernel, merged, outlined
 from omnisim.base.methods import EXPLICIT, IMPLICIT
-from omnisim.contact.friction import COULOMB
 from omnisim.contact.kinematics import Motion, Slip, slip_acceleration
 from omnisim.contact.mobility import across, inverse_mass, largest
 from omnisim.contact.set_valued import CREEP, SLIP, STICK, TINY
@@ -79,7 +78,7 @@ def step_length(parameters, run, t, h):
     for w in range(len(run.mode)):
         for side in range(1 + run.mode[w].shared):
             factor, grip = run.monitors[w].factor[side], run.mode[w].grip[side]
-            if grip == CREEP:  # it will stop or have a direction of its own soon
+            if parameters.workspace.resting is not None and grip == CREEP:  # it will stop soon, or go its own way
                 rate, _, _ = slip_rate(parameters, run, w, side)
                 speed = max(math.sqrt(run.monitors[w].slip_square[side]), 2.0 * CREEP_SPEED)
                 h = min(h, CREEP_STEP * speed / max(math.sqrt(rate.h * rate.h + rate.k * rate.k), TINY))
@@ -91,13 +90,13 @@ def step_length(parameters, run, t, h):
                 sine = abs(slip.h * rate.k - slip.k * rate.h) / max(size, TINY)
                 pace, relaxation = max(pace, size / scale), max(relaxation, factor * mobility)
                 turning = max(turning, sine * factor * mobility)
-    if clock.choice == EXPLICIT:
+    if run.newton is None:
         clock.implicit = False
         fraction = slip_fraction(SLIP_FRACTION, pace, clock)
         stable, turn = TURN_FRACTION * clock.stability_limit, fraction / SLIP_FRACTION
         return min(h, min(fraction / pace, min(stable / relaxation, turn * stable / turning)))
     h_explicit, fraction, stiffness = h, LAYER_FRACTION, clock.dt * relaxation
-    if parameters.machine.law == COULOMB:
+    if parameters.workspace.resting is not None:
         fraction = slip_fraction(FINE_FRACTION, pace, clock)
         h_explicit = min(h, fraction / pace)
         stiffness = h_explicit * relaxation
@@ -150,7 +149,7 @@ def unseen(clock, stopping, speed):
 def outrun(parameters, run, h):
     """Whether an explicit trial step of coulomb friction has become far too long for the slip that it ended with."""
     clock = run.clock
-    if parameters.machine.law != COULOMB or clock.implicit:
+    if parameters.workspace.resting is None or clock.implicit:
         return False
     for w in range(len(run.mode)):
         for side in range(1 + run.mode[w].shared):

@@ -6,8 +6,7 @@ import numpy as np
 
 from omnisim.base.methods import EXPLICIT, METHODS
 from omnisim.base.records import blank, plain, records
-from omnisim.contact.tracking import IMPLICIT_TRACKING
-from omnisim.dynamics.parameters import MULTIBODY, Parameters
+from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.state import CLOCK, EXTREME, MODE, MONITORS, YAW, Newton, Recording, Run, X, Y, places_in
 from omnisim.march.friction_modes import alignment, fineness, stopping_alignment
 from omnisim.march.stiffness import resolve
@@ -32,7 +31,7 @@ def begin(config: Config, parameters: Parameters) -> Run:
         monitors=blank(MONITORS, count),
         monitors_end=blank(MONITORS, count),
         clock=clock_at_start(config.time, choice, tableau.stability_limit, machine.mass * machine.slip_mobility),
-        newton=newton_workspace(parameters, len(y) if choice != EXPLICIT else 0),
+        newton=newton_workspace(parameters, len(y)) if choice != EXPLICIT else None,
     )
 
 
@@ -59,7 +58,7 @@ def clock_at_start(time: Time, choice: int, stability_limit: float, lightness: f
 def newton_workspace(parameters: Parameters, states: int) -> Newton:
     """Workspace for implicit steps: forces depend on yaw, spin angles and all rates."""
     at = places_in(parameters)
-    active = np.arange(YAW, at.friction_loss) if states else np.zeros(0, np.int64)
+    active = np.arange(YAW, at.friction_loss)
     count = len(active)
     return Newton(
         active=active,
@@ -79,7 +78,7 @@ def blank_rows(run: Run, count: int, bearing_loads: bool = False, odometry: bool
         mode=blank(MODE, count, wheels),
         piece=np.empty(count, np.uint32),
         extremes=blank(EXTREME, count, wheels),
-        bearing_extremes=np.empty((count * bearing_loads, wheels, rollers + 1, 4)),
+        bearing_extremes=np.empty((count, wheels, rollers + 1, 4)) if bearing_loads else None,
         odometry_extremes=np.empty((count * odometry, 3)),
     )
 
@@ -88,8 +87,7 @@ def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, n
     """State y (n,) without the rates of the rollers in contact, and rates (W, N) of all rollers, rad/s."""
     machine, wheels, at = parameters.machine, np.asarray(parameters.wheels), places_in(parameters)
     count, rollers = parameters.sector.shape[:2]
-    implicit = machine.tracking == IMPLICIT_TRACKING
-    states = at.drift + 2 if machine.formulation == MULTIBODY else at.bodies
+    states = at.drift + 2 if parameters.workspace.articulated is not None else at.bodies
     y, rates = np.zeros(states), np.zeros((count, rollers))
     yaw, yaw_rate, velocity = math.radians(config.initial.yaw_deg), config.initial.yaw_rate, config.initial.velocity
     cos, sin, (x, y_centre) = math.cos(yaw), math.sin(yaw), machine.centre
@@ -109,7 +107,7 @@ def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, n
     rates -= yaw_rate * (wheels["cos_psi"][:, None] * np.sin(q))
     there = np.arange(rollers) < wheels["rollers"][:, None]
     rates[~there] = 0.0
-    if implicit:
+    if parameters.rho is not None:
         headings = yaw + np.radians([wheel.heading_deg for wheel in config.wheels])
         y[at.rho : at.bodies].reshape(count, rollers, 3)[there] = -roller_directions(q, headings)[there]
     return y, rates

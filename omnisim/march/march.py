@@ -7,7 +7,6 @@ is taken from there, each piece with the mode frozen, so the order of the method
 import math
 
 from omnisim.base.kernel import kernel, merged, outlined
-from omnisim.base.methods import EXPLICIT
 from omnisim.base.status import (
     COMPLETE,
     CROWDED,
@@ -24,11 +23,9 @@ from omnisim.base.status import (
     STIFF_CURRENT,
     TOO_STIFF,
 )
-from omnisim.contact.friction import COULOMB
 from omnisim.contact.set_valued import CREEP
 from omnisim.dynamics.actuation import sample
 from omnisim.dynamics.multibody.joint_kinematics import project_bodies
-from omnisim.dynamics.parameters import MULTIBODY
 from omnisim.dynamics.state import places
 from omnisim.march.events import (
     EXIT,
@@ -86,7 +83,7 @@ def march(parameters, method, run, rows, log):
         if clock.status == RUNNING:
             begin_interval(parameters, run, rows, 0)
             write_row(parameters, run, rows)
-        if clock.choice == EXPLICIT and max(bearings, currents) * clock.dt > clock.stability_limit:
+        if run.newton is None and max(bearings, currents) * clock.dt > clock.stability_limit:
             clock.status, clock.rate = STIFF_BEARING if bearings > currents else STIFF_CURRENT, max(bearings, currents)
     elif clock.status == RUNNING and clock.piece + 1 < len(parameters.starts):
         enter_piece(parameters, run, rows, log)
@@ -167,32 +164,21 @@ def grid_step(parameters, method, run, rows, log):
     clock = run.clock
     start, first_event, turns, others, slips = clock.step * clock.dt, clock.events, 0, 0, 0
     clock.elapsed = 0.0
-    coulomb = parameters.machine.law == COULOMB
     while clock.elapsed < clock.dt:
         t = start + clock.elapsed
         h, knot = piece_length(parameters, clock, start)
         whole = h
-        if coulomb:
-            resting, stopping = False, False
-            for w in range(len(run.mode)):
-                for side in range(1 + run.mode[w].shared):
-                    resting = resting or rests(parameters, run, w, side)
-            if resting:
-                end_slips(parameters, run, log, -1, 0, t)
-                follow_again(parameters, run, rows, clock.row)
-            for w in range(len(run.mode)):
-                stopping = stopping or stops(parameters, run, w)
-            if stopping:
-                begin_to_stop(parameters, run, t)
-        if coulomb or clock.choice != EXPLICIT:
+        if parameters.workspace.resting is not None:
+            end_old_slips(parameters, run, rows, log, t)
+        if parameters.workspace.resting is not None or run.newton is not None:
             h = step_length(parameters, run, t, h)
         h, fired = step_to_event(parameters, method, run, t, h)
         accept(run)
         follow(parameters, run, rows, clock.row)
-        if parameters.machine.formulation == MULTIBODY:
+        if parameters.workspace.articulated is not None:
             project_bodies(parameters, run, True)
         clock.elapsed += h
-        if coulomb:
+        if parameters.workspace.resting is not None:
             take_drift_away(parameters, run, start + clock.elapsed)
         kind, w, _ = fired
         if kind >= 0:
@@ -212,7 +198,7 @@ def grid_step(parameters, method, run, rows, log):
             return
         if turns > TURNS_PER_STEP:
             clock.status, clock.wheel = ROCKING, w
-        elif others > CUTS_PER_STEP and not coulomb:
+        elif others > CUTS_PER_STEP and parameters.workspace.resting is None:
             too_stiff(parameters, run, w)
         elif slips > SLIPS_PER_STEP:
             clock.status, clock.wheel = SLOW_SLIP, max(w, 0)
@@ -224,6 +210,22 @@ def grid_step(parameters, method, run, rows, log):
                 too_stiff(parameters, run, w)
         if clock.status != RUNNING:
             return
+
+
+@merged
+def end_old_slips(parameters, run, rows, log, t):
+    """Let contacts stick or creep whose slip has come to its end, or will soon."""
+    resting, stopping = False, False
+    for w in range(len(run.mode)):
+        for side in range(1 + run.mode[w].shared):
+            resting = resting or rests(parameters, run, w, side)
+    if resting:
+        end_slips(parameters, run, log, -1, 0, t)
+        follow_again(parameters, run, rows, run.clock.row)
+    for w in range(len(run.mode)):
+        stopping = stopping or stops(parameters, run, w)
+    if stopping:
+        begin_to_stop(parameters, run, t)
 
 
 @kernel
@@ -241,14 +243,14 @@ def piece_length(parameters, clock, start):
 def step_to_event(parameters, method, run, t, h):
     """A trial step of at most h, up to its first event: its length, and the Guard that fired or NO_GUARD."""
     clock = run.clock
-    if clock.implicit:
+    if run.newton is not None and clock.implicit:
         h = min(h, REACH_GROWTH * clock.reach)
     while True:
         advance(parameters, method, run, t, h)
         if clock.converged:
             s, fired = cut_at_event(parameters, method, run, t, h)
             if clock.converged and not outrun(parameters, run, s):
-                if clock.implicit:
+                if run.newton is not None and clock.implicit:
                     clock.reach = h
                 return s, fired
         h *= 0.5
@@ -310,8 +312,8 @@ def locate(parameters, method, run, t, h, which, value):
             return h
         if low == 0.0 and high == h:
             s = hermite_root(h, g_low, g_high, -direction * run.y[spin], -direction * run.trial[spin], s)
-    elif kind == GRIP and run.mode[w].grip[side] == CREEP:  # what is left of the slip is taken away
-        slack = stopped_speed(parameters, run, w, side)
+    elif parameters.workspace.resting is not None and kind == GRIP and run.mode[w].grip[side] == CREEP:
+        slack = stopped_speed(parameters, run, w, side)  # what is left of the slip is taken away
         if low == 0.0 and value >= -slack:
             return h
     for iteration in range(60):
@@ -374,7 +376,7 @@ def hermite_root(h, g_0, g_1, rate_0, rate_1, s):
 def advance(parameters, method, run, t, h):
     """One step of length h from run.y into run.trial, explicit or implicit as the clock says."""
     clock = run.clock
-    if clock.implicit:
+    if run.newton is not None and clock.implicit:
         clock.converged = implicit_step(parameters, method, run, t, h)
     else:
         clock.converged = True

@@ -10,11 +10,11 @@ from omnisim.base.kernel import kernel
 from omnisim.base.records import blank
 from omnisim.base.vector import Vec3, combine, cross
 from omnisim.contact.kinematics import joint_rate
-from omnisim.contact.tracking import IMPLICIT_TRACKING, roller_axis
+from omnisim.contact.tracking import roller_axis
 from omnisim.dynamics.indices import roller_index, row_index
 from omnisim.dynamics.multibody.joint_forces import recover, resolve_joints
 from omnisim.dynamics.normal_forces import servo
-from omnisim.dynamics.parameters import MULTIBODY, Parameters
+from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.state import MONITORS, Recording, X, Y, places
 from omnisim.dynamics.wheel import (
     azimuth,
@@ -49,7 +49,7 @@ class Observed(NamedTuple):
     slopes (T, n): y'; servo (T, 2): torque about chassis x and y, N m; wheels (T, W): records OBSERVED_WHEEL;
     joint_rate (T, W, N), rad/s; motion (3, T, W, N, 3): position, velocity and acceleration of every roller centre,
     world axes; bearing_loads (T, W, N + 1, 2, 3): force (N) and moment (N m) of the axles of each wheel and its
-    rollers, along their own directions, or no rows if nobody asks for them.
+    rollers, along their own directions, None if nobody asks for them.
     """
 
     slopes: np.ndarray
@@ -57,7 +57,7 @@ class Observed(NamedTuple):
     wheels: np.recarray
     joint_rate: np.ndarray
     motion: np.ndarray
-    bearing_loads: np.ndarray
+    bearing_loads: np.ndarray | None
 
 
 @kernel
@@ -67,9 +67,9 @@ def observe(parameters, rows, times, monitors, observed):
     for row in range(len(times)):
         y, mode, slopes = rows.y[row], rows.mode[row], observed.slopes[row]
         evaluate(parameters, mode, rows.piece[row], times[row], y, slopes, monitors)
-        body, multibody = body_motion(parameters, y), parameters.machine.formulation == MULTIBODY
+        body = body_motion(parameters, y)
         wrench, turning = external_wrench(parameters, rows.piece[row], times[row], body), slopes[at.yaw_rate]
-        if multibody:
+        if workspace.articulated is not None:
             observed.servo[row, 0], observed.servo[row, 1] = workspace.loads.servo[0], workspace.loads.servo[1]
         else:
             observed.servo[row, 0], observed.servo[row, 1] = servo(
@@ -88,8 +88,8 @@ def observe(parameters, rows, times, monitors, observed):
             for i in range(2):
                 seen.slip_velocity[i], seen.friction_force[i] = contact.slip[i], contact.force[i]
             observe_rollers(parameters, rows, row, w, body, observed)
-            if len(observed.bearing_loads):
-                if not multibody:
+            if observed.bearing_loads is not None:
+                if workspace.articulated is None:
                     recover(parameters, mode[w], w, y, slopes, rows.rates[row, w])
                 resolve_joints(parameters, w, y, observed.bearing_loads[row, w])
 
@@ -98,7 +98,7 @@ def observe(parameters, rows, times, monitors, observed):
 def contact_angle(parameters, mode, w, heading, y):
     """q of the roller in contact, rad: from the spin angle, or from the rho that the implicit tracking integrated."""
     wheel, at = parameters.wheels[w], places(parameters)
-    if parameters.machine.tracking == IMPLICIT_TRACKING:
+    if parameters.rho is not None:
         rho = rho_of(parameters, y, w, roller_index(wheel, mode.roller))
         return math.atan2(-rho.x * heading.cos - rho.y * heading.sin, rho.z)
     return azimuth(wheel, parameters.roller_rows[mode.row[0]], mode.roller, y[at.spin_angle + w])
@@ -125,7 +125,7 @@ def observe_rollers(parameters, rows, row, w, body, observed):
         q = azimuth(wheel, own, i, y[at.spin_angle + w])
         axis = roller_axis(wheel, math.cos(q), math.sin(q))
         observed.joint_rate[row, w, i] = joint_rate(axis, rows.rates[row, w, i], spin_rate, yaw_rate)
-        if parameters.machine.tracking == IMPLICIT_TRACKING:  # what it integrated is what it shows
+        if parameters.rho is not None:  # what it integrated is what it shows
             d = combine(-1.0, rho_of(parameters, y, w, i), 0.0, up, 0.0, up)
         else:
             d = combine(math.sin(q), h, -math.cos(q), up, 0.0, up)
@@ -151,7 +151,8 @@ def observed_rows(parameters: Parameters, rows: Recording, times: np.ndarray, be
         wheels=blank(OBSERVED_WHEEL, count, wheels),
         joint_rate=np.empty((count, wheels, rollers)),
         motion=np.empty((3, count, wheels, rollers, 3)),
-        bearing_loads=np.zeros((count if bearing_loads else 0, wheels, rollers + 1, 2, 3)),
+        bearing_loads=np.zeros((count, wheels, rollers + 1, 2, 3)) if bearing_loads else None,
     )
+    rows = rows._replace(extremes=None, bearing_extremes=None, odometry_extremes=None)  # which no kernel reads here
     direct(observe, parameters, rows, times, blank(MONITORS, wheels), observed)
     return observed

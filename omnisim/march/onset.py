@@ -12,7 +12,7 @@ turned without friction, as any smooth law does, whose friction grows from nothi
 
 from omnisim.base.kernel import merged, outlined
 from omnisim.base.status import RUNNING
-from omnisim.contact.friction import COULOMB, SATURATED
+from omnisim.contact.friction import SATURATED
 from omnisim.contact.set_valued import SLIP
 from omnisim.dynamics.indices import roller_index, roller_of
 from omnisim.dynamics.state import places
@@ -85,7 +85,7 @@ def find_friction(parameters, run, log):
                 clock, log, 0.0, SHARED, w, roller_index(wheel, mode.roller), roller_index(wheel, roller_of(mode, 1))
             )
     refresh(parameters, run, 0.0)
-    if parameters.machine.law == COULOMB:
+    if parameters.workspace.resting is not None:
         come_to_rest(parameters, run, -1, 0, True, 0.0)
     elif parameters.machine.law == SATURATED:
         for w in range(len(run.mode)):

@@ -3,9 +3,9 @@
 import math
 
 from omnisim.base.kernel import kernel, merged, outlined
-from omnisim.contact.friction import COULOMB, SATURATED
+from omnisim.contact.friction import SATURATED
 from omnisim.contact.set_valued import SLIP
-from omnisim.contact.tracking import EXPLICIT_TRACKING, explicit_touches, implicit_touches, roller_axis
+from omnisim.contact.tracking import explicit_touches, implicit_touches, roller_axis
 from omnisim.dynamics.contact_forces import LOST
 from omnisim.dynamics.indices import carries, rate_place, roller_index, roller_of, row_index
 from omnisim.dynamics.state import places
@@ -128,7 +128,7 @@ def renew_friction(parameters, run, w, t):
         mode.grip[side] = SLIP
     refresh(parameters, run, t)
     for side in range(1 + mode.shared):
-        if parameters.machine.law == COULOMB:
+        if parameters.workspace.resting is not None:
             if rests(parameters, run, w, side):
                 come_to_rest(parameters, run, w, side, False, t)
         elif parameters.machine.law == SATURATED:
@@ -146,7 +146,7 @@ def touching(parameters, w, y):
     for i in range(wheel.rollers):
         q = azimuth_of(parameters, w, i, y[at.spin_angle + w])
         cos_q, sin_q = math.cos(q), math.sin(q)
-        if parameters.machine.tracking == EXPLICIT_TRACKING:
+        if parameters.rho is None:
             touches = explicit_touches(wheel, cos_q)
         else:
             touches = implicit_touches(wheel, roller_axis(wheel, cos_q, sin_q), rho_of(parameters, y, w, i))

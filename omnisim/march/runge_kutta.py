@@ -2,7 +2,6 @@
 
 from omnisim.base.kernel import kernel, merged, outlined
 from omnisim.dynamics.multibody.joint_kinematics import project_bodies
-from omnisim.dynamics.parameters import MULTIBODY
 from omnisim.dynamics.right_hand_side import rhs
 from omnisim.dynamics.state import Stage
 
@@ -84,7 +83,7 @@ def evaluate(parameters, mode, piece, t, y, dy, monitors):
 @merged
 def refresh(parameters, run, t):
     """Derivative at the state itself, after the mode or the state have changed; bodies follow."""
-    if parameters.machine.formulation == MULTIBODY:
+    if parameters.workspace.articulated is not None:
         project_bodies(parameters, run, False)
     evaluate(parameters, run.mode, run.clock.piece, t, run.y, run.slopes[0], run.monitors)
     run.clock.rhs += 1

@@ -3,13 +3,12 @@
 import math
 
 from omnisim.base.kernel import kernel, merged, outlined
-from omnisim.base.methods import EXPLICIT
 from omnisim.base.status import LOST_TRACK, NO_START, NOT_FINITE, RUNNING, TOO_STIFF, UNBALANCED
 from omnisim.base.vector import dot
-from omnisim.contact.friction import COULOMB, friction_factor
+from omnisim.contact.friction import friction_factor
 from omnisim.contact.kinematics import Slip
 from omnisim.contact.mobility import inverse_mass, largest
-from omnisim.contact.tracking import IMPLICIT_TRACKING, Axis, Contact, explicit_contact, roller_axis
+from omnisim.contact.tracking import Axis, Contact, explicit_contact, roller_axis
 from omnisim.dynamics.indices import roller_index
 from omnisim.dynamics.state import X, Y, places
 from omnisim.dynamics.wheel import rho_of
@@ -38,7 +37,7 @@ def check(parameters, run):
         return
     stiff = -1
     for w in range(len(run.mode)):
-        if parameters.machine.tracking == IMPLICIT_TRACKING:
+        if parameters.rho is not None:
             rho = rho_of(parameters, run.y, w, roller_index(parameters.wheels[w], run.mode[w].roller))
             if abs(dot(rho, rho) - 1.0) > LOST:
                 clock.status, clock.wheel = LOST_TRACK, w
@@ -105,7 +104,7 @@ def fastest(parameters, run):
 def too_fast(parameters, run, w):
     """Whether friction at wheel w relaxes slip faster than explicit steps can follow."""
     clock, machine, factor = run.clock, parameters.machine, run.monitors[w].factor[0]
-    if machine.law == COULOMB or clock.choice != EXPLICIT:
+    if parameters.workspace.resting is not None or run.newton is not None:
         return False
     if factor * machine.slip_mobility * clock.dt <= clock.stability_limit:
         return False  # the bound of the mobility is cheap

@@ -4,7 +4,7 @@ import numpy as np
 
 from omnisim.base.records import plain
 from omnisim.dynamics.multibody.residuals import residuals
-from omnisim.dynamics.parameters import DRIVE_INPUT, MULTIBODY, SERVO, Parameters
+from omnisim.dynamics.parameters import DRIVE_INPUT, SERVO, Parameters
 from omnisim.dynamics.state import YAW, Places, Recording, X, Y, places_in
 from omnisim.march.extremes import bearing_extremes, odometry_extremes, wheel_extremes
 from omnisim.march.observation import Observed, observed_rows
@@ -16,7 +16,6 @@ def datasets(parameters: Parameters, rows: Recording, interval: float, config: C
     """All datasets of T rows, `interval` seconds apart, but the events: by path in the trajectory file."""
     times = np.arange(len(rows.y)) * interval
     observed = observed_rows(parameters, rows, times, config.bearing_loads)
-    multibody = parameters.machine.formulation == MULTIBODY
     parameters = parameters._replace(machine=plain(parameters.machine))
     data = {"time": times} | body(parameters, rows.y, observed.slopes, config.chassis is None)
     data |= energy(parameters, rows)
@@ -27,7 +26,7 @@ def datasets(parameters: Parameters, rows: Recording, interval: float, config: C
         data |= odometry_extremes(rows.odometry_extremes)
     if config.chassis is not None and parameters.machine.upright == SERVO:
         data["body/servo_torque"] = observed.servo
-    if multibody:
+    if parameters.workspace.articulated is not None:
         data |= residuals(parameters, rows.y)
     for w, (wheel, number) in enumerate(zip(config.wheels, parameters.wheels.rollers.tolist(), strict=True)):
         group = wheel_datasets(places_in(parameters), w, number, rows, observed)

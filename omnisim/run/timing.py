@@ -8,7 +8,6 @@ from statistics import median
 
 import numpy as np
 
-from omnisim.contact.tracking import IMPLICIT_TRACKING
 from omnisim.dynamics.packing import pack
 from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.state import YAW, places_in
@@ -81,9 +80,9 @@ def states_in_contact(scene: Scene, parameters: Parameters) -> np.ndarray:
     for w, wheel in enumerate(parameters.wheels):
         spin_angle = wheel.phase + wheel.alpha * np.linspace(-0.99, 0.99, STATES)
         states[:, at.spin_angle + w] = spin_angle
-        if parameters.machine.tracking == IMPLICIT_TRACKING:
+        if parameters.rho is not None:
             heading = states[:, YAW] + math.atan2(wheel.sin_heading, wheel.cos_heading)
             rho = -roller_directions(roller_azimuths(wheel, spin_angle), heading)
-            first_rho = at.rho + 3 * w * parameters.sector.shape[1]
+            first_rho = parameters.rho + 3 * w * parameters.sector.shape[1]
             states[:, first_rho : first_rho + 3 * wheel.rollers] = rho.reshape(STATES, -1)
     return states

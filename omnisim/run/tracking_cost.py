@@ -3,7 +3,7 @@
 import math
 
 from omnisim.base.kernel import kernel
-from omnisim.contact.tracking import IMPLICIT_TRACKING, explicit_contact, implicit_contact, roller_axis
+from omnisim.contact.tracking import explicit_contact, implicit_contact, roller_axis
 from omnisim.dynamics.right_hand_side import rho_rates
 from omnisim.dynamics.state import places
 from omnisim.dynamics.wheel import azimuth, body_motion, rho_of, world_heading
@@ -24,7 +24,7 @@ def track(parameters, states, slopes, rounds):
     total = 0.0
     for _ in range(rounds):
         for i in range(len(states)):
-            if parameters.machine.tracking == IMPLICIT_TRACKING:
+            if parameters.rho is not None:
                 total += track_implicitly(parameters, states[i], slopes[i])
             else:
                 total += track_explicitly(parameters, states[i])

@@ -13,7 +13,7 @@ from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
 from omnisim.contact.friction import VISCOUS
 from omnisim.contact.kinematics import Jacobian, Slip
 from omnisim.contact.set_valued import CREEP
-from omnisim.contact.tracking import IMPLICIT_TRACKING, Axis, Heading, explicit_contact, implicit_contact
+from omnisim.contact.tracking import Axis, Heading, explicit_contact, implicit_contact
 from omnisim.dynamics.actuation import actuate, rest_motors
 from omnisim.dynamics.contact_forces import find_contact_forces
 from omnisim.dynamics.indices import body_place, carries, roller_index, roller_of
@@ -95,7 +95,7 @@ def multibody_rhs(parameters, stage):
         place_load(wheels[w], workspace, w)
         sought += part.sought
         pushing = pushing or mode[w].shared == 1
-        if holds(part, workspace.contacts[part.first]):
+        if workspace.resting is not None and holds(part, workspace.contacts[part.first]):
             equations = held_body(machine, workspace.loads, workspace.contacts[part.first], equations)
     if sought:
         acceleration, regular = find_contact_forces(machine, wheels, workspace, load, equations, pushing)
@@ -214,7 +214,7 @@ def place_of(parameters, mode, w, side, y, l):
 @merged
 def meet(parameters, mode, w, side, carrier, body, y):
     """A contact of wheel w from the bodies as they stand, and its friction by the load, into the workspace."""
-    machine, wheel, workspace = parameters.machine, parameters.wheels[w], parameters.workspace
+    wheel, workspace = parameters.wheels[w], parameters.workspace
     index = roller_index(wheel, roller_of(mode, side))
     disk = rigid_body(y, body_place(parameters, w, 0))
     roller = rigid_body(y, body_place(parameters, w, index + 1))
@@ -222,7 +222,7 @@ def meet(parameters, mode, w, side, carrier, body, y):
     h, k, a, rho = at_centre.h, at_centre.k, at_centre.axis, at_centre.rho
     cos_q, sin_q = -rho.z / wheel.roller_distance, dot(rho, h) / wheel.roller_distance
     axis = Axis(dot(a, h), dot(a, k), a.z)
-    if machine.tracking == IMPLICIT_TRACKING:
+    if parameters.rho is not None:
         touch = implicit_contact(wheel, Heading(h.x, h.y), axis, rho_of(parameters, y, w, index))
     else:
         touch = explicit_contact(wheel, cos_q, sin_q)
