@@ -221,6 +221,7 @@ def test_wrong_arguments_get_one_sentence(call, sentence):
     assert str(caught.value).startswith(sentence) and "\n" not in str(caught.value)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_notebook_runs_from_top_to_bottom(path, tmp_path):
     """Executed as a reader would; what is committed has no outputs."""

@@ -65,7 +65,7 @@ print(json.dumps({path: run[path][-1].tolist() for path in paths}))
 
 
 @pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="compares compiled with interpreted")
-@pytest.mark.parametrize("tracking", ["explicit", "implicit"])
+@pytest.mark.parametrize("tracking", ["explicit", pytest.param("implicit", marks=pytest.mark.long)])
 def test_compiled_and_interpreted_kernels_compute_the_same(tracking):
     results = []
     for disabled in ("0", "1"):

@@ -79,7 +79,7 @@ def scipy_peer():
 
 @pytest.mark.parametrize("form", ["NumPy", "scalars", "compiled"])
 @pytest.mark.parametrize("solver", ["LSODA, solve_ivp", "LSODA, odeint", "DOP853, solve_ivp"])
-@pytest.mark.parametrize("psi", [0.0, 30.0])
+@pytest.mark.parametrize("psi", [pytest.param(0.0, marks=pytest.mark.long), 30.0])
 def test_scipy_moves_a_bare_wheel_as_the_march_does(scipy_peer, solver, form, psi):
     scene = bare_wheel(1e-4, end=0.5, psi=psi)
     found = scipy_peer.integrate(ready(scene), solver, form, 1e-10)
@@ -316,6 +316,7 @@ def test_groups_are_opened_and_nothing_runs_twice():
     assert run.chosen(run.parsed(["--check"])) == list(run.CHECKED)
 
 
+@pytest.mark.long
 def test_every_benchmark_runs_and_reports(tmp_path):
     """The whole of `python -m bench --quick` but commands and other engines, with its claims."""
     parts = ("c_loop", "limit", "laws", "scaling", "kernels", "whole_machines", "vehicle", "twists", "precision")

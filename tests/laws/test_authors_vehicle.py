@@ -54,10 +54,11 @@ def test_friction_that_knows_no_load_tips_the_vehicle_at_the_first_exchange():
     assert abs(found.attributes["stop_time"] - np.radians(35.0) / 3.0) < 1e-5  # s: the rest of half a pitch, 3 rad/s
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("law", ["coulomb", "viscous"])
-def test_energy_is_balanced_over_a_thousand_seconds(law):
-    """2244 exchanges of all three wheels at once, each with a skid."""
-    found = vehicle.vehicle("in place", law, 1000.0)
-    assert energy_error(found).relative < 1e-9  # measured 1.4e-13, 7.8e-12
-    assert 0.87 < found["body/yaw_rate"][-1] < 0.9  # rad/s; measured 0.885, 0.884
+@pytest.mark.parametrize("end", [20.0, pytest.param(1000.0, marks=pytest.mark.long)])
+def test_energy_is_balanced_for_long(end, law):
+    """In 1000 s 2244 exchanges of all three wheels at once, each with a skid."""
+    found = vehicle.vehicle("in place", law, end)
+    assert energy_error(found).relative < 1e-9  # measured in 1000 s: 1.4e-13, 7.8e-12
+    lost = end / 1000.0  # of 1 rad/s, nearly evenly
+    assert abs(found["body/yaw_rate"][-1] - 1.0) < 0.13 * lost + 0.005  # measured 0.885, 0.884 after 1000 s

@@ -30,10 +30,14 @@ SCENES = {
 }
 
 
-@pytest.fixture(scope="module", params=SCENES)
+ENDS = [(name, 0.5) for name in SCENES] + [pytest.param((name, 2.0), marks=pytest.mark.long) for name in SCENES]
+
+
+@pytest.fixture(scope="module", params=ENDS, ids=lambda param: f"{param[0]}, {param[1]} s")
 def pair(request):
-    scene, step, overrides = SCENES[request.param]
-    time = f"time={{end=2.0, step={step}, output_interval=0.01}}"
+    name, end = request.param
+    scene, step, overrides = SCENES[name]
+    time = f"time={{end={end}, step={step}, output_interval=0.01}}"
     solver = ["solver.method=dopri5", time, "output.bearing_loads=true"]
     runs = [
         omnisim.simulate(omnisim.load(scene, [*overrides, *solver, f"solver.formulation={formulation}"]))
@@ -109,9 +113,10 @@ def test_a_wheel_lifts_and_lands_alike():
         assert np.abs(run["wheels/w0/bearing_force"][air] - [0.0, 0.0, weight]).max() < 1e-12
 
 
-def test_constraints_are_kept_for_long():
-    """A hundred seconds of a youBot on 36 rollers: residuals of joints, floor and quaternion norms, and the energy."""
-    overrides = ["time={end=100.0, step=1e-3, output_interval=0.5}"]
+@pytest.mark.parametrize("end", [5.0, pytest.param(100.0, marks=pytest.mark.long)])
+def test_constraints_are_kept_for_long(end):
+    """A youBot on 36 rollers: residuals of joints, floor and quaternion norms, and the energy; measured in 100 s."""
+    overrides = [f"time={{end={end}, step=1e-3, output_interval=0.5}}"]
     reduced, multibody = (
         omnisim.simulate(omnisim.load("youbot", [*overrides, f"solver.formulation={formulation}"]))
         for formulation in FORMULATIONS

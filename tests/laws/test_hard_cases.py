@@ -9,7 +9,11 @@ from bench.hard_cases import CASES
 
 LEAST = 24  # hard scenes
 
-parametrized = pytest.mark.parametrize("case", CASES, ids=[case.name for case in CASES])
+LONG = ("coasting on two rollers", "psi = 80 deg", "pointed tips", "near the limit", "near the limit, regularized")
+
+parametrized = pytest.mark.parametrize(
+    "case", [pytest.param(case, id=case.name, marks=[pytest.mark.long] * (case.name in LONG)) for case in CASES]
+)
 
 
 @cache
@@ -40,6 +44,7 @@ def test_friction_does_no_positive_work(case):
     assert row(case)["friction_power"] < 1e-11  # W, rounding; measured 4e-12 at 500 rad/s
 
 
+@pytest.mark.long
 def test_the_table_shows_every_case():
     rows = [row(case) for case in CASES]
     lines = hard_cases.report(rows).splitlines()

@@ -191,6 +191,10 @@ class Machine:
         self.load(scene.get("wrench", {}))
         self.lay_out()
 
+    @property
+    def betas(self) -> int:
+        return 1 if self.upright == "servo" else 3
+
     def build(self) -> None:
         """Masses and principal inertias of the bodies; the joints: parent j, child i, r and the two e in axes of j."""
         masses, inertias, joints = [], [], []
@@ -246,7 +250,7 @@ class Machine:
         # rows x_i - x_j - r, rows e . a, rows of beta, rows of the servo
         self.hinge = 5 * np.arange(joints)[:, None] + xyz
         self.align = 5 * np.arange(joints)[:, None] + np.array([3, 4])
-        self.floor = slice(5 * joints, 5 * joints + (1 if self.upright == "servo" else 3))
+        self.floor = slice(5 * joints, 5 * joints + self.betas)
         # y, and -x of a chassis, in axes of the base: a servo keeps them horizontal
         held = 0 if self.upright == "contacts" else 2 if self.chassis else 1
         self.held = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])[:held]
@@ -271,7 +275,7 @@ class Machine:
         self.add_loads(time, bodies, mode, applied)
         self.add_joints(bodies, jacobian, bias)
         self.add_servo(bodies, jacobian, bias)
-        touches = [self.touch(wheel, bodies, roller) for wheel, roller in zip(self.wheels, mode.contacts, strict=True)]
+        touches = self.touches(bodies, mode.contacts)
         shares = self.shares(bodies, touches)
         for touch, share in zip(touches, shares, strict=True):
             jacobian[self.floor, touch.columns] = np.outer(share, touch.push(UP))
@@ -343,6 +347,9 @@ class Machine:
         jacobian[self.servo, 3:6] = cross(held, UP)
         bias[self.servo] = -cross(cross(w, held), UP) @ w
 
+    def touches(self, bodies: np.ndarray, contacts: tuple[int, ...]) -> list[Touch]:
+        return [self.touch(wheel, bodies, roller) for wheel, roller in zip(self.wheels, contacts, strict=True)]
+
     def touch(self, wheel: Wheel, bodies: np.ndarray, roller: int) -> Touch:
         """The floor row of a wheel, with and without N the friction on its roller."""
         index = wheel.rollers.start + roller % wheel.count
@@ -387,7 +394,7 @@ class Machine:
         turned = bodies[self.parent, ROTATION].reshape(-1, 3, 3)
         gap = bodies[self.child, POSITION] - bodies[self.parent, POSITION] - (turned @ self.arm[..., None])[..., 0]
         tilt = (self.e @ turned.transpose(0, 2, 1) @ bodies[self.child, AXIS, None])[..., 0]
-        touches = [self.touch(wheel, bodies, roller) for wheel, roller in zip(self.wheels, contacts, strict=True)]
+        touches = self.touches(bodies, contacts)
         heights = [touch.point[2] for touch in touches]
         lean = (self.held @ bodies[0, ROTATION].reshape(3, 3).T)[:, 2]
         return max(np.abs(gap).max() / self.wheels[0].radius, np.abs(heights).max() / self.wheels[0].radius,

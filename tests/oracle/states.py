@@ -14,11 +14,12 @@ from oracle.multibody import Turning, observe, place
 class Given(Machine):
     """The same bodies and multipliers under given forces of friction and torques of drives, whatever law they obey.
 
-    forces (W, 3): on each wheel's roller, N, world axes; drives (W,): on each disk about its axle, N m.
+    forces (W, 3): on each wheel's roller, N, world axes; drives (W,): on each disk about its axle, N m; None: those
+    of the scene.
     """
 
     forces: np.ndarray
-    drives: np.ndarray
+    drives: np.ndarray | None = None
 
     def __init__(self, scene: dict) -> None:
         super().__init__(scene | {"friction": {"law": "none"}})
@@ -28,8 +29,31 @@ class Given(Machine):
 
     def mode(self, time, contacts):
         mode = super().mode(time, contacts)
-        mode.value[: len(self.drives)], mode.slope[: len(self.drives)] = self.drives, 0.0
+        if self.drives is not None:
+            mode.value[: len(self.drives)], mode.slope[: len(self.drives)] = self.drives, 0.0
         return mode
+
+
+class OnTwo(Machine):
+    """A bare wheel on two rollers that share its load as the run says, the roller ahead first.
+
+    Both touch straight below the centre, so that only friction tells the shares apart: with the right ones the wheel
+    does not start to spin.
+    """
+
+    share: float
+
+    def touches(self, bodies, contacts):
+        (wheel,), (ahead,) = self.wheels, contacts
+        touches = [self.touch(wheel, bodies, roller) for roller in (ahead, ahead - 1)]
+        return [touch._replace(free=part * touch.free) for touch, part in zip(touches, self.parts, strict=True)]
+
+    def shares(self, bodies, touches):
+        return np.array(self.parts)[:, None]
+
+    @property
+    def parts(self):
+        return self.share, 1.0 - self.share
 
 
 class State(NamedTuple):
@@ -52,6 +76,8 @@ def states(
         if isinstance(machine, Given):
             machine.forces = np.array([friction(run, row, wheel.name, bodies[wheel.disk]) for wheel in machine.wheels])
             machine.drives = np.array([run[f"wheels/{wheel}/drive_torque"][row] for wheel in run.wheels])
+        if isinstance(machine, OnTwo):
+            machine.share = run[f"wheels/{run.wheels[0]}/contact_share"][row]
         contacts = [int(run[f"wheels/{wheel}/contact_roller"][row]) for wheel in run.wheels]
         time = float(run.time[row])
         mode = machine.mode(time, contacts)

@@ -13,7 +13,9 @@ from scenes import REFERENCE, reference_data
 
 import omnisim
 from omnisim.scene.scene import load
+from oracle.machine import AXIS
 from oracle.shared_contact import limit, simulate
+from oracle.states import OnTwo, states
 
 BASE = REFERENCE / "testbench_psi30.toml"
 RATIO = 10.0
@@ -62,6 +64,33 @@ def test_the_oracle_reproduces_exchanges_without_rest():
     assert not motion.rests
     for name in ("position", "yaw", "spin_angle", "velocity", "yaw_rate", "spin_rate"):
         assert np.abs(getattr(motion, name) - rows[name]).max() < 1e-9, name  # measured 8e-11
+
+
+# standing on an edge, twisted: each roller alone would roll the wheel onto the other
+TWISTED = (
+    "initial={velocity=[0.0, 0.0], yaw_rate=0.0}", "wheels.wheel.spin_rate=0.0", "wheels.wheel.spin_angle_deg=45",
+    "wrench={times=[0.0, 0.2], force=[[0.0, 0.5, 1.0], [0.0, 0.2, -3.0]], yaw_torque=[0.3, 0.4]}",
+    "time={end=0.2, step=1e-4, output_interval=0.01}",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("overrides", [TWISTED, (*TWISTED, "friction.law=saturated"), VISCOUS], ids=range(3))
+def test_shares_of_the_load_on_two_rollers_keep_a_wheel_at_rest(overrides):
+    """With the shares of the run both rollers together leave a wheel of free bodies where it is."""
+    scene = load(BASE, overrides)
+    run, at, compared = omnisim.simulate(scene), "wheels/wheel", 0
+    for _, state in states(scene, run, OnTwo, 20):
+        share, row, told = run[f"{at}/contact_share"][state.row], state.row, state.told
+        if share == 1.0:
+            continue
+        carried, acceleration = state.reactions.normal_force, state.reactions.acceleration
+        assert abs(acceleration[0, 3:] @ state.bodies[0, AXIS]) < 1e-9  # rad/s^2; it does not spin
+        assert abs(carried.sum() - run[f"{at}/normal_force"][row]) < 1e-11  # N
+        assert abs(told["servo_torque"] - run[f"{at}/servo_torque"][row]) < 1e-11  # N m
+        assert np.abs(told["acceleration"] - run["body/acceleration"][row, :2]).max() < 1e-10
+        assert abs(told["yaw_acceleration"] - run["body/yaw_acceleration"][row]) < 1e-9
+        compared += 0.0 < share < 1.0
+    assert compared > 5
 
 
 def aitken(values: list[float]) -> float:

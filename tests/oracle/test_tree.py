@@ -18,6 +18,7 @@ from omnisim.march.runge_kutta import evaluate
 from omnisim.run.loop import Loop
 from oracle.cases import REFERENCE
 from oracle.machine import AXIS, OMEGA, UP, VELOCITY, Machine
+from oracle.states import Given
 
 HERE = REFERENCE.parent / "oracle"
 PUSH = "wrench={times=[0.0], force=[[1.0, -2.0, 3.0]], yaw_torque=[0.1]}"
@@ -36,16 +37,6 @@ SCENES = {
     "sticking on a slope": (HERE / "skew.toml", ["friction={law='coulomb', coefficient=0.9}", *AT_REST, SLOPE]),
     "sticking": (HERE / "skew.toml", ["friction={law='coulomb', coefficient=0.9}", *AT_REST]),
 }  # fmt: skip
-
-
-class Given(Machine):
-    """The same bodies and multipliers under given forces of friction: on each wheel's roller, world axes."""
-
-    def __init__(self, scene: dict) -> None:
-        super().__init__(scene | {"friction": {"law": "none"}})
-
-    def touch(self, wheel, bodies, roller):
-        return super().touch(wheel, bodies, roller)._replace(free=self.forces[self.wheels.index(wheel)])
 
 
 def slip_rate(wheel, roller: int, bodies: np.ndarray, accelerations: np.ndarray) -> np.ndarray:
@@ -88,7 +79,7 @@ def solutions(request):
     parameters, run, found = loop.parameters, loop.run, []
     for _ in range(4):
         assert loop.advance(0.02)  # to the next row
-        dy, piece = np.zeros_like(run.y), int(run.clock.piece)
+        dy, piece = np.zeros_like(run.y), run.clock.piece
         evaluate(parameters, run.mode, piece, loop.time, run.y, dy, run.monitors)
         bodies, workspace = bodies_of(run.y, parameters, chassis), parameters.workspace
         mode = oracle.mode(loop.time, [int(one.roller) for one in run.mode])

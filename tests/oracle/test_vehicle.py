@@ -32,6 +32,7 @@ def begin(scene: dict) -> tuple[Machine, np.ndarray, Reactions]:
     return machine, bodies, machine.solve(0.0, bodies, machine.mode(0.0, contacts))
 
 
+@pytest.mark.long
 def test_three_omni_wheels_follow_the_reference():
     agree("kiwi", 0.2)  # one exchange; N 7e-14, positions 3e-16, angles 2e-15, velocities 3e-15, spin rates 3e-14
 
@@ -48,13 +49,13 @@ def test_four_mecanum_wheels_follow_the_reference():
 
 @pytest.mark.parametrize("upright", UPRIGHT)
 def test_constraints_survive_exchanges_under_load(upright: str):
-    motion = simulate(skew(upright), [0.0, 0.12])
+    motion = simulate(skew(upright, law="viscous"), [0.0, 0.12])
     assert {name for _, name in motion["exchange_times"]} == {"front", "left", "right"}
     assert motion["constraint_residual"].max() < 1e-12  # measured: 2e-14
 
 
 def test_results_do_not_depend_on_the_tolerance():
-    fine, coarse = (simulate(skew(), [0.0, 0.1], rtol) for rtol in (1e-13, 1e-11))
+    fine, coarse = (simulate(skew(), [0.0, 0.03], rtol) for rtol in (1e-13, 1e-11))
     for key in ("position", "velocity", "yaw", "yaw_rate", "kinetic"):
         np.testing.assert_allclose(coarse[key], fine[key], rtol=1e-9, atol=1e-10, err_msg=key)
 
@@ -153,7 +154,7 @@ def test_mirrored_vehicle_moves_as_the_mirror_image(upright: str):
         image["initial"][key] = flip * scene["initial"][key]
     for key in ("yaw_deg", "yaw_rate"):
         image["initial"][key] = -scene["initial"][key]
-    one, other = simulate(scene, [0.0, 0.05]), simulate(image, [0.0, 0.05])
+    one, other = simulate(scene, [0.0, 0.02]), simulate(image, [0.0, 0.02])
     signs = {"position": flip, "acceleration": flip, "yaw": -1.0, "yaw_acceleration": -1.0, "servo_torque": -flip}
     for key, sign in signs.items():
         np.testing.assert_allclose(other[key], sign * one[key], rtol=1e-9, atol=1e-10, err_msg=key)
