@@ -161,8 +161,11 @@ def test_a_scene_is_taken_by_name_by_path_and_as_it_is(run, tmp_path):
 @pytest.mark.short
 def test_a_scene_tells_itself_in_a_few_lines():
     lines = repr(omnisim.load("youbot")).splitlines()
-    assert len(lines) == 4 and max(map(len, lines)) < 140
-    assert all(word in " ".join(lines) for word in ("KUKA youBot", "front_left", "mecanum", "coulomb", "3 s", "20 kg"))
+    assert len(lines) == 5 and max(map(len, lines)) < 140
+    words = ("KUKA youBot", "front_left", "mecanum", "4 rate", "coulomb, coefficient 0.6", "3 s", "20 kg")
+    assert all(word in " ".join(lines) for word in words)
+    viscous = {"friction.law": "viscous", "friction.viscosity": 2.5}
+    assert "  friction  viscous, viscosity 2.5\n" in repr(omnisim.load("youbot", viscous))
 
 
 @pytest.mark.short

@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -13,7 +14,7 @@ from omnisim.base.arguments import path_text, shown
 from omnisim.base.files import is_hdf5, read_small
 from omnisim.base.formatting import visible
 from omnisim.scene.problems import ConfigError, Problem, did_you_mean
-from omnisim.scene.schema import Config, is_name
+from omnisim.scene.schema import FRICTION_KEYS, Config, is_name
 from omnisim.scene.toml_text import (
     DEEPEST,
     MISSING,
@@ -75,11 +76,14 @@ class Scene:
             f"{name}: {kind.roller_count} rollers at {kind.roller_angle_deg:g} deg, radius {kind.radius:g} m"
             for name, kind in config.wheel_types.items()
         )
+        drives = Counter(wheel.drive.kind for wheel in config.wheels)
+        law = ", ".join([friction.law, *(f"{key} {getattr(friction, key):g}" for key in FRICTION_KEYS[friction.law])])
         body = f"a chassis of {config.chassis.mass:g} kg" if config.chassis else "no chassis"
         return (
             f"<Scene {config.title!r} from {self.source}\n"
             f"  wheels    {', '.join(wheel.name for wheel in config.wheels)} ({kinds}); {body}\n"
-            f"  friction  {friction.law}, coefficient {friction.coefficient:g}\n"
+            f"  drives    {', '.join(f'{count} {kind}' for kind, count in drives.items())}\n"
+            f"  friction  {law}\n"
             f"  time      {time.end:g} s by {config.solver.method}, {step}, rows every {time.output_interval:g} s>"
         )
 
