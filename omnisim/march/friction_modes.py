@@ -7,8 +7,8 @@
     CREEP  ---- slip no longer young ------------------------>  SLIP
     CREEP  ---- slip turns back ----------------------------->  STICK or CREEP again
 
-Near zero slip v / |v| turns ever faster towards a limit direction, so a slipping contact is stepped by a fraction of
-the time in which it could stop or turn: slip shrinks geometrically and never crosses zero. The contact equation gives
+Near zero slip v / |v| turns ever faster towards a limit direction, so steps become ever
+shorter (substeps.py) and slip never crosses zero. The contact equation gives
 the limit direction in closed form. There a contact that lets go starts, until its slip is large enough; and one that
 has come so near to it that the difference is below the error of a step stops along it, at an instant that is located.
 """
@@ -16,31 +16,22 @@ has come so near to it that the difference is below the error of a step stops al
 import math
 
 from omnisim.base.kernel import kernel, merged, outlined
-from omnisim.base.methods import EXPLICIT, IMPLICIT
+from omnisim.base.methods import EXPLICIT
 from omnisim.contact.kinematics import Motion, Slip, slip_acceleration
-from omnisim.contact.mobility import across, inverse_mass, largest
-from omnisim.contact.set_valued import CREEP, SLIP, STICK, TINY
+from omnisim.contact.mobility import across, inverse_mass
+from omnisim.contact.set_valued import CREEP, SLIP, STICK
 from omnisim.dynamics.impulses import align_slip, change_slip
 from omnisim.dynamics.indices import rate_place
 from omnisim.dynamics.state import places
 from omnisim.dynamics.wheel import body_motion, centre_acceleration, contact_state
 from omnisim.march.runge_kutta import refresh
 
-SLIP_FRACTION = 0.75  # of the time in which slip could stop, that one explicit sub-step may take at most
-FINE_FRACTION = 0.2  # the same for methods "auto" and "radau5", which are there for their accuracy
-# The same of implicit steps with a smooth law: its layer near zero slip turns motion into heat that is accounted for.
-LAYER_FRACTION = 0.05
-OUTRUN = 20.0  # stable steps by the end of an explicit one that is taken again at half its length
-AUTO_STIFF = 4.0  # relaxation of slip within a step, beyond which "auto" makes it implicit
-AUTO_ACCURATE = 0.5  # and up to which its explicit steps go
 COARSE_STEP = 1e-2  # s: a grid step from which on sub-steps are as coarse as is safe
-TURN_FRACTION = 0.7  # of the largest stable step of the method for the turning of the slip's direction
 DRIFTED = (
     0.01  # of the square of slip that no longer matters, beyond which the drift of a sticking contact is taken away
 )
 REST = 1e-11  # of 1 m/s and of the speeds that make up the slip, below which it no longer matters
 CREEP_SPEED = 1e-7  # m/s: slip that has no direction of its own in any case
-CREEP_STEP = 1.05  # of the time in which creeping slip doubles or stops, for one step: a little beyond its end
 # What a coarse step does not see of slip across its final direction:
 ALIGNED, FINE_ALIGNED = 3e-4, 1e-6  # m/s; the second for methods "auto" and "radau5"
 STOPPING = 2.4e-6  # m/s, twice the error in the speed of the machine; of slip that is about to stop, explicit methods
@@ -65,63 +56,6 @@ def slip_rate(parameters, run, w, side):
     return slip_acceleration(wheel, state, motion), state.slip, mobility
 
 
-@kernel
-def step_length(parameters, run, t, h):
-    """The step h, or less if slip could come to rest or change its course within it; sets the kind of the step.
-
-    An explicit step of coulomb friction also follows the turning of the slip's direction; method "auto" leaves that to
-    an implicit step.
-    """
-    machine, clock, floor = parameters.machine, run.clock, parameters.machine.slip_floor
-    # rates at which friction relaxes slip or a roller's rate, or a current settles; at which slip turns; changes, 1/s
-    relaxation, turning, pace = max(machine.bearing_relaxation, machine.current_relaxation, TINY), TINY, TINY
-    for w in range(len(run.mode)):
-        for side in range(1 + run.mode[w].shared):
-            factor, grip = run.monitors[w].factor[side], run.mode[w].grip[side]
-            if parameters.workspace.resting is not None and grip == CREEP:  # it will stop soon, or go its own way
-                rate, _, _ = slip_rate(parameters, run, w, side)
-                speed = max(math.sqrt(run.monitors[w].slip_square[side]), 2.0 * CREEP_SPEED)
-                h = min(h, CREEP_STEP * speed / max(math.sqrt(rate.h * rate.h + rate.k * rate.k), TINY))
-            elif grip == SLIP and factor > 0.0:
-                rate, slip, a = slip_rate(parameters, run, w, side)
-                mobility = largest(a)
-                scale = run.monitors[w].slip_square[side] + floor * floor
-                size = math.sqrt((rate.h * rate.h + rate.k * rate.k) * scale)
-                sine = abs(slip.h * rate.k - slip.k * rate.h) / max(size, TINY)
-                pace, relaxation = max(pace, size / scale), max(relaxation, factor * mobility)
-                turning = max(turning, sine * factor * mobility)
-    if run.newton is None:
-        clock.implicit = False
-        fraction = slip_fraction(SLIP_FRACTION, pace, clock)
-        stable, turn = TURN_FRACTION * clock.stability_limit, fraction / SLIP_FRACTION
-        return min(h, min(fraction / pace, min(stable / relaxation, turn * stable / turning)))
-    h_explicit, fraction, stiffness = h, LAYER_FRACTION, clock.dt * relaxation
-    if parameters.workspace.resting is not None:
-        fraction = slip_fraction(FINE_FRACTION, pace, clock)
-        h_explicit = min(h, fraction / pace)
-        stiffness = h_explicit * relaxation
-    clock.implicit = clock.choice == IMPLICIT or stiffness > AUTO_STIFF
-    return min(h, fraction / pace) if clock.implicit else min(h_explicit, AUTO_ACCURATE / relaxation)
-
-
-@kernel
-def slip_fraction(coarsest, pace, clock):
-    """Part of the time 1 / pace in which slip changes, that a sub-step of a grid step dt may take.
-
-    Slip of which a whole step is the part f is of the size dt / f, and a sub-step errs by f^5 of the slip it starts
-    from: f ~ dt^(3/4) there lets these errors fall with dt^4. Where slip is less, and changes faster, f^5 ~ pace makes
-    every sub-step err by the same amount, up to the coarsest part that is safe.
-    """
-    largest_slip, ratio = coarsest * clock.fineness, 1.0 / clock.fineness
-    less = max(pace * clock.dt / largest_slip, 1.0)
-    return coarsest if less >= ratio**5 else largest_slip * less**0.2
-
-
-def fineness(dt: float) -> float:
-    """Part of the coarsest fraction that a step dt (s) allows for the largest slip."""
-    return min(1.0, (dt / COARSE_STEP) ** 0.75)
-
-
 def alignment(dt: float, choice: int) -> float:
     """Slip across the direction of the contact equation that a step dt (s) does not see, m/s: ~ dt^4, as its error."""
     coarsest = ALIGNED if choice == EXPLICIT else FINE_ALIGNED
@@ -143,21 +77,6 @@ def stopping_alignment(dt: float, choice: int, lightness: float) -> float:
 def unseen(clock, stopping, speed):
     """Slip across the direction of the contact equation that a step does not see, m/s, of slip of this speed."""
     return max(clock.aligned, math.sqrt(clock.stopping * speed)) if stopping else clock.aligned
-
-
-@kernel
-def outrun(parameters, run, h):
-    """Whether an explicit trial step of coulomb friction has become far too long for the slip that it ended with."""
-    clock = run.clock
-    if parameters.workspace.resting is None or clock.implicit:
-        return False
-    for w in range(len(run.mode)):
-        for side in range(1 + run.mode[w].shared):
-            relaxation = run.monitors_end[w].factor[side] * parameters.machine.slip_mobility
-            stiff = run.mode[w].grip[side] == SLIP and h * relaxation > OUTRUN * clock.stability_limit
-            if stiff or not math.isfinite(run.monitors_end[w].slip_square[side]):
-                return True
-    return False
 
 
 @kernel

@@ -8,8 +8,9 @@ from omnisim.base.methods import EXPLICIT, METHODS
 from omnisim.base.records import blank, plain, records
 from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.state import CLOCK, EXTREME, MODE, MONITORS, YAW, Newton, Recording, Run, X, Y, places_in
-from omnisim.march.friction_modes import alignment, fineness, stopping_alignment
+from omnisim.march.friction_modes import alignment, stopping_alignment
 from omnisim.march.stiffness import resolve
+from omnisim.march.substeps import fineness
 from omnisim.scene.schema import Config, Time
 
 
