@@ -1,6 +1,7 @@
 """Contacts whose force must be sought: those that creep, and wheels that rest on two rollers.
 
-Every other force is linear in the unknowns of normal_forces.py; these are found by solving that system again and again.
+Every other force is linear in the unknowns of normal_forces/rigid_plane.py; these are found by solving that system
+again and again.
 
 A creeping contact slips so slowly that its slip has the direction u of its slip acceleration, v' = kappa u under
 F = -mu N u. It is linear like any sliding friction once u is known, and u is found by Newton's method.
@@ -20,7 +21,8 @@ from omnisim.base.kernel import kernel, merged, outlined
 from omnisim.contact.kinematics import Slip
 from omnisim.contact.mobility import Symmetric, across, yielding_along
 from omnisim.contact.set_valued import TINY, contact_forces, slip_direction, turned
-from omnisim.dynamics.normal_forces import place_load, solve
+from omnisim.dynamics.normal_forces.solution import solve
+from omnisim.dynamics.normal_forces.tilt import place_load
 from omnisim.dynamics.planar_body import Acceleration, free_rate, push_of, yielding
 
 MOST_ITERATIONS = 100  # for a share

@@ -114,7 +114,7 @@ CONTACT = np.dtype(
         ("turn", np.float64),  # of the roller about the normal, rad/s
         ("arm", np.float64, (2,)),  # slip by the roller's rate, and torque of the force on the roller, m
         ("spin", np.float64, (2,)),  # the same of the spin, m
-        ("lever", np.float64, (5, 2)),  # of the force in the rows of normal_forces.py
+        ("lever", np.float64, (5, 2)),  # of the force in the rows x, y, yaw, and of tilt.py
         ("twist", np.float64, (5,)),  # of the contact torque there
         (
             "holding",
@@ -141,7 +141,7 @@ PART = np.dtype(
         ("slides", np.int64),  # 1: its friction follows from its own slip and its load
         ("sought", np.int64),  # 1: its forces are sought by iteration, see contact_forces.py
         ("point", np.float64, (2,)),  # where its load acts, from C along chassis axes, m
-        ("push", np.float64, (5,)),  # of a sliding wheel in the rows of normal_forces.py by its load: 1, 1, m, m, m
+        ("push", np.float64, (5,)),  # of a sliding wheel in the rows of tilt.py by its load: 1, 1, m, m, m
         ("rolling", np.float64),  # torque on its roller about its axis by its load, m
         ("turning", np.float64),  # the same on its spin, m
         ("heat", np.float64),  # by its load, m/s

@@ -4,14 +4,13 @@
     I_z theta'' = sum lever . F + ...
 
 All forces are linear in the acceleration X = (A_x, A_y, theta''): sliding friction does not know it, and a sticking
-contact gives as far as its spin and roller do, F = -E (b + J X). What the floor carries is normal_forces.py.
+contact gives as far as its spin and roller do, F = -E (b + J X). What the floor carries: normal_forces.
 """
 
 from typing import NamedTuple
 
 from omnisim.base.kernel import kernel
 from omnisim.contact.mobility import holding_mass
-from omnisim.dynamics.parameters import CONTACTS
 
 
 class Acceleration(NamedTuple):
@@ -164,30 +163,6 @@ def held_equations(contact, equations):
         equations.y + y_h * holding[0, 3] + y_k * holding[1, 3],
         equations.yaw + w_h * holding[0, 3] + w_k * holding[1, 3],
     )
-
-
-@kernel
-def balanced_equations(machine, workspace, equations):
-    """BodyEquations with what contacts push that do not stick, by their loads where they are known."""
-    carried, x, y, yaw = machine.upright == CONTACTS, equations.x, equations.y, equations.yaw
-    for w in range(len(workspace.parts)):
-        part = workspace.parts[w]
-        if part.slides or not part.loaded:
-            continue
-        for c in range(part.first, part.first + part.contacts):
-            contact = workspace.contacts[c]
-            if workspace.resting is not None and holds(part, contact):
-                continue
-            if part.contacts == 2:
-                force_h, force_k, torque = contact.force[0], contact.force[1], contact.torque
-            else:
-                normal = 0.0 if carried else part.normal_force
-                force_h = contact.constant[0] + contact.unit[0] * normal
-                force_k = contact.constant[1] + contact.unit[1] * normal
-                torque = contact.unit_torque * normal
-            push_x, push_y, push_yaw = push_of(machine, contact, force_h, force_k, torque)
-            x, y, yaw = x + push_x, y + push_y, yaw + push_yaw
-    return BodyEquations(equations.xx, equations.xy, equations.xw, equations.yy, equations.yw, equations.ww, x, y, yaw)
 
 
 @kernel

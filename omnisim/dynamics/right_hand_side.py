@@ -6,7 +6,7 @@
     I_z theta'' = sum (lever . F + M_n (1 - (a . n)^2) + phi' G_h) + yaw torque
 
 Friction of a sliding wheel is known but for its load (`slide_wheel`); what other wheels find at their contacts waits in
-the workspace (`observe_wheel`). Then loads and forces are found together (planar_body.py, normal_forces.py,
+the workspace (`observe_wheel`). Then loads and forces are found together (planar_body.py, normal_forces,
 contact_forces.py), and each wheel takes its share (`press_wheel`, `move_wheel`).
 """
 
@@ -21,8 +21,8 @@ from omnisim.dynamics.actuation import rest_motors
 from omnisim.dynamics.contact_forces import find_contact_forces
 from omnisim.dynamics.indices import rho_place
 from omnisim.dynamics.multibody.right_hand_side import multibody_rhs
-from omnisim.dynamics.normal_forces import set_body_tilt, solve
-from omnisim.dynamics.parameters import CONTACTS
+from omnisim.dynamics.normal_forces.solution import given_load, loads_known, solve
+from omnisim.dynamics.normal_forces.tilt import set_body_tilt
 from omnisim.dynamics.planar_body import Acceleration, free_equations, inclined_equations
 from omnisim.dynamics.state import YAW, X, Y, places
 from omnisim.dynamics.wheel import body_motion, external_wrench, rho_of, world_heading
@@ -53,7 +53,8 @@ def reduced_rhs(parameters, stage):
     dy[X], dy[Y], dy[YAW] = y[at.velocity], y[at.velocity + 1], y[at.yaw_rate]
     body = body_motion(parameters, y)
     wrench = external_wrench(parameters, stage.piece, stage.t, body)
-    if machine.upright == CONTACTS:
+    known = loads_known(machine)
+    if not known:
         set_body_tilt(machine, workspace.loads, wrench, body.yaw_rate)
     load, others, sought = machine.mass * machine.gravity - wrench.z, 0, 0
     equations = free_equations(machine, wrench.x, wrench.y, wrench.yaw)
@@ -64,17 +65,16 @@ def reduced_rhs(parameters, stage):
         dy[at.bearing_loss] = 0.0
     if machine.motors:
         rest_motors(parameters, dy)
-    carried = machine.upright == CONTACTS
-    share = 1.0 if carried else load / len(wheels)  # of a wheel, unless the contacts carry roll and pitch
+    share = given_load(machine, load, len(wheels))
     for w in range(len(wheels)):
         part = workspace.parts[w]
-        part.slides = mode[w].grip[0] == SLIP and not mode[w].shared and not (carried and machine.law == VISCOUS)
+        part.slides = mode[w].grip[0] == SLIP and not mode[w].shared and (known or machine.law != VISCOUS)
         if part.slides:
             equations, loss, work = slide_wheel(parameters, stage, w, body, share, equations)
             heat, power = heat + loss, power + work
         else:
             others += 1
-    pushing = not carried or machine.law == VISCOUS  # some contact, without waiting for its load
+    pushing = known or machine.law == VISCOUS  # some contact, without waiting for its load
     if others:
         for w in range(len(wheels)):
             part = workspace.parts[w]
@@ -82,7 +82,7 @@ def reduced_rhs(parameters, stage):
                 equations, work = observe_wheel(parameters, stage, w, body, share, equations)
                 power, sought = power + work, sought + part.sought
                 pushing = pushing or mode[w].shared == 1
-    if others or carried:
+    if others or not known:
         regular = 1.0
         if sought:
             acceleration, regular = find_contact_forces(machine, wheels, workspace, load, equations, pushing)
@@ -93,7 +93,7 @@ def reduced_rhs(parameters, stage):
                 stage.monitors[w].regular = regular
             if not workspace.parts[w].slides:
                 heat += move_wheel(parameters, stage, w, acceleration)
-            elif carried:
+            elif not known:
                 heat += press_wheel(parameters, stage, w)
     else:
         mobility = machine.mobility

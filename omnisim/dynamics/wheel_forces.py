@@ -9,17 +9,8 @@ from omnisim.contact.set_valued import CREEP, SLIP, STICK
 from omnisim.contact.tracking import Axis, roller_axis
 from omnisim.dynamics.actuation import actuate
 from omnisim.dynamics.indices import rate_place, roller_of
-from omnisim.dynamics.normal_forces import (
-    TILT_X,
-    TILT_Y,
-    held_body,
-    place_load,
-    rotor_part,
-    set_point,
-    set_tilt,
-    tilt_rows,
-)
-from omnisim.dynamics.parameters import CONTACTS
+from omnisim.dynamics.normal_forces.solution import held_body, loads_known
+from omnisim.dynamics.normal_forces.tilt import TILT_X, TILT_Y, place_load, rotor_part, set_point, set_tilt, tilt_rows
 from omnisim.dynamics.planar_body import holding_force, holds, pushed_equations, set_contact, set_holding, set_lever
 from omnisim.dynamics.state import places
 from omnisim.dynamics.wheel import (
@@ -75,7 +66,7 @@ def monitor_wheel(free, load, monitors):
 def slide_wheel(parameters, stage, w, body, load, equations):
     """A wheel that slides under a known load, N: the rates that follow; the BodyEquations with it, heat and power (W).
 
-    If the contacts carry roll and pitch, `load` is 1 N, and what that does goes into the workspace.
+    If loads are not known yet, `load` is 1 N, and what that does goes into the workspace.
     """
     machine, wheel, mode, dy = parameters.machine, parameters.wheels[w], stage.mode[w], stage.dy
     free = free_wheel(parameters, stage, w, body)
@@ -96,7 +87,7 @@ def slide_wheel(parameters, stage, w, body, load, equations):
         monitors.slip_square[0], monitors.factor[0], monitors.margin[0] = slip.h * slip.h + slip.k * slip.k, factor, 0.0
     power, cos, sin = free.drive * state.spin_rate, wheel.cos_heading, wheel.sin_heading
     x, y = cos * force.h - sin * force.k, sin * force.h + cos * force.k
-    if machine.upright == CONTACTS:
+    if not loads_known(machine):
         set_part(parameters, mode, w, free, body, load)
         part = parameters.workspace.parts[w]
         set_point(wheel, part, state.contact.l)
@@ -144,7 +135,7 @@ def observe_wheel(parameters, stage, w, body, load, equations):
     observe_contact(parameters, mode, w, 0, body, free.state)
     if mode.shared:
         observe_contact(parameters, mode, w, 1, body, contact_state(parameters, mode, w, 1, body, stage.y))
-    if parameters.machine.upright == CONTACTS:
+    if not loads_known(parameters.machine):
         place_load(parameters.wheels[w], parameters.workspace, w)
     if parameters.workspace.resting is not None and holds(part, parameters.workspace.contacts[part.first]):
         equations = held_body(
@@ -177,7 +168,7 @@ def observe_contact(parameters, mode, w, side, body, state):
     j = slip_jacobian(wheel, state.axis, state.contact)
     set_contact(contact, state, j, mode.shared)
     set_lever(wheel, contact, state.axis, j)
-    if machine.upright == CONTACTS:
+    if not loads_known(machine):
         set_tilt(machine, wheel, contact, mode.shared)
     find_friction(parameters, mode, w, side, body, state, j)
 

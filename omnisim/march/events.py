@@ -31,7 +31,7 @@ from omnisim.contact.friction import SATURATED
 from omnisim.contact.set_valued import CREEP, SLIP, STICK
 from omnisim.dynamics.actuation import limit_guard, next_limit
 from omnisim.dynamics.indices import roller_index, roller_of
-from omnisim.dynamics.normal_forces import LEAST_REGULAR
+from omnisim.dynamics.normal_forces.rigid_plane import LEAST_REGULAR
 from omnisim.dynamics.parameters import CONTACTS
 from omnisim.dynamics.state import places
 from omnisim.dynamics.wheel import roller_end

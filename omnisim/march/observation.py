@@ -13,8 +13,10 @@ from omnisim.contact.kinematics import joint_rate
 from omnisim.contact.tracking import roller_axis
 from omnisim.dynamics.indices import roller_index, row_index
 from omnisim.dynamics.multibody.joint_forces import recover, resolve_joints
-from omnisim.dynamics.normal_forces import servo
+from omnisim.dynamics.normal_forces.servo import find_servo, set_all_tilt
+from omnisim.dynamics.normal_forces.solution import loads_known
 from omnisim.dynamics.parameters import Parameters
+from omnisim.dynamics.planar_body import Acceleration
 from omnisim.dynamics.state import MONITORS, Recording, X, Y, places
 from omnisim.dynamics.wheel import (
     azimuth,
@@ -69,12 +71,11 @@ def observe(parameters, rows, times, monitors, observed):
         evaluate(parameters, mode, rows.piece[row], times[row], y, slopes, monitors)
         body = body_motion(parameters, y)
         wrench, turning = external_wrench(parameters, rows.piece[row], times[row], body), slopes[at.yaw_rate]
-        if workspace.articulated is not None:
+        if loads_known(parameters.machine):
+            if workspace.articulated is None:  # else the right-hand side has found it
+                set_all_tilt(parameters.machine, parameters.wheels, workspace, wrench, body.yaw_rate)
+                find_servo(parameters.machine, workspace, Acceleration(0.0, 0.0, turning))
             observed.servo[row, 0], observed.servo[row, 1] = workspace.loads.servo[0], workspace.loads.servo[1]
-        else:
-            observed.servo[row, 0], observed.servo[row, 1] = servo(
-                parameters.machine, parameters.wheels, workspace, wrench, body.yaw_rate, turning
-            )
         for w in range(len(parameters.wheels)):
             wheel, seen, part = parameters.wheels[w], observed.wheels[row, w], workspace.parts[w]
             contact, heading = workspace.contacts[part.first], world_heading(wheel, body)
@@ -147,7 +148,7 @@ def observed_rows(parameters: Parameters, rows: Recording, times: np.ndarray, be
     count, wheels, rollers = rows.rates.shape
     observed = Observed(
         slopes=np.empty_like(rows.y),
-        servo=np.empty((count, 2)),
+        servo=np.zeros((count, 2)),
         wheels=blank(OBSERVED_WHEEL, count, wheels),
         joint_rate=np.empty((count, wheels, rollers)),
         motion=np.empty((3, count, wheels, rollers, 3)),

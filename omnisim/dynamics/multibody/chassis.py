@@ -14,7 +14,6 @@ from omnisim.dynamics.multibody.rigid_body import (
     second_axis,
     third_axis,
 )
-from omnisim.dynamics.normal_forces import tilt_of
 from omnisim.dynamics.planar_body import BodyEquations
 
 
@@ -31,7 +30,7 @@ class Carrier(NamedTuple):
 
 
 class GeneralizedForce(NamedTuple):
-    """A wrench on the chassis about C in the rows of normal_forces.py, and along the vertical."""
+    """A wrench on the chassis about C in the rows x, y, yaw, of roll and pitch, and along the vertical."""
 
     x: float
     y: float
@@ -115,7 +114,7 @@ def equations_of(balance):
 
 @kernel
 def set_tilt_rows(balance, tilt):
-    """The rows of tilt of a Balance into those of the workspace, as normal_forces.py has them."""
+    """The rows of tilt of a Balance into those of the workspace, as normal_forces/tilt.py has them."""
     x, y, yaw, known = balance
     set_row(tilt[0], x.tilt_y, y.tilt_y, yaw.tilt_y, -known.tilt_y)
     set_row(tilt[1], x.tilt_x, y.tilt_x, yaw.tilt_x, -known.tilt_x)
@@ -124,22 +123,3 @@ def set_tilt_rows(balance, tilt):
 @kernel
 def set_row(row, x, y, yaw, right):
     row[0], row[1], row[2], row[3] = x, y, yaw, right
-
-
-@merged
-def find_servo(machine, workspace, balance, motion):
-    """The torque that keeps the chassis upright, into the workspace: what its moments about x and y lack."""
-    x, y, yaw, known = balance
-    about_y = known.tilt_y + x.tilt_y * motion.x + y.tilt_y * motion.y + yaw.tilt_y * motion.yaw
-    about_x = known.tilt_x + x.tilt_x * motion.x + y.tilt_x * motion.y + yaw.tilt_x * motion.yaw
-    for w in range(len(workspace.parts)):
-        part = workspace.parts[w]
-        if not part.loaded:
-            continue
-        about_y += part.normal_force * part.point[0]
-        about_x += part.normal_force * part.point[1]
-        for c in range(part.first, part.first + part.contacts):
-            contact = workspace.contacts[c]
-            more_y, more_x = tilt_of(machine, contact, contact.force[0], contact.force[1], contact.torque)
-            about_y, about_x = about_y + more_y, about_x + more_x
-    workspace.loads.servo[0], workspace.loads.servo[1] = -about_x, about_y

@@ -1,7 +1,7 @@
 """The right-hand side of the multibody formulation: every body, every joint, every multiplier.
 
 What the elimination along the tree (elimination.py) leaves are the equations of the chassis: its acceleration, and what
-the floor carries. They have the form of those of planar_body.py and normal_forces.py, with numbers that follow from
+the floor carries. They have the form of those of planar_body.py and normal_forces, with numbers that follow from
 the bodies as they stand and move, and so the same reaction stage finds loads and friction. Then the accelerations go
 back along the tree, and with them the force and the moment of every joint.
 """
@@ -22,7 +22,6 @@ from omnisim.dynamics.multibody.chassis import (
     chassis_balance,
     chassis_of,
     equations_of,
-    find_servo,
     joined,
     resisting,
     set_tilt_rows,
@@ -49,8 +48,9 @@ from omnisim.dynamics.multibody.rigid_body import (
     third_axis,
     vector_at,
 )
-from omnisim.dynamics.normal_forces import TILT_X, TILT_Y, held_body, place_load, solve
-from omnisim.dynamics.parameters import CONTACTS
+from omnisim.dynamics.normal_forces.servo import find_servo
+from omnisim.dynamics.normal_forces.solution import given_load, held_body, loads_known, solve
+from omnisim.dynamics.normal_forces.tilt import TILT_X, TILT_Y, place_load
 from omnisim.dynamics.planar_body import holds, set_contact
 from omnisim.dynamics.state import YAW, X, Y, places
 from omnisim.dynamics.wheel import Body, ContactState, bearing_torque, external_wrench, on_row, rho_of
@@ -86,10 +86,10 @@ def multibody_rhs(parameters, stage):
         balance, power, bearing_loss = joined(balance, own), power + work, bearing_loss + loss
     load, equations = -balance.known.z, equations_of(balance)
     set_tilt_rows(balance, workspace.loads.tilt)
-    pushing = machine.upright != CONTACTS or machine.law == VISCOUS
+    pushing = loads_known(machine) or machine.law == VISCOUS
     for w in range(len(wheels)):
         part = workspace.parts[w]
-        part.normal_force = load / len(wheels)
+        part.normal_force = given_load(machine, load, len(wheels))
         for side in range(part.contacts):
             meet(parameters, mode[w], w, side, carrier, body, y)
         place_load(wheels[w], workspace, w)
@@ -124,8 +124,8 @@ def multibody_rhs(parameters, stage):
     dy[at.wrench_work] = wrench.x * body.x + wrench.y * body.y + wrench.yaw * rate.z
     if machine.bearing_friction:
         dy[at.bearing_loss] = bearing_loss
-    if stage.monitoring:
-        find_servo(machine, workspace, balance, acceleration)
+    if stage.monitoring and loads_known(machine):
+        find_servo(machine, workspace, acceleration)
 
 
 @merged

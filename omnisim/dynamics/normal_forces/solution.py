@@ -1,0 +1,72 @@
+"""Loads and the acceleration of the body together: the questions that forces along the floor ask of normal forces."""
+
+from omnisim.base.kernel import kernel
+from omnisim.dynamics.normal_forces.rigid_plane import share_out
+from omnisim.dynamics.normal_forces.servo import equal_load
+from omnisim.dynamics.normal_forces.tilt import TILT_X, TILT_Y, tilt_holding
+from omnisim.dynamics.parameters import SERVO
+from omnisim.dynamics.planar_body import BodyEquations, held_equations, holds, inverse, push_of, yielding
+
+
+@kernel
+def loads_known(machine):
+    """Whether normal forces are known before the forces along the floor, or else by unknowns found with them."""
+    return machine.upright == SERVO
+
+
+@kernel
+def given_load(machine, load, wheels):
+    """The load by which forces at a wheel are found, N: its own where it is known, else 1 N.
+
+    load: of all `wheels` of them, N.
+    """
+    return equal_load(load, wheels) if loads_known(machine) else 1.0
+
+
+@kernel
+def held_body(machine, loads, contact, equations):
+    """BodyEquations with a sticking contact, which goes into the rows of tilt as well if loads follow from them."""
+    if not loads_known(machine):
+        tilt_holding(loads.tilt[0], contact, TILT_Y)
+        tilt_holding(loads.tilt[1], contact, TILT_X)
+    return held_equations(contact, equations)
+
+
+@kernel
+def solve(machine, workspace, load, equations, pushing):
+    """The Acceleration of the body, its Mobility, and how regular the loads are; normal forces into the workspace.
+
+    load: M g - f_z, N; equations: what is known at once; pushing: whether some contact pushes by a load that is known,
+    or without. Regular: the determinant of the equations of the loads over that without friction.
+    """
+    if pushing:
+        equations = balanced_equations(machine, workspace, equations)
+    mobility = inverse(machine, equations)
+    motion = yielding(mobility, equations.x, equations.y, equations.yaw)
+    if loads_known(machine):
+        return motion, mobility, 1.0
+    return share_out(machine, workspace, load, mobility, motion)
+
+
+@kernel
+def balanced_equations(machine, workspace, equations):
+    """BodyEquations with what contacts push that do not stick, by their loads where they are known."""
+    known, x, y, yaw = loads_known(machine), equations.x, equations.y, equations.yaw
+    for w in range(len(workspace.parts)):
+        part = workspace.parts[w]
+        if part.slides or not part.loaded:
+            continue
+        for c in range(part.first, part.first + part.contacts):
+            contact = workspace.contacts[c]
+            if workspace.resting is not None and holds(part, contact):
+                continue
+            if part.contacts == 2:
+                force_h, force_k, torque = contact.force[0], contact.force[1], contact.torque
+            else:
+                normal = part.normal_force if known else 0.0
+                force_h = contact.constant[0] + contact.unit[0] * normal
+                force_k = contact.constant[1] + contact.unit[1] * normal
+                torque = contact.unit_torque * normal
+            push_x, push_y, push_yaw = push_of(machine, contact, force_h, force_k, torque)
+            x, y, yaw = x + push_x, y + push_y, yaw + push_yaw
+    return BodyEquations(equations.xx, equations.xy, equations.xw, equations.yy, equations.yw, equations.ww, x, y, yaw)
