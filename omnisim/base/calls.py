@@ -1,4 +1,4 @@
-"""Calls of kernels from Python, again and again with the same types."""
+"""Calls of kernels from Python: again and again with the same types, or with NumPy in the place of the compiler."""
 
 import numba
 
@@ -26,3 +26,8 @@ def members(argument):
     if not isinstance(argument, tuple):
         return None
     return tuple([members(member) if isinstance(member, tuple) else type(member) for member in argument])
+
+
+def by_columns(function, *arguments):
+    """A kernel as the Python function that it is: arrays go through its arithmetic as numbers do, a column a state."""
+    return getattr(function, "py_func", function)(*arguments)

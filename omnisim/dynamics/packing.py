@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from operator import mul
 from typing import NamedTuple
 
 import numpy as np
@@ -32,6 +31,7 @@ from omnisim.dynamics.parameters import (
 from omnisim.dynamics.state import places_of
 from omnisim.scene.drives import DriveLaw, Motor, drive_law
 from omnisim.scene.ideal_kinematics import inverse, rms_distance, wheel_rows
+from omnisim.scene.masses import common_centre, exact_moments, point_masses
 from omnisim.scene.schema import Config, Friction, Roller, Wheel, WheelType
 
 SHORTEST = 1e-14  # relative: pieces of tables that are no longer than rounding are left out
@@ -99,26 +99,16 @@ class Bodies(NamedTuple):
 
 def bodies(config: Config) -> Bodies:
     """The chassis, and each wheel with its rollers as one body at the wheel centre; chassis axes."""
-    types = [config.type_of(wheel) for wheel in config.wheels]
-    masses = [kind.disk.mass + kind.roller_count * kind.roller.mass for kind in types]
-    points = [(*wheel.position, kind.radius) for wheel, kind in zip(config.wheels, types, strict=True)]
-    inertias = [diameter_inertia(kind) for kind in types]
+    masses, points = point_masses(config)
+    inertias = [diameter_inertia(config.type_of(wheel)) for wheel in config.wheels]
     if config.chassis is not None:
-        masses.append(config.chassis.mass)
-        points.append(config.chassis.center_of_mass)
         inertias.append(config.chassis.inertia[2])
-    whole = math.fsum(masses)
-    x_centre, y_centre, height = (moment / whole for moment in exact_moments(masses, points))
+    x_centre, y_centre, height = common_centre(masses, points)
     planar = [(x - x_centre, y - y_centre) for x, y, _ in points]
     yaw_inertia = math.fsum(inertias) + math.fsum(m * (x * x + y * y) for m, (x, y) in zip(masses, planar, strict=True))
     lifted = [m * z for m, (_, _, z) in zip(masses, points, strict=True)]
     moment = np.array(exact_moments(lifted, planar))
-    return Bodies(whole, np.array([x_centre, y_centre, height]), yaw_inertia, moment)
-
-
-def exact_moments(masses: Sequence[float], points: Sequence[Sequence[float]]) -> list[float]:
-    """Sum of m p, rounded once: what cancels in a symmetric machine cancels to the last bit."""
-    return [math.fsum(map(mul, masses, column)) for column in zip(*points, strict=True)]
+    return Bodies(math.fsum(masses), np.array([x_centre, y_centre, height]), yaw_inertia, moment)
 
 
 def machine_values(config: Config, types: list[WheelType]) -> dict:

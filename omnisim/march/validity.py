@@ -9,8 +9,9 @@ from omnisim.contact.friction import friction_factor
 from omnisim.contact.kinematics import Slip
 from omnisim.contact.mobility import inverse_mass, largest
 from omnisim.contact.tracking import Axis, Contact, explicit_contact, roller_axis
+from omnisim.dynamics.energy import kinetic_energy, potential_energy
 from omnisim.dynamics.indices import roller_index
-from omnisim.dynamics.state import X, Y, places
+from omnisim.dynamics.state import places
 from omnisim.dynamics.wheel import rho_of
 
 UNBALANCED_PART = 0.05  # of the energy of the scene
@@ -64,21 +65,13 @@ def check_energy(parameters, run):
 
     Needs the rates of all rollers as they are now: at an output row.
     """
-    machine, clock, y, at, doubled = parameters.machine, run.clock, run.y, places(parameters), 0.0
-    for w in range(len(run.mode)):
-        wheel = parameters.wheels[w]
-        doubled += (wheel.axle_inertia + wheel.rotor_inertia) * y[at.spin_rate + w] ** 2
-        for i in range(wheel.rollers):
-            doubled += wheel.axial_inertia * run.rates[w, i] ** 2
-    doubled += (
-        machine.mass * (y[at.velocity] ** 2 + y[at.velocity + 1] ** 2) + machine.yaw_inertia * y[at.yaw_rate] ** 2
-    )
-    potential = -machine.mass * (machine.downhill[0] * y[X] + machine.downhill[1] * y[Y])
+    machine, clock, y, at = parameters.machine, run.clock, run.y, places(parameters)
+    kinetic, potential = kinetic_energy(parameters, at, y, run.rates), potential_energy(machine, y)
     if clock.row == 0:
-        clock.energy, clock.potential = 0.5 * doubled, potential
+        clock.energy, clock.potential = kinetic, potential
     fall = clock.potential - potential  # work of the weight
     loss = y[at.friction_loss] + (y[at.bearing_loss] if machine.bearing_friction else 0.0)
-    balance = 0.5 * doubled - clock.energy + loss - y[at.drive_work] - y[at.wrench_work] - fall
+    balance = kinetic - clock.energy + loss - y[at.drive_work] - y[at.wrench_work] - fall
     turned_over = clock.energy + abs(y[at.drive_work]) + abs(y[at.wrench_work]) + abs(fall)
     clock.turnover = max(clock.turnover, turned_over)  # the works may have come back to nothing
     missing = abs(balance) > UNBALANCED_PART * clock.turnover

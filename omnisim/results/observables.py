@@ -2,7 +2,9 @@
 
 import numpy as np
 
+from omnisim.base.calls import by_columns
 from omnisim.base.records import plain
+from omnisim.dynamics.energy import kinetic_energy, potential_energy
 from omnisim.dynamics.multibody.residuals import residuals
 from omnisim.dynamics.parameters import DRIVE_INPUT, SERVO, Parameters
 from omnisim.dynamics.state import YAW, Places, Recording, X, Y, places_in
@@ -83,15 +85,11 @@ def odometry(parameters: Parameters, y: np.ndarray, position: np.ndarray) -> dic
 
 def energy(parameters: Parameters, rows: Recording) -> dict[str, np.ndarray]:
     """Kinetic energy, the works since t = 0, and what is missing between them."""
-    machine, wheels, y, at = parameters.machine, np.asarray(parameters.wheels), rows.y, places_in(parameters)
-    doubled = machine.mass * (y[:, at.velocity] ** 2 + y[:, at.velocity + 1] ** 2)
-    doubled += machine.yaw_inertia * y[:, at.yaw_rate] ** 2
-    doubled += y[:, at.spin_rate : at.roller_rate] ** 2 @ (wheels["axle_inertia"] + wheels["rotor_inertia"])
-    doubled += np.sum(rows.rates**2, axis=2) @ wheels["axial_inertia"]
-    kinetic = 0.5 * doubled
+    machine, y, at = parameters.machine, rows.y, places_in(parameters)
+    kinetic = by_columns(kinetic_energy, parameters, at, y.T, rows.rates.transpose(1, 2, 0))
     loss, drive, wrench = y[:, at.friction_loss], y[:, at.drive_work], y[:, at.wrench_work]
     bearing_loss = y[:, at.bearing_loss] if machine.bearing_friction else np.zeros(len(y))
-    gravity = potential(machine, y)
+    gravity = by_columns(potential_energy, machine, y.T)
     return {
         "energy/kinetic": kinetic,
         **({"energy/gravity": gravity} if machine.inclined else {}),
@@ -101,11 +99,6 @@ def energy(parameters: Parameters, rows: Recording) -> dict[str, np.ndarray]:
         "energy/wrench_work": wrench,
         "energy/balance": kinetic - kinetic[:1] + gravity - gravity[:1] + loss + bearing_loss - drive - wrench,
     }
-
-
-def potential(machine: np.record, y: np.ndarray) -> np.ndarray:
-    """Energy of all bodies in gravity (T), J: -M g . r_C from the world's origin, the constant part included."""
-    return machine.mass * (machine.gravity * machine.height - y[:, [X, Y]] @ machine.downhill)
 
 
 def motor_energies(parameters: Parameters, y: np.ndarray, mechanical: np.ndarray) -> dict[str, np.ndarray]:

@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator
 from itertools import pairwise
 
+from omnisim.scene.masses import common_centre, point_masses
 from omnisim.scene.problems import Problem
 from omnisim.scene.rules import DECIMAL_TOLERANCE
 from omnisim.scene.schema import Config
@@ -68,7 +69,7 @@ def outside(config: Config) -> str:
     points = [wheel.position for wheel in config.wheels]
     if len(points) < 3 or _on_a_line(points):
         return ""
-    x, y = _common_center_of_mass(config)
+    x, y, _ = common_centre(*point_masses(config))
     hull = _hull(points)
     edges = [(_beyond((x, y), points[a], points[b]), a, b) for a, b in zip(hull, hull[1:] + hull[:1], strict=True)]
     distance, a, b = max(edges)
@@ -77,17 +78,6 @@ def outside(config: Config) -> str:
     names = f"'{config.wheels[a].name}' to '{config.wheels[b].name}'"
     where = f"the common centre of mass, at [{x:.6g}, {y:.6g}], lies outside of the wheels"
     return f"{where}: {distance:.3g} m beyond the line from {names}"
-
-
-def _common_center_of_mass(config: Config) -> tuple[float, float]:
-    """Of the chassis and the wheels with their rollers: x and y, m."""
-    assert config.chassis is not None
-    types = [config.type_of(wheel) for wheel in config.wheels]
-    masses = [config.chassis.mass, *(kind.disk.mass + kind.roller_count * kind.roller.mass for kind in types)]
-    points = [config.chassis.center_of_mass[:2], *(wheel.position for wheel in config.wheels)]
-    total = sum(masses)
-    x, y = (sum(mass * point[axis] for mass, point in zip(masses, points, strict=True)) / total for axis in (0, 1))
-    return x, y
 
 
 def _command_rules(config: Config) -> Iterator[Problem]:

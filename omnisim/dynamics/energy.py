@@ -1,0 +1,29 @@
+"""Energy of a machine by its state, alike for one state in a march and, in NumPy, for T of them as columns (n, T)."""
+
+from omnisim.base.kernel import kernel
+from omnisim.dynamics.state import X, Y
+
+
+@kernel
+def kinetic_energy(parameters, at, y, rates):
+    """Of all bodies, J; at: Places of the state; rates (W, N) or (W, N, T): absolute axial rates of all rollers as they
+    are now, rad/s.
+
+    M V^2 / 2 + I_z theta'^2 / 2 + sum (J_k + J_r) phi'^2 / 2 + sum Ia p^2 / 2.
+    """
+    machine = parameters.machine
+    doubled = machine.mass * (y[at.velocity] ** 2 + y[at.velocity + 1] ** 2)
+    doubled = doubled + machine.yaw_inertia * y[at.yaw_rate] ** 2
+    for w in range(len(parameters.wheels)):
+        wheel = parameters.wheels[w]
+        doubled = doubled + (wheel.axle_inertia + wheel.rotor_inertia) * y[at.spin_rate + w] ** 2
+        for i in range(wheel.rollers):
+            doubled = doubled + wheel.axial_inertia * rates[w, i] ** 2
+    return 0.5 * doubled
+
+
+@kernel
+def potential_energy(machine, y):
+    """Of all bodies in gravity, J: -M g . r_C from the world's origin, the constant part included."""
+    along = machine.downhill[0] * y[X] + machine.downhill[1] * y[Y]
+    return machine.mass * (machine.gravity * machine.height - along)
