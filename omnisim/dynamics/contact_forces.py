@@ -17,6 +17,8 @@ With the loads given its forces at rest obey Gauss' principle, a convex problem:
 contact equations of the one wheel, while the body's acceleration follows at once, until nothing changes.
 """
 
+import math
+
 from omnisim.base.kernel import kernel, merged, outlined
 from omnisim.contact.kinematics import Slip
 from omnisim.contact.mobility import Symmetric, across, yielding_along
@@ -37,7 +39,7 @@ ROUNDING = 1e-11  # a change below which, if it no longer falls, is rounding
 @outlined
 def find_contact_forces(machine, wheels, workspace, load, equations, pushing):
     """Find the sought forces of an instant and all loads; returns what `solve` does."""
-    acceleration, regular, last = Acceleration(0.0, 0.0, 0.0), 1.0, 1e300
+    acceleration, regular, last = Acceleration(0.0, 0.0, 0.0), 1.0, math.inf
     for _ in range(MOST_ROUNDS):
         acceleration, mobility, regular = solve(machine, workspace, load, equations, pushing)
         change = find_shared_forces(machine, wheels, workspace, mobility, acceleration)
@@ -62,7 +64,7 @@ def converged(change, last):
 def find_shared_forces(machine, wheels, workspace, mobility, acceleration):
     """Forces of all wheels on two rollers under the loads in the workspace: the largest change, relative, of the first
     sweep over them."""
-    first, last = 0.0, 1e300
+    first, last = 0.0, math.inf
     for sweep in range(MOST_SWEEPS):
         change, size, count = 0.0, TINY, 0
         for w in range(len(wheels)):

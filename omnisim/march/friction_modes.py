@@ -27,9 +27,7 @@ from omnisim.dynamics.wheel import body_motion, centre_acceleration, contact_sta
 from omnisim.march.runge_kutta import refresh
 
 COARSE_STEP = 1e-2  # s: a grid step from which on sub-steps are as coarse as is safe
-DRIFTED = (
-    0.01  # of the square of slip that no longer matters, beyond which the drift of a sticking contact is taken away
-)
+DRIFTED = 0.01  # of the square of slip that no longer matters: more drift of a sticking contact is taken away
 REST = 1e-11  # of 1 m/s and of the speeds that make up the slip, below which it no longer matters
 CREEP_SPEED = 1e-7  # m/s: slip that has no direction of its own in any case
 # What a coarse step does not see of slip across its final direction:
@@ -40,6 +38,7 @@ STOPPED_OF_STOPPING = 1e-3  # of that which may be taken away across its directi
 LEAST_ALIGNED = 1e-13  # m/s of slip, of the finest step: taking the last slip away at REST costs more
 MOST_FREED = 20  # times in a step, after which slip is followed by sub-steps to its end
 LEAST_STIFF = 2.0  # relaxation of slip within a step, below which sub-steps cost nothing
+STILL_STIFF = 0.5 * LEAST_STIFF  # the same of slip that creeps already: less, lest it begin and end in turn
 CONE = 1e-12  # of mu times load and weight, by which a sticking force may pass the cone in rounding
 
 
@@ -134,7 +133,7 @@ def youth(parameters, clock, mode, monitors):
     speed = math.sqrt(monitors.slip_square[0])
     hidden = min(
         unseen(clock, mode.stopping, speed) - slip_across(monitors),
-        stiffness(parameters, clock, monitors) - 0.5 * LEAST_STIFF,
+        stiffness(parameters, clock, monitors) - STILL_STIFF,
     )
     return max(CREEP_SPEED - speed, hidden)
 

@@ -7,7 +7,7 @@ from omnisim.base.records import plain
 from omnisim.dynamics.energy import kinetic_energy, potential_energy
 from omnisim.dynamics.multibody.residuals import residuals
 from omnisim.dynamics.parameters import DRIVE_INPUT, SERVO, Parameters
-from omnisim.dynamics.state import YAW, Places, Recording, X, Y, places_in
+from omnisim.dynamics.state import YAW, Places, Recording, places_in
 from omnisim.march.extremes import bearing_extremes, odometry_extremes, wheel_extremes
 from omnisim.march.observation import Observed, observed_rows
 from omnisim.scene.schema import Config
