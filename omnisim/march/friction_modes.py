@@ -7,10 +7,10 @@
     CREEP  ---- slip no longer young ------------------------>  SLIP
     CREEP  ---- slip turns back ----------------------------->  STICK or CREEP again
 
-Near zero slip v / |v| turns ever faster towards a limit direction, so steps become ever
-shorter (substeps.py) and slip never crosses zero. The contact equation gives
-the limit direction in closed form. There a contact that lets go starts, until its slip is large enough; and one that
-has come so near to it that the difference is below the error of a step stops along it, at an instant that is located.
+Near zero slip v / |v| turns ever faster towards a limit direction, so steps become ever shorter (substeps.py) and slip
+never crosses zero. The contact equation gives the limit direction in closed form. There a contact that lets go starts,
+until its slip is large enough; and one that has come so near to it that the difference is below the error of a step
+stops along it, at an instant that is located.
 """
 
 import math
