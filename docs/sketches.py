@@ -312,7 +312,7 @@ def slope() -> Sheet:
     sheet.line((0, 0), (3, 0), colour=PALE, dash=DASHED)
     sheet.line((0, 0), (3 * c, 3 * s), colour=FLOOR, width=3)
     sheet.arc((0, 0), 1.0, 0, 22, COOL)
-    sheet.text((1.15, 0.2), "S", COOL)
+    sheet.text((1.17, 0.2), "S_f", COOL)
     foot = (1.9 * c, 1.9 * s)
     centre = (foot[0] - 0.4 * s, foot[1] + 0.4 * c)
     sheet.circle(centre, 0.4, INK, fill="#eceff1")
