@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from omnisim.scene.scene import Scene
     from omnisim.scene.schema import Config, Drive
 
+UPRIGHT_DEG = 89.99  # a slope beyond is a wall
+
 
 @click.command()
 @click.argument("source", metavar="SCENE|FILE")
@@ -164,7 +166,7 @@ def slope_table(config: Config, parameters: Parameters) -> str:
 
 def shown_slope(slope: float) -> str:
     degrees = math.degrees(slope)
-    return "never" if degrees > 89.99 else f"{round(degrees, 6) + 0.0:.3g}"
+    return "never" if degrees > UPRIGHT_DEG else f"{round(degrees, 6) + 0.0:.3g}"
 
 
 def motors(config: Config) -> dict[Drive, list[str]]:

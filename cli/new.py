@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from omnisim.scene.design import Robot
 
 INCH, POUND, GRAVITY = 0.0254, 0.45359237, 9.80665
+ENDLESS = 1e9  # in SI units: what no machine has
 UNITS = {
     "m": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": INCH},
     "kg": {"kg": 1.0, "g": 1e-3, "lb": POUND},
@@ -44,7 +45,7 @@ class Quantity(click.ParamType):
             result = float(number) * scale
         except ValueError:
             result = 0.0
-        if not 0.0 < result < 1e9:
+        if not 0.0 < result < ENDLESS:
             known = f" with a unit or none: {', '.join(UNITS[self.unit])}" if self.unit else ""
             self.fail(f"{value!r}: must be a number > 0{known}", param, ctx)
         return result

@@ -14,6 +14,7 @@ RINGS, CORNERS = 81, 160  # of a roller: vertices lie on the exact surface, volu
 DRAWN = 33, 64  # of a roller that is drawn and touches nothing: 0.2 MB
 FINE = 257, 320  # of one that touches, where every edge costs energy: about the 200000 triangles that MuJoCo reads
 POINTED = 1e-6  # of the wheel radius: a smaller end disc is a point
+STL_HEAD = 80  # bytes
 STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
@@ -92,7 +93,7 @@ def stl(mesh: Mesh, note: str) -> bytes:
     triangles = np.zeros(len(corners), STL_TRIANGLE)
     triangles["normal"] = normals / np.linalg.norm(normals, axis=1, keepdims=True)
     triangles["corners"] = corners
-    head = note.encode("ascii")[:80].ljust(80)
+    head = note.encode("ascii")[:STL_HEAD].ljust(STL_HEAD)
     return head + np.array(len(corners), "<u4").tobytes() + triangles.tobytes()
 
 

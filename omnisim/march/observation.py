@@ -1,7 +1,7 @@
 """The instants that a march has recorded, looked at again: forces, contacts and rollers, which a row does not hold."""
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -154,6 +154,7 @@ def observed_rows(parameters: Parameters, rows: Recording, times: np.ndarray, be
         motion=np.empty((3, count, wheels, rollers, 3)),
         bearing_loads=np.zeros((count, wheels, rollers + 1, 2, 3)) if bearing_loads else None,
     )
-    rows = rows._replace(extremes=None, bearing_extremes=None, odometry_extremes=None)  # which no kernel reads here
+    unread: Any = None  # by any kernel here
+    rows = rows._replace(extremes=unread, bearing_extremes=unread, odometry_extremes=unread)
     direct(observe, parameters, rows, times, blank(MONITORS, wheels), observed)
     return observed

@@ -33,6 +33,7 @@ from omnisim.scene.schema import Config, Wheel, WheelType
 
 ROWS_PER_SECOND = 60.0  # more than a screen shows; the page interpolates with the rates
 MOST_ROWS = 20_000  # of long runs: about 10 MB on four wheels of eighteen rollers
+ROUNDING = 1e-9  # of a row
 PROFILE_POINTS = 17  # the page leaves out every other one, or three of four, where nobody sees it
 MODULES = (
     "motion", "wheels", "chassis", "machine", "arrows", "shadow", "quality", "stage", "quantities", "timebar", "chart",
@@ -170,7 +171,7 @@ def kept_rows(time: np.ndarray) -> np.ndarray:
     """Indices (K) of every n-th row and of the last: at most about ROWS_PER_SECOND, and MOST_ROWS."""
     duration = float(time[-1] - time[0])
     wanted = min(ROWS_PER_SECOND * duration, MOST_ROWS)
-    stride = max(1, math.ceil((len(time) - 1) / wanted - 1e-9)) if wanted > 0.0 else 1
+    stride = max(1, math.ceil((len(time) - 1) / wanted - ROUNDING)) if wanted > 0.0 else 1
     return np.unique(np.append(np.arange(0, len(time), stride), len(time) - 1))
 
 

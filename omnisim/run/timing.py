@@ -20,6 +20,7 @@ from omnisim.scene.scene import Scene
 REPEATS = 5
 PATIENCE = 8.0  # s for all repeats of all scenes of a race
 STATES, ROUNDS = 1000, 200
+INSIDE = 0.99  # of the half angle of a roller: so far from its middle it is looked at
 
 
 def interleaved(
@@ -78,7 +79,7 @@ def states_in_contact(scene: Scene, parameters: Parameters) -> np.ndarray:
     states[:, YAW] = np.linspace(0.0, 2.0 * np.pi, STATES)
     at = places_in(parameters)
     for w, wheel in enumerate(parameters.wheels):
-        spin_angle = wheel.phase + wheel.alpha * np.linspace(-0.99, 0.99, STATES)
+        spin_angle = wheel.phase + wheel.alpha * np.linspace(-INSIDE, INSIDE, STATES)
         states[:, at.spin_angle + w] = spin_angle
         if parameters.rho is not None:
             heading = states[:, YAW] + math.atan2(wheel.sin_heading, wheel.cos_heading)

@@ -13,6 +13,9 @@ TIP = 0.02  # of the wheel radius: how far rollers stay from pointed tips
 LARGEST_WHEEL = 2.0  # m, radius
 ROOM, LEAST_HUB = 0.01, 0.3  # of the wheel radius: between rollers, and for the hub
 SETTLING, RESETTING = 0.02, 0.1  # s: how fast a controller follows, and how fast its integral does
+MOST_ROLLERS = 100  # that are tried for what would fit
+HALVINGS = 30  # of a distance that just fits: to 1e-9 of it
+GRAVITY = 9.81  # m/s^2
 FRICTION = 0.6  # of rubber on a hard floor
 EASY = 0.5  # of what drives and floor can give: how hard the command accelerates
 GRID = 0.05  # s, of the command
@@ -181,7 +184,7 @@ def _distance(robot: Robot, kind: Kind, count: int) -> float:
     radius = robot.wheel_radius
     nearest, farthest = _limits(radius, kind, count)
     if nearest > farthest:
-        fitting = [n for n in range(4, 101) if _limits(radius, kind, n)[0] <= _limits(radius, kind, n)[1]]
+        fitting = [n for n in range(4, MOST_ROLLERS + 1) if _limits(radius, kind, n)[0] <= _limits(radius, kind, n)[1]]
         raise DesignError(f"{count} rollers do not fit on this wheel; {fitting[0]} to {fitting[-1]} do")
     if robot.roller_diameter is None:
         return round(min(max(nearest, (1.0 - THICKEST) * radius), farthest), 6)
@@ -205,7 +208,7 @@ def _limits(radius: float, kind: Kind, count: int) -> tuple[float, float]:
         return math.inf, farthest
     if fits(low):
         return low, farthest
-    for _ in range(30):
+    for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         low, high = (low, middle) if fits(middle) else (middle, high)
     return high, farthest
@@ -230,7 +233,7 @@ def square(robot: Robot, friction: float) -> Square:
     """A side at about the speed asked for, at half of what drives and floor can give."""
     radius = robot.wheel_radius
     speed = robot.speed or min(0.5, 0.5 * robot.motor.most_rate * radius)
-    pull = min(2.0 * robot.motor.most_torque / radius / robot.mass, 0.5 * friction * 9.81)  # of two wheels at least
+    pull = min(2.0 * robot.motor.most_torque / radius / robot.mass, 0.5 * friction * GRAVITY)  # of two wheels at least
     side = GRID * max(1, math.ceil(robot.side / speed / GRID))
     ramp = GRID * max(2, math.ceil(robot.side / side / (EASY * pull) / GRID))
     if ramp > side:

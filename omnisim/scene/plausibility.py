@@ -29,6 +29,7 @@ FASTEST, HEAVIEST_GRAVITY = 50.0, 100.0  # m/s, m/s^2
 GYRATION = 0.1, 3.0  # radius of gyration / that of the body
 CHASSIS_GYRATION = 0.05, 3.0  # radius of gyration / farthest wheel, or half the diagonal of the box
 SHARED = 0.01  # of the smaller wheel's radius: wheels that overlap by less may touch
+HALVINGS = 30  # of a distance that just fits: to 1e-9 of it
 SLOWEST = 0.01  # m/s^2, of drives at their limits
 METRES = "lengths are in metres, not millimetres"
 
@@ -68,7 +69,7 @@ def _room(kind: WheelType, rows: int) -> str:
         ways.append(f"at most {fewest} rollers at this distance")
     near, far = kind.roller_distance, kind.radius * math.cos(math.pi / kind.roller_count)
     if fits(kind.roller_count, far):
-        for _ in range(30):
+        for _ in range(HALVINGS):
             between = 0.5 * (near + far)
             near, far = (near, between) if fits(kind.roller_count, between) else (between, far)
         ways.append(f"a roller_distance of at least {far:.4g} m")

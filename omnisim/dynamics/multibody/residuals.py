@@ -1,10 +1,32 @@
 """How well the bodies of a state keep what joints and floor ask of them: residuals of all constraints, row by row."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from omnisim.dynamics.indices import row_index
 from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.state import BODY_STATES, places_in
+
+
+class Bodies(NamedTuple):
+    """Places and motions of all bodies in T states: (T, bodies, 3), and rotation matrices (T, bodies, 3, 3)."""
+
+    position: np.ndarray
+    rotation: np.ndarray
+    velocity: np.ndarray
+    rate: np.ndarray
+
+
+class Joint(NamedTuple):
+    """A revolute joint at `point` and along `axis` of the parent, and along `own_axis` of the child, whose centre of
+    mass it holds."""
+
+    parent: int
+    child: int
+    point: np.ndarray
+    axis: np.ndarray
+    own_axis: np.ndarray
 
 
 def residuals(parameters: Parameters, y: np.ndarray) -> dict[str, np.ndarray]:
@@ -15,32 +37,31 @@ def residuals(parameters: Parameters, y: np.ndarray) -> dict[str, np.ndarray]:
     """
     at, machine = places_in(parameters), parameters.machine
     wheels, most = parameters.sector.shape[:2]
-    bodies = y[:, at.bodies : at.drift].reshape(len(y), 1 + wheels * (most + 1), BODY_STATES)
-    position, velocity, rate, rotation = (
-        bodies[..., :3],
-        bodies[..., 7:10],
-        bodies[..., 10:],
-        matrices(bodies[..., 3:7]),
-    )
-    chassis, up = rotation[:, 0], np.array([0.0, 0.0, 1.0])
+    states = y[:, at.bodies : at.drift].reshape(len(y), 1 + wheels * (most + 1), BODY_STATES)
+    position, quaternion, velocity, rate = np.split(states, (3, 7, 10), axis=-1)  # as in rigid_body.py
+    bodies = Bodies(position, matrices(quaternion), velocity, rate)
+    chassis, up = bodies.rotation[:, 0], np.array([0.0, 0.0, 1.0])
     arm = chassis @ machine.lever
     height = position[:, 0, 2] - arm[:, 2] - machine.height
     rise = velocity[:, 0, 2] - np.cross(rate[:, 0], arm)[:, 2]
-    gaps, speeds = [height, *(chassis[..., 2] - up).T], [rise, *rate[:, 0, :2].T]
+    gaps, speeds, joints = [height, *(chassis[..., 2] - up).T], [rise, *rate[:, 0, :2].T], []
     for w, wheel in enumerate(parameters.wheels):
         disk = 1 + w * (most + 1)
         heading = np.array([[wheel.cos_heading, -wheel.sin_heading], [wheel.sin_heading, wheel.cos_heading]])
         centre = np.array([*(heading @ wheel.offset), wheel.radius - machine.height]) - machine.lever
         axle = np.array([-wheel.sin_heading, wheel.cos_heading, 0.0])
-        joint_residuals(gaps, speeds, bodies, rotation, 0, disk, centre, axle, np.array([0.0, 1.0, 0.0]))
+        joints.append(Joint(0, disk, centre, axle, np.array([0.0, 1.0, 0.0])))
         for i in range(int(wheel.rollers)):
             row = parameters.roller_rows[row_index(wheel, i)]
             gamma = row.phase + 2.0 * wheel.alpha * i
             d = np.array([np.sin(gamma), 0.0, -np.cos(gamma)])  # in the disk, whose spin angle is in its rotation
             axis = wheel.cos_psi * np.cross([0.0, 1.0, 0.0], d) + wheel.sin_psi * np.array([0.0, 1.0, 0.0])
             place = wheel.roller_distance * d + np.array([0.0, row.offset, 0.0])
-            joint_residuals(gaps, speeds, bodies, rotation, disk, disk + 1 + i, place, axis, up)
-    norms = np.linalg.norm(bodies[..., 3:7], axis=-1)
+            joints.append(Joint(disk, disk + 1 + i, place, axis, up))
+    for joint in joints:
+        gaps += position_residuals(bodies, joint)
+        speeds += velocity_residuals(bodies, joint)
+    norms = np.linalg.norm(quaternion, axis=-1)
     gaps += list((norms[:, norms[0] > 0.0] - 1.0).T) if len(y) else []
     return {
         "constraints/position": np.abs(gaps).max(axis=0),
@@ -50,17 +71,22 @@ def residuals(parameters: Parameters, y: np.ndarray) -> dict[str, np.ndarray]:
     }
 
 
-def joint_residuals(gaps, speeds, bodies, rotation, parent, child, point, axis, own_axis) -> None:
-    """Append the residuals of a revolute joint at `point` and along `axis` of the parent, and along `own_axis` of the
-    child, whose centre of mass it holds."""
-    arm, along = rotation[:, parent] @ point, rotation[:, parent] @ axis
-    now = rotation[:, child] @ own_axis
-    gaps += list((bodies[:, child, :3] - bodies[:, parent, :3] - arm).T)
-    gaps += list(np.cross(along, now).T)
-    rate = bodies[:, parent, 10:]
-    speeds += list((bodies[:, child, 7:10] - bodies[:, parent, 7:10] - np.cross(rate, arm)).T)
-    relative = bodies[:, child, 10:] - rate
-    speeds += list((relative - np.sum(relative * along, axis=1)[:, None] * along).T)
+def position_residuals(bodies: Bodies, joint: Joint) -> list[np.ndarray]:
+    """Six (T,): the gap between the two points of a joint, and the sines of the angles between its two axes."""
+    parent, child = joint.parent, joint.child
+    arm, along = bodies.rotation[:, parent] @ joint.point, bodies.rotation[:, parent] @ joint.axis
+    now = bodies.rotation[:, child] @ joint.own_axis
+    return [*(bodies.position[:, child] - bodies.position[:, parent] - arm).T, *np.cross(along, now).T]
+
+
+def velocity_residuals(bodies: Bodies, joint: Joint) -> list[np.ndarray]:
+    """Six (T,): the relative velocity of the two points, and the relative rate but for that about the axis."""
+    parent, child = joint.parent, joint.child
+    arm, along = bodies.rotation[:, parent] @ joint.point, bodies.rotation[:, parent] @ joint.axis
+    rate = bodies.rate[:, parent]
+    relative = bodies.rate[:, child] - rate
+    apart = bodies.velocity[:, child] - bodies.velocity[:, parent] - np.cross(rate, arm)
+    return [*apart.T, *(relative - np.sum(relative * along, axis=1)[:, None] * along).T]
 
 
 def matrices(q: np.ndarray) -> np.ndarray:
