@@ -26,6 +26,7 @@ from omnisim.contact.set_valued import TINY, contact_forces, slip_direction, tur
 from omnisim.dynamics.normal_forces.solution import solve
 from omnisim.dynamics.normal_forces.tilt import place_load
 from omnisim.dynamics.planar_body import Acceleration, free_rate, push_of, yielding
+from omnisim.dynamics.state import TOUCHING
 
 MOST_ITERATIONS = 100  # for a share
 MOST_SWEEPS = 500  # over the wheels
@@ -111,12 +112,12 @@ def pushed(machine, acceleration, mobility, workspace, w, sign):
 def set_resting(wheel, workspace, w, mobility, acceleration):
     """The contact equations of wheel w on two rollers into `resting` and `mobility` of the workspace; its spin is
     held."""
-    for side in range(2):
+    for side in range(TOUCHING):
         contact, resting = workspace.contacts[wheel.contacts + side], workspace.resting[side]
         resting.rest = contact.rest
         resting.force[0], resting.force[1] = contact.force[0], contact.force[1]  # where the search begins
         resting.bias[0], resting.bias[1] = free_rate(contact, acceleration)
-        for other in range(2):
+        for other in range(TOUCHING):
             hh, hk, kh, kk = through_body(contact, workspace.contacts[wheel.contacts + other], mobility)
             if side == other:
                 own = yielding_along(Symmetric(hh, hk, kk), wheel.axial_mobility, contact.arm[0], contact.arm[1])
@@ -210,7 +211,7 @@ def turning(machine, workspace, w, share):
     """J_k phi'' of wheel w, N m, if its rollers carry `share` and the rest; leaves their forces in the workspace."""
     part = workspace.parts[w]
     normal, total = max(part.normal_force, 0.0), part.free_spin
-    for side in range(2):
+    for side in range(TOUCHING):
         contact = workspace.contacts[part.first + side]
         contact.share = share if side == 0 else 1.0 - share
         contact.torque = contact.share * normal * contact.unit_torque
@@ -220,7 +221,7 @@ def turning(machine, workspace, w, share):
         total -= contact.axis[1] * contact.axis[2] * contact.torque
     if workspace.resting is not None:
         find_resting_forces(machine, workspace, part, normal)
-    for side in range(2):
+    for side in range(TOUCHING):
         contact = workspace.contacts[part.first + side]
         for i in range(2):
             total += contact.spin[i] * contact.force[i]
@@ -230,12 +231,12 @@ def turning(machine, workspace, w, share):
 @merged
 def find_resting_forces(machine, workspace, part, normal):
     """Forces of the contacts of a wheel that rest, beside those that slip."""
-    for side in range(2):
+    for side in range(TOUCHING):
         contact, resting = workspace.contacts[part.first + side], workspace.resting[side]
         resting.limit = contact.share * machine.friction * normal
         if not resting.rest:
             resting.force[0], resting.force[1] = contact.force[0], contact.force[1]
     contact_forces(workspace.resting, workspace.loads.mobility)
-    for side in range(2):
+    for side in range(TOUCHING):
         contact, resting = workspace.contacts[part.first + side], workspace.resting[side]
         contact.force[0], contact.force[1] = resting.force[0], resting.force[1]

@@ -23,6 +23,12 @@ def roller_of(mode, side):
 
 
 @kernel
+def contact_count(mode):
+    """How many contacts a wheel has: its sides from 0 on."""
+    return 1 + mode.shared
+
+
+@kernel
 def roller_index(wheel, roller):
     """Which of the rollers of an axle (0..N_r-1) a roller is that was counted on through every turn."""
     return roller % wheel.rollers
@@ -38,6 +44,12 @@ def row_index(wheel, roller):
 def carries(wheel, mode, side, i):
     """Whether roller i (0..N_r-1) of an axle is that of a contact."""
     return (i - roller_of(mode, side)) % wheel.rollers == 0
+
+
+@kernel
+def sector_of(parameters, w, i, roller):
+    """Cosine and sine (an array) of the angle by which roller i (0..N_r-1) stands behind `roller`, round the axle."""
+    return parameters.sector[w, roller_index(parameters.wheels[w], i - roller)]
 
 
 @kernel

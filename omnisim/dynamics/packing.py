@@ -28,7 +28,7 @@ from omnisim.dynamics.parameters import (
     Parameters,
     Workspace,
 )
-from omnisim.dynamics.state import places_of
+from omnisim.dynamics.state import TOUCHING, places_of
 from omnisim.scene.drives import DriveLaw, Motor, drive_law
 from omnisim.scene.ideal_kinematics import inverse, rms_distance, wheel_rows
 from omnisim.scene.masses import common_centre, exact_moments, point_masses
@@ -36,7 +36,6 @@ from omnisim.scene.schema import Config, Friction, Roller, Wheel, WheelType
 
 SHORTEST = 1e-14  # relative: pieces of tables that are no longer than rounding are left out
 UPRIGHT = {"servo": SERVO, "contacts": CONTACTS}
-TOUCHING = 2  # contacts that an upright wheel may have: one roller, or on an edge two
 WRENCH = [FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE]
 
 

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from omnisim.dynamics.state import PLACES
+from omnisim.dynamics.state import PLACES, TOUCHING
 
 MACHINE = np.dtype(
     [
@@ -159,7 +159,8 @@ LOADS = np.dtype(
     [
         ("tilt", np.float64, (2, 4)),  # rows of tilt without loads: by the acceleration (x, y, yaw), right side
         ("servo", np.float64, (2,)),  # torque about chassis x and y that keeps the bodies upright, N m
-        ("mobility", np.float64, (2, 2, 2, 2)),  # 1/kg: slip acceleration of one of RESTING by the force of another
+        # slip acceleration of one of RESTING by the force of another, 1/kg
+        ("mobility", np.float64, (TOUCHING, TOUCHING, 2, 2)),
     ]
 )
 RESTING = np.dtype(

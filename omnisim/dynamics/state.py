@@ -23,6 +23,7 @@ import numpy as np
 from omnisim.base.kernel import kernel
 
 X, Y, YAW = range(3)
+TOUCHING = 2  # contacts that a wheel may have with a flat floor: one roller, or on their common edge two
 BODY_STATES = 13  # of each rigid body: see rigid_body.py
 
 
@@ -84,7 +85,7 @@ def places_of(wheels, slots, integrals, currents, bearing_friction, motors, odom
 MODE = np.dtype(
     [
         ("roller", np.int64),  # of contact 0, counted on through every turn of its axle: see indices.py
-        ("row", np.int64, (2,)),  # on which row of rollers each contact is
+        ("row", np.int64, (TOUCHING,)),  # on which row of rollers each contact is
         ("direction", np.int64),  # +1 or -1: sense in which the spin angle runs throughout a step
         ("shared", np.int64),  # 1: the wheel rests on `roller` at q = +alpha and on the one behind it, contact 1
         ("loaded", np.int64),  # 1: the floor carries the wheel
@@ -94,11 +95,11 @@ MODE = np.dtype(
         ("winding", np.float64),  # what one sample adds to that by its time, rad/s
         ("read_rate", np.float64),  # spin rate that it read then, rad/s
         ("past_rate", np.float64),  # and one sample before
-        ("saturated", np.int64, (2,)),  # branch of the saturated friction law at each contact
-        ("grip", np.int64, (2,)),  # coulomb.SLIP, STICK or CREEP
+        ("saturated", np.int64, (TOUCHING,)),  # branch of the saturated friction law at each contact
+        ("grip", np.int64, (TOUCHING,)),  # coulomb.SLIP, STICK or CREEP
         ("creep", np.float64, (2,)),  # direction of creeping slip when it began; 0: not known yet
         ("stopping", np.int64),  # 1: creeping slip is about to stop; 0: it has been released
-        ("stopped", np.int64, (2,)),  # 1: slip has just come to its end at this contact
+        ("stopped", np.int64, (TOUCHING,)),  # 1: slip has just come to its end at this contact
         ("freed", np.int64),  # how often creeping slip got a direction of its own in the grid step
         ("freed_step", np.int64),  # where it last did so
         ("air_cos", np.float64),  # sums over the rollers in the air, D_i = gamma_i - gamma_contact:
@@ -113,9 +114,10 @@ MONITORS = np.dtype(
         ("regular", np.float64),  # determinant of the loads over that without friction, 1
         ("share", np.float64),  # of contact 0 in it, 1
         ("share_margin", np.float64),  # torque with which both contacts alone would push back to the edge, N m
-        ("slip_square", np.float64, (2,)),  # |v|^2 at each contact, m^2/s^2
-        ("margin", np.float64, (2,)),  # coulomb: mu N - |F| while sticking, v . u while creeping; 0 on two rollers
-        ("factor", np.float64, (2,)),  # g of the friction law F = -g v, N s/m
+        ("slip_square", np.float64, (TOUCHING,)),  # |v|^2 at each contact, m^2/s^2
+        # coulomb: mu N - |F| while sticking, v . u while creeping; 0 on two rollers
+        ("margin", np.float64, (TOUCHING,)),
+        ("factor", np.float64, (TOUCHING,)),  # g of the friction law F = -g v, N s/m
     ]
 )
 EXTREME = np.dtype(

@@ -22,7 +22,7 @@ from omnisim.contact.tracking import (
     implicit_contact,
     roller_axis,
 )
-from omnisim.dynamics.indices import rate_place, rho_place, roller_index, roller_of, row_index
+from omnisim.dynamics.indices import rate_place, rho_place, roller_index, roller_of, row_index, sector_of
 from omnisim.dynamics.parameters import FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE
 from omnisim.dynamics.state import YAW, places
 
@@ -210,7 +210,7 @@ def bearing_rollers(parameters, mode, w, cos_q, sin_q, y):
     spin_rate, yaw_rate = y[at.spin_rate + w], y[at.yaw_rate]
     g_h, g_k, g_n, bearing_h, bearing_k, bearing_n, loss = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(wheel.rollers):
-        sector = parameters.sector[w, (i - here) % wheel.rollers]
+        sector = sector_of(parameters, w, i, here)
         axis = roller_axis(wheel, cos_q * sector[0] - sin_q * sector[1], sin_q * sector[0] + cos_q * sector[1])
         rate = y[wheel.rates + i]
         momentum = wheel.axial_inertia * rate

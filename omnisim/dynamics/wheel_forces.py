@@ -8,11 +8,11 @@ from omnisim.contact.kinematics import Jacobian, Motion, Slip, joint_rate, slip_
 from omnisim.contact.set_valued import CREEP, SLIP, STICK
 from omnisim.contact.tracking import Axis, roller_axis
 from omnisim.dynamics.actuation import actuate
-from omnisim.dynamics.indices import rate_place, roller_of
+from omnisim.dynamics.indices import contact_count, rate_place, roller_of, sector_of
 from omnisim.dynamics.normal_forces.solution import held_body, loads_known
 from omnisim.dynamics.normal_forces.tilt import TILT_X, TILT_Y, place_load, rotor_part, set_point, set_tilt, tilt_rows
 from omnisim.dynamics.planar_body import holding_force, holds, pushed_equations, set_contact, set_holding, set_lever
-from omnisim.dynamics.state import places
+from omnisim.dynamics.state import TOUCHING, places
 from omnisim.dynamics.wheel import (
     FreeWheel,
     all_rollers,
@@ -37,7 +37,7 @@ def free_wheel(parameters, stage, w, body):
         dy[at.bearing_loss] += rollers.bearing_loss
         air_rates(parameters, mode, w, state, y, dy)
     else:
-        for side in range(2):
+        for side in range(TOUCHING):
             dy[rate_place(parameters, mode, w, side)] = 0.0
     spin = drive - rollers.bearing_k - body.yaw_rate * rollers.g_h
     return FreeWheel(state, rollers, demand, drive, spin, spin_rate * rollers.g_h - rollers.bearing_n)
@@ -48,7 +48,7 @@ def set_part(parameters, mode, w, free, body, load):
     """A FreeWheel into its part of the workspace."""
     part, wheel, state, rollers = parameters.workspace.parts[w], parameters.wheels[w], free.state, free.rollers
     part.drive_torque, part.free_spin = free.drive, free.spin
-    part.contacts, part.loaded, part.normal_force = 1 + mode.shared, mode.loaded, load
+    part.contacts, part.loaded, part.normal_force = contact_count(mode), mode.loaded, load
     gyroscopic = wheel.axle_inertia * state.spin_rate * body.yaw_rate
     gyroscopic += body.yaw_rate * rollers.g_k - state.spin_rate * rollers.g_n
     about_k = rotor_part(wheel, mode.shared) * free.spin - free.drive
@@ -274,7 +274,7 @@ def air_rates(parameters, mode, w, state, y, dy):
     wheel = parameters.wheels[w]
     first, here = wheel.rates, roller_of(mode, 0)
     for i in range(wheel.rollers):
-        sector = parameters.sector[w, (i - here) % wheel.rollers]
+        sector = sector_of(parameters, w, i, here)
         cos_i = state.cos_q * sector[0] - state.sin_q * sector[1]
         sin_i = state.sin_q * sector[0] + state.cos_q * sector[1]
         joint = joint_rate(roller_axis(wheel, cos_i, sin_i), y[first + i], state.spin_rate, state.yaw_rate)

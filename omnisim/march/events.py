@@ -30,7 +30,7 @@ from omnisim.base.status import EVENT_KINDS, JAMMED, LIFT_OFF, RUNNING, TIPPING
 from omnisim.contact.friction import SATURATED
 from omnisim.contact.set_valued import CREEP, SLIP, STICK
 from omnisim.dynamics.actuation import limit_guard, next_limit
-from omnisim.dynamics.indices import roller_index, roller_of
+from omnisim.dynamics.indices import contact_count, roller_index, roller_of
 from omnisim.dynamics.normal_forces.rigid_plane import LEAST_REGULAR
 from omnisim.dynamics.parameters import CONTACTS
 from omnisim.dynamics.state import places
@@ -128,7 +128,7 @@ def all_hold(parameters, run, w):
     held = held and guard(parameters, run, Guard(JAM, w, 0), True) >= 0.0
     held = held and guard(parameters, run, Guard(DRIVE, w, 0), True) >= 0.0
     if parameters.workspace.resting is not None or parameters.machine.law == SATURATED:
-        for side in range(1 + run.mode[w].shared):
+        for side in range(contact_count(run.mode[w])):
             held = held and guard(parameters, run, Guard(KINK, w, side), True) >= 0.0
             held = held and guard(parameters, run, Guard(GRIP, w, side), True) >= 0.0
             held = held and guard(parameters, run, Guard(YOUNG, w, side), True) >= 0.0
@@ -287,7 +287,7 @@ def end_slips(parameters, run, log, w, side, time):
     come_to_rest(parameters, run, w, side, True, time)
     for v in range(len(run.mode)):
         mode = run.mode[v]
-        for other in range(1 + mode.shared):
+        for other in range(contact_count(mode)):
             if mode.stopped[other]:
                 which = roller_index(parameters.wheels[v], roller_of(mode, other)) if mode.shared else -1  # of the two
                 record(run.clock, log, time, STUCK, v, which, -1)

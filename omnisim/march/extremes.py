@@ -12,6 +12,7 @@ import numpy as np
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3, cross, dot
+from omnisim.dynamics.indices import contact_count
 from omnisim.dynamics.multibody.joint_forces import mounting, recover
 from omnisim.dynamics.state import YAW, X, Y, places
 from omnisim.dynamics.wheel import azimuth_of, body_motion, world_heading
@@ -77,7 +78,7 @@ def follow(parameters, run, rows, row):
             widen(seen.voltage, part.voltage)
             widen(seen.current, part.current)
             widen(seen.electrical_power, part.voltage * part.current)
-        for side in range(1 + run.mode[w].shared):
+        for side in range(contact_count(run.mode[w])):
             force, slip = workspace.contacts[part.first + side].force, workspace.contacts[part.first + side].slip
             seen.friction_square = max(seen.friction_square, force[0] * force[0] + force[1] * force[1])
             seen.slip_square = max(seen.slip_square, slip[0] * slip[0] + slip[1] * slip[1])

@@ -21,7 +21,7 @@ from omnisim.contact.kinematics import Motion, Slip, slip_acceleration
 from omnisim.contact.mobility import across, inverse_mass
 from omnisim.contact.set_valued import CREEP, SLIP, STICK
 from omnisim.dynamics.impulses import align_slip, change_slip
-from omnisim.dynamics.indices import rate_place
+from omnisim.dynamics.indices import contact_count, rate_place
 from omnisim.dynamics.state import places
 from omnisim.dynamics.wheel import body_motion, centre_acceleration, contact_state
 from omnisim.march.runge_kutta import refresh
@@ -164,7 +164,7 @@ def come_to_rest(parameters, run, w, side, others, t):
     """
     for v in range(len(run.mode)):
         mode = run.mode[v]
-        for other in range(1 + mode.shared):
+        for other in range(contact_count(mode)):
             stopped = (v == w and other == side) or (others and rests(parameters, run, v, other))
             mode.stopped[other] = stopped
             if stopped:

@@ -21,6 +21,7 @@ from omnisim.base.status import (
     TOO_STIFF,
 )
 from omnisim.dynamics.actuation import sample
+from omnisim.dynamics.indices import contact_count
 from omnisim.dynamics.multibody.joint_kinematics import project_bodies
 from omnisim.march.event_location import GRID_ROUNDING, step_to_event
 from omnisim.march.events import (
@@ -192,7 +193,7 @@ def end_old_slips(parameters, run, rows, log, t):
     """Let contacts stick or creep whose slip has come to its end, or will soon."""
     resting, stopping = False, False
     for w in range(len(run.mode)):
-        for side in range(1 + run.mode[w].shared):
+        for side in range(contact_count(run.mode[w])):
             resting = resting or rests(parameters, run, w, side)
     if resting:
         end_slips(parameters, run, log, -1, 0, t)

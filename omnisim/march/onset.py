@@ -14,7 +14,7 @@ from omnisim.base.kernel import merged, outlined
 from omnisim.base.status import RUNNING
 from omnisim.contact.friction import SATURATED
 from omnisim.contact.set_valued import SLIP
-from omnisim.dynamics.indices import roller_index, roller_of
+from omnisim.dynamics.indices import contact_count, roller_index, roller_of
 from omnisim.dynamics.state import places
 from omnisim.march.events import SHARED, record, restore_consistency
 from omnisim.march.friction_modes import come_to_rest
@@ -89,7 +89,7 @@ def find_friction(parameters, run, log):
         come_to_rest(parameters, run, -1, 0, True, 0.0)
     elif parameters.machine.law == SATURATED:
         for w in range(len(run.mode)):
-            for side in range(1 + run.mode[w].shared):
+            for side in range(contact_count(run.mode[w])):
                 fast = run.monitors[w].slip_square[side] > slip_speed * slip_speed
                 run.mode[w].saturated[side] = fast
         refresh(parameters, run, 0.0)

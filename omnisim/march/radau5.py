@@ -12,6 +12,7 @@ J couples the states `Newton.active` alone, those that forces depend on; the oth
 import math
 
 from omnisim.base.kernel import kernel, merged, outlined
+from omnisim.dynamics.indices import contact_count
 from omnisim.march.runge_kutta import copy, evaluate
 
 MOST_ITERATIONS = 25
@@ -75,7 +76,7 @@ def differentiate(parameters, run, t):
     newton, speed = run.newton, 1.0
     shifted, jacobian = newton.stages[6], newton.real[: len(newton.active)]
     for w in range(len(run.monitors)):
-        for side in range(1 + run.mode[w].shared):
+        for side in range(contact_count(run.mode[w])):
             speed = min(speed, math.sqrt(run.monitors[w].slip_square[side]) + parameters.machine.slip_floor)
     shift = min(max(STEEP * speed, LEAST_SHIFT), MOST_SHIFT)
     copy(run.y, run.stage)

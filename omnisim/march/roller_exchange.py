@@ -7,8 +7,8 @@ from omnisim.contact.friction import SATURATED
 from omnisim.contact.set_valued import SLIP
 from omnisim.contact.tracking import explicit_touches, implicit_touches, roller_axis
 from omnisim.dynamics.contact_forces import LOST
-from omnisim.dynamics.indices import carries, rate_place, roller_index, roller_of, row_index
-from omnisim.dynamics.state import places
+from omnisim.dynamics.indices import carries, contact_count, rate_place, roller_index, roller_of, row_index, sector_of
+from omnisim.dynamics.state import TOUCHING, places
 from omnisim.dynamics.wheel import azimuth_of, rho_of, roller_end
 from omnisim.march.friction_modes import come_to_rest, rest_speed, rests
 from omnisim.march.runge_kutta import copy, evaluate, refresh
@@ -84,7 +84,7 @@ def edge_rounding(parameters, mode, w, y, monitors):
     """Rounding of such a torque, N m: of the load, and on two rollers of friction of tiny slip."""
     force = LOST * abs(monitors.normal_force)
     if mode.shared:
-        for side in range(2):
+        for side in range(TOUCHING):
             if mode.grip[side] == SLIP:
                 force += SLIP_ROUNDING * rest_speed(parameters, mode, w, side, y) * monitors.factor[side]
     return force * parameters.wheels[w].radius
@@ -124,10 +124,10 @@ def stand_on(parameters, run, w, roller, shared, t):
 def renew_friction(parameters, run, w, t):
     """Mode of the friction at the contacts of wheel w as their slip is, and the derivative."""
     mode, slip_speed = run.mode[w], parameters.machine.slip_speed
-    for side in range(2):
+    for side in range(TOUCHING):
         mode.grip[side] = SLIP
     refresh(parameters, run, t)
-    for side in range(1 + mode.shared):
+    for side in range(contact_count(mode)):
         if parameters.workspace.resting is not None:
             if rests(parameters, run, w, side):
                 come_to_rest(parameters, run, w, side, False, t)
@@ -166,7 +166,7 @@ def take_rollers(parameters, run, w, roller, shared):
     """
     mode, wheel = run.mode[w], parameters.wheels[w]
     mode.roller, mode.shared = roller, shared
-    for side in range(2):
+    for side in range(TOUCHING):
         mode.row[side] = row_index(wheel, roller_of(mode, side))
     mode.air_cos, mode.air_sin, mode.air_sum = 0.0, 0.0, 0.0
     for i in range(wheel.rollers):
@@ -178,7 +178,7 @@ def take_rollers(parameters, run, w, roller, shared):
         elif shared and carries(wheel, mode, 1, i):
             place = rate_place(parameters, mode, w, 1)
         else:
-            sector = parameters.sector[w, roller_index(wheel, i - roller)]
+            sector = sector_of(parameters, w, i, roller)
             mode.air_cos += rate * sector[0]
             mode.air_sin += rate * sector[1]
             mode.air_sum += rate
@@ -194,6 +194,6 @@ def release_rollers(parameters, run, w):
         for i in range(wheel.rollers):
             run.rates[w, i] = run.y[wheel.rates + i]
     else:
-        for side in range(1 + mode.shared):
+        for side in range(contact_count(mode)):
             i = roller_index(wheel, roller_of(mode, side))
             run.rates[w, i] = run.y[rate_place(parameters, mode, w, side)]

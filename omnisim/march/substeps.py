@@ -11,6 +11,7 @@ from omnisim.base.kernel import kernel
 from omnisim.base.methods import IMPLICIT
 from omnisim.contact.mobility import largest
 from omnisim.contact.set_valued import CREEP, SLIP, TINY
+from omnisim.dynamics.indices import contact_count
 from omnisim.march.friction_modes import COARSE_STEP, CREEP_SPEED, slip_rate
 
 SLIP_FRACTION = 0.75  # of the time in which slip could stop, that one explicit sub-step may take at most
@@ -36,7 +37,7 @@ def step_length(parameters, run, t, h):
     # rates at which friction relaxes slip or a roller's rate, or a current settles; at which slip turns; changes, 1/s
     relaxation, turning, pace = max(machine.bearing_relaxation, machine.current_relaxation, TINY), TINY, TINY
     for w in range(len(run.mode)):
-        for side in range(1 + run.mode[w].shared):
+        for side in range(contact_count(run.mode[w])):
             factor, grip = run.monitors[w].factor[side], run.mode[w].grip[side]
             if parameters.workspace.resting is not None and grip == CREEP:  # it will stop soon, or go its own way
                 rate, _, _ = slip_rate(parameters, run, w, side)
@@ -89,7 +90,7 @@ def outrun(parameters, run, h):
     if parameters.workspace.resting is None or clock.implicit:
         return False
     for w in range(len(run.mode)):
-        for side in range(1 + run.mode[w].shared):
+        for side in range(contact_count(run.mode[w])):
             relaxation = run.monitors_end[w].factor[side] * parameters.machine.slip_mobility
             stiff = run.mode[w].grip[side] == SLIP and h * relaxation > OUTRUN * clock.stability_limit
             if stiff or not math.isfinite(run.monitors_end[w].slip_square[side]):

@@ -16,7 +16,7 @@ from omnisim.contact.set_valued import CREEP
 from omnisim.contact.tracking import Axis, Heading, explicit_contact, implicit_contact
 from omnisim.dynamics.actuation import actuate, rest_motors
 from omnisim.dynamics.contact_forces import find_contact_forces
-from omnisim.dynamics.indices import body_place, carries, roller_index, roller_of
+from omnisim.dynamics.indices import body_place, carries, contact_count, roller_index, roller_of
 from omnisim.dynamics.multibody.chassis import (
     Balance,
     chassis_balance,
@@ -146,7 +146,7 @@ def join_wheel(parameters, stage, w, carrier):
     needed = moving(art, carrier.body.rate, spin_rate, arm, nothing, nothing)
     _, free = transmitted(art, needed, drive, held)
     part = workspace.parts[w]
-    part.slides, part.contacts, part.loaded = 0, 1 + mode.shared, mode.loaded
+    part.slides, part.contacts, part.loaded = 0, contact_count(mode), mode.loaded
     part.sought = mode.loaded and (mode.shared or mode.grip[0] == CREEP)
     part.demand, part.drive_torque, part.free_spin = demand, drive, drive - dot(art.axle, needed.moment)
     part.tilt[0], part.tilt[1] = 0.0, 0.0  # it is in the rows of all
