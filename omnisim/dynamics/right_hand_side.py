@@ -15,7 +15,6 @@ import math
 from omnisim.base.kernel import kernel, merged
 from omnisim.base.trigonometry import cos_sin
 from omnisim.contact.friction import VISCOUS
-from omnisim.contact.set_valued import SLIP
 from omnisim.contact.tracking import rho_rate, roller_axis
 from omnisim.dynamics.actuation import rest_motors
 from omnisim.dynamics.contact_forces import find_contact_forces
@@ -24,9 +23,10 @@ from omnisim.dynamics.multibody.right_hand_side import multibody_rhs
 from omnisim.dynamics.normal_forces.solution import given_load, loads_known, solve
 from omnisim.dynamics.normal_forces.tilt import set_body_tilt
 from omnisim.dynamics.planar_body import Acceleration, free_equations, inclined_equations
+from omnisim.dynamics.sliding_wheel import press_wheel, slide_wheel, slides_alone
 from omnisim.dynamics.state import YAW, X, Y, places
 from omnisim.dynamics.wheel import body_motion, external_wrench, rho_of, world_heading
-from omnisim.dynamics.wheel_forces import move_wheel, observe_wheel, press_wheel, slide_wheel
+from omnisim.dynamics.wheel_forces import move_wheel, observe_wheel
 
 
 @kernel
@@ -68,7 +68,7 @@ def reduced_rhs(parameters, stage):
     share = given_load(machine, load, len(wheels))
     for w in range(len(wheels)):
         part = workspace.parts[w]
-        part.slides = mode[w].grip[0] == SLIP and not mode[w].shared and (known or machine.law != VISCOUS)
+        part.slides = slides_alone(machine, mode[w])
         if part.slides:
             equations, loss, work = slide_wheel(parameters, stage, w, body, share, equations)
             heat, power = heat + loss, power + work
