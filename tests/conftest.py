@@ -1,4 +1,4 @@
-"""The whole suite runs on all cores, once its kernels are compiled. And the folder that tests of the command run in.
+"""The whole suite runs on all cores, once its kernels are compiled. And what tests of several rooms share.
 
 One thread for linear algebra, before any test imports NumPy: the oracle solves 60 to 320 equations thousands of times.
 A second thread gains nothing, and on a busy machine each solve waits for the slower of the two: ten times as long and
@@ -6,6 +6,7 @@ more.
 """
 
 import os
+import shutil
 import subprocess
 import sys
 
@@ -44,3 +45,19 @@ def folder(tmp_path, monkeypatch):
     """An empty folder, which the test runs in."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
+
+
+@pytest.fixture(scope="session")
+def browser():
+    """One for all pages, as playwright starts but one in a process; it draws without a graphics card."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="needs playwright: pip install -e '.[test]'")
+    names = ("chromium", "chromium-browser", "google-chrome")
+    chromium = next(filter(None, map(shutil.which, names)), None)
+    if chromium is None:
+        pytest.skip("needs Chromium")
+    with playwright.sync_playwright() as running:
+        opened = running.chromium.launch(
+            executable_path=chromium, args=["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+        )
+        yield opened
+        opened.close()

@@ -14,3 +14,17 @@ def command(*arguments) -> Result:
 
 def settings(*overrides: str) -> list[str]:
     return [part for override in overrides for part in ("--set", override)]
+
+
+def contents(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+
+
+def refused(result, *parts, code=2):
+    """One line that has all the parts, an exit code, and nothing on stdout."""
+    assert (result.exit_code, result.stdout) == (code, ""), result.output
+    line = result.stderr.splitlines()[-1]
+    assert line.startswith("Error: ") and result.stderr.count("Error: ") == 1, result.stderr
+    for part in parts:
+        assert part in line, line
+    return line

@@ -1,0 +1,54 @@
+"""Runs of packaged scenes, and their pages in a browser: each made once for all tests of pictures."""
+
+import pytest
+
+import omnisim
+from omnisim.pictures.viewer import page
+
+SCENES = ("coulomb_wheel", "kiwi", "mixed", "youbot")
+
+
+@pytest.fixture(scope="session")
+def runs():
+    """Trajectories of packaged scenes by name, 100 rows a second; the mecanum machine drives for 10 s."""
+    overrides = {name: ["time.output_interval=0.01"] for name in SCENES} | {"youbot": ["time.end=10.0"]}
+    return {name: omnisim.simulate(omnisim.load(name, overrides[name])) for name in SCENES}
+
+
+@pytest.fixture(scope="session")
+def youbot(runs):
+    return page(runs["youbot"])
+
+
+@pytest.fixture(scope="session")
+def shown(runs, browser, tmp_path_factory):
+    """Opens the page of a run from a file, without a network; every complaint of the browser is an error."""
+    folder, pages = tmp_path_factory.mktemp("pages"), {}
+    context = browser.new_context(offline=True)
+
+    def show(name):
+        if name not in pages:
+            (folder / f"{name}.html").write_text(page(runs[name]), encoding="utf-8")
+            tab = context.new_page()
+            tab.complaints = []
+            tab.on("pageerror", lambda error: tab.complaints.append(str(error)))
+            tab.on("console", lambda message: message.type == "error" and tab.complaints.append(message.text))
+            tab.goto((folder / f"{name}.html").as_uri())
+            tab.wait_for_function("window.omnisim", timeout=60_000)
+            pages[name] = tab
+        return pages[name]
+
+    yield show
+    context.close()
+
+
+@pytest.fixture(scope="session")
+def kiwi():
+    twist = ["command.times=[0, 0.1, 0.2]", "command.twist=[[0, 0, 0], [0.5, 0, 0], [0.5, 0, 0.5]]"]
+    changes = ["time.end=1.5", "time.output_interval=0.01", "output.bearing_loads=true", *twist]
+    return omnisim.simulate(omnisim.load("kiwi", changes))
+
+
+@pytest.fixture(scope="session")
+def wheel():
+    return omnisim.simulate(omnisim.load("coulomb_wheel", ["output.bearing_loads=true"]))
