@@ -27,7 +27,7 @@ from numba.core.untyped_passes import InlineInlinables, RewriteSemanticConstants
 
 @register_pass(mutates_CFG=False, analysis_only=False)
 class FoldAbsent(FunctionPass):
-    """What a scene does not have is None in what its kernels are given, so `parameters.rho is None` is known from the
+    """What a scene does not have is None in what its kernels are given, so `run.newton is None` is known from the
     types: it becomes a constant, and Numba drops the branch that is never taken before it looks at what is in it."""
 
     _name = "fold_absent"

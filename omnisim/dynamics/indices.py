@@ -64,7 +64,7 @@ def rate_place(parameters, mode, w, side):
 @kernel
 def rho_place(parameters, w, i):
     """Where rho of roller i (0..N_r-1) stands in the state: all rho follow one another, axle by axle."""
-    return parameters.rho + 3 * (w * parameters.sector.shape[1] + i)
+    return places(parameters).rho + 3 * (w * parameters.sector.shape[1] + i)
 
 
 @kernel

@@ -69,8 +69,7 @@ def pack(config: Config) -> Parameters:
     machine["slip_mobility"] = max(slip_mobility_bound(machine, wheel) for wheel in wheels)
     packed, starts_inputs = records(WHEEL, wheels), merge_tables(config, rows)
     constants = records(MACHINE, [machine])[0], packed, rows_of(packed), sectors(packed.rollers)
-    rho = np.uint32(machine["places"].rho) if config.solver.tracking == "implicit" else None
-    return Parameters(*constants, *starts_inputs, workspace(config, packed, most), rho)
+    return Parameters(*constants, *starts_inputs, workspace(config, packed, most))
 
 
 def workspace(config: Config, packed: np.recarray, rollers: int) -> Workspace:
@@ -138,6 +137,7 @@ def machine_values(config: Config, types: list[WheelType]) -> dict:
         "viscosity": friction.viscosity,
         "slip_floor": slip_floor(friction, whole.mass * normal),
         "patch_radius": friction.patch_radius if friction.contact_torque != "none" else 0.0,
+        "implicit_tracking": config.solver.tracking == "implicit",
         "chassis_mass": config.chassis.mass if config.chassis else 0.0,
         "chassis_inertia": config.chassis.inertia if config.chassis else (0.0, 0.0, 0.0),
         "bearing_friction": bearing_friction,

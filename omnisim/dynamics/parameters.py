@@ -24,6 +24,7 @@ MACHINE = np.dtype(
         ("viscosity", np.float64),  # N s/m
         ("slip_floor", np.float64),  # slip over which friction changes near zero slip, m/s
         ("patch_radius", np.float64),  # of the contact patch, m; 0: no contact torque
+        ("implicit_tracking", np.int64),  # 1: contacts are found from the rho of rollers, which are states
         ("chassis_mass", np.float64),  # kg; 0 of a bare wheel
         ("chassis_inertia", np.float64, (3,)),  # about its own axes, kg m^2
         ("bearing_friction", np.int64),  # 1: bearing friction
@@ -219,8 +220,7 @@ class Parameters(NamedTuple):
 
     machine: record MACHINE. wheels: (W,) records WHEEL. roller_rows: records ROLLER_ROW of the rows of rollers of all
     wheels. sector: (W, N, 2) cosine and sine of 2 pi i / N_r. starts: (S,) where the pieces begin, s. inputs: (S, 4 +
-    W, 2) value at the start of the piece and slope of every channel. workspace: Workspace. rho: where
-    those of the rollers begin in the state; None with explicit tracking.
+    W, 2) value at the start of the piece and slope of every channel. workspace: Workspace.
     """
 
     machine: np.record
@@ -230,4 +230,3 @@ class Parameters(NamedTuple):
     starts: np.ndarray
     inputs: np.ndarray
     workspace: Workspace
-    rho: np.uint32 | None

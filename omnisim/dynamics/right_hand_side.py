@@ -40,7 +40,7 @@ def rhs(parameters, stage):
         reduced_rhs(parameters, stage)
     if parameters.machine.odometry:
         odometry_rates(parameters, stage.y, stage.dy)
-    if parameters.rho is not None:
+    if parameters.machine.implicit_tracking:
         rho_rates(parameters, body_motion(parameters, stage.y), stage.y, stage.dy)
 
 

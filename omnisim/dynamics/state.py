@@ -224,8 +224,8 @@ class Recording(NamedTuple):
     """What is recorded at the T output times, and of the interval that each of them ends; the next one is under way.
 
     y (T, n): states; rates (T, W, N); mode (T, W); piece (T,); extremes (T, W): records EXTREME. bearing_extremes
-    (T, W, N + 1, 4): of axle and rollers as extremes.py counts them, None if nobody asks for them; odometry_extremes
-    (T, 3): of the error of the reported pose, no rows where a scene has none.
+    (T, W, N + 1, 4): of axle and rollers as extremes.py counts them, odometry_extremes (T, 3): of the error of the
+    reported pose; no rows where a scene has none.
     """
 
     y: np.ndarray
@@ -233,5 +233,5 @@ class Recording(NamedTuple):
     mode: np.recarray
     piece: np.ndarray
     extremes: np.recarray
-    bearing_extremes: np.ndarray | None
+    bearing_extremes: np.ndarray
     odometry_extremes: np.ndarray

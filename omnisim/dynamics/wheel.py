@@ -165,7 +165,7 @@ def contact_state(parameters, mode, w, side, body, y):
     q = azimuth(wheel, row, roller, y[at.spin_angle + w])
     cos_q, sin_q = cos_sin(q)
     axis = roller_axis(wheel, cos_q, sin_q)
-    if parameters.rho is not None:
+    if parameters.machine.implicit_tracking:
         rho = rho_of(parameters, y, w, roller_index(wheel, roller))
         contact = implicit_contact(wheel, world_heading(wheel, body), axis, rho)
     else:

@@ -39,7 +39,7 @@ def begin_interval(parameters, run, rows, row):
         begin_pair(seen.voltage)
         begin_pair(seen.current)
         begin_pair(seen.electrical_power)
-    if rows.bearing_extremes is not None:
+    if len(rows.bearing_extremes):
         for w in range(len(run.mode)):
             for j in range(rows.bearing_extremes.shape[2]):
                 found = rows.bearing_extremes[row, w, j]
@@ -84,7 +84,7 @@ def follow(parameters, run, rows, row):
             seen.slip_square = max(seen.slip_square, slip[0] * slip[0] + slip[1] * slip[1])
     if len(rows.odometry_extremes):
         follow_odometry(parameters, run.y, rows.odometry_extremes[row])
-    if rows.bearing_extremes is not None:
+    if len(rows.bearing_extremes):
         follow_bearings(parameters, run, rows.bearing_extremes[row])
 
 

@@ -79,7 +79,7 @@ def blank_rows(run: Run, count: int, bearing_loads: bool = False, odometry: bool
         mode=blank(MODE, count, wheels),
         piece=np.empty(count, np.uint32),
         extremes=blank(EXTREME, count, wheels),
-        bearing_extremes=np.empty((count, wheels, rollers + 1, 4)) if bearing_loads else None,
+        bearing_extremes=np.empty((count * bearing_loads, wheels, rollers + 1, 4)),
         odometry_extremes=np.empty((count * odometry, 3)),
     )
 
@@ -108,7 +108,7 @@ def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, n
     rates -= yaw_rate * (wheels["cos_psi"][:, None] * np.sin(q))
     there = np.arange(rollers) < wheels["rollers"][:, None]
     rates[~there] = 0.0
-    if parameters.rho is not None:
+    if parameters.machine.implicit_tracking:
         headings = yaw + np.radians([wheel.heading_deg for wheel in config.wheels])
         y[at.rho : at.bodies].reshape(count, rollers, 3)[there] = -roller_directions(q, headings)[there]
     return y, rates

@@ -51,7 +51,7 @@ class Observed(NamedTuple):
     slopes (T, n): y'; servo (T, 2): torque about chassis x and y, N m; wheels (T, W): records OBSERVED_WHEEL;
     joint_rate (T, W, N), rad/s; motion (3, T, W, N, 3): position, velocity and acceleration of every roller centre,
     world axes; bearing_loads (T, W, N + 1, 2, 3): force (N) and moment (N m) of the axles of each wheel and its
-    rollers, along their own directions, None if nobody asks for them.
+    rollers, along their own directions, or no rows if nobody asks for them.
     """
 
     slopes: np.ndarray
@@ -59,7 +59,7 @@ class Observed(NamedTuple):
     wheels: np.recarray
     joint_rate: np.ndarray
     motion: np.ndarray
-    bearing_loads: np.ndarray | None
+    bearing_loads: np.ndarray
 
 
 @kernel
@@ -89,7 +89,7 @@ def observe(parameters, rows, times, monitors, observed):
             for i in range(2):
                 seen.slip_velocity[i], seen.friction_force[i] = contact.slip[i], contact.force[i]
             observe_rollers(parameters, rows, row, w, body, observed)
-            if observed.bearing_loads is not None:
+            if len(observed.bearing_loads):
                 if workspace.articulated is None:
                     recover(parameters, mode[w], w, y, slopes, rows.rates[row, w])
                 resolve_joints(parameters, w, y, observed.bearing_loads[row, w])
@@ -99,7 +99,7 @@ def observe(parameters, rows, times, monitors, observed):
 def contact_angle(parameters, mode, w, heading, y):
     """q of the roller in contact, rad: from the spin angle, or from the rho that the implicit tracking integrated."""
     wheel, at = parameters.wheels[w], places(parameters)
-    if parameters.rho is not None:
+    if parameters.machine.implicit_tracking:
         rho = rho_of(parameters, y, w, roller_index(wheel, mode.roller))
         return math.atan2(-rho.x * heading.cos - rho.y * heading.sin, rho.z)
     return azimuth(wheel, parameters.roller_rows[mode.row[0]], mode.roller, y[at.spin_angle + w])
@@ -126,7 +126,7 @@ def observe_rollers(parameters, rows, row, w, body, observed):
         q = azimuth(wheel, own, i, y[at.spin_angle + w])
         axis = roller_axis(wheel, math.cos(q), math.sin(q))
         observed.joint_rate[row, w, i] = joint_rate(axis, rows.rates[row, w, i], spin_rate, yaw_rate)
-        if parameters.rho is not None:  # what it integrated is what it shows
+        if parameters.machine.implicit_tracking:  # what it integrated is what it shows
             d = combine(-1.0, rho_of(parameters, y, w, i), 0.0, up, 0.0, up)
         else:
             d = combine(math.sin(q), h, -math.cos(q), up, 0.0, up)
@@ -152,9 +152,7 @@ def observed_rows(parameters: Parameters, rows: Recording, times: np.ndarray, be
         wheels=blank(OBSERVED_WHEEL, count, wheels),
         joint_rate=np.empty((count, wheels, rollers)),
         motion=np.empty((3, count, wheels, rollers, 3)),
-        bearing_loads=np.zeros((count, wheels, rollers + 1, 2, 3)) if bearing_loads else None,
+        bearing_loads=np.zeros((count if bearing_loads else 0, wheels, rollers + 1, 2, 3)),
     )
-    unread: Any = None  # by any kernel here
-    rows = rows._replace(extremes=unread, bearing_extremes=unread, odometry_extremes=unread)
     direct(observe, parameters, rows, times, blank(MONITORS, wheels), observed)
     return observed

@@ -146,7 +146,7 @@ def touching(parameters, w, y):
     for i in range(wheel.rollers):
         q = azimuth_of(parameters, w, i, y[at.spin_angle + w])
         cos_q, sin_q = math.cos(q), math.sin(q)
-        if parameters.rho is None:
+        if not parameters.machine.implicit_tracking:
             touches = explicit_touches(wheel, cos_q)
         else:
             touches = implicit_touches(wheel, roller_axis(wheel, cos_q, sin_q), rho_of(parameters, y, w, i))

@@ -38,7 +38,7 @@ def check(parameters, run):
         return
     stiff = -1
     for w in range(len(run.mode)):
-        if parameters.rho is not None:
+        if parameters.machine.implicit_tracking:
             rho = rho_of(parameters, run.y, w, roller_index(parameters.wheels[w], run.mode[w].roller))
             if abs(dot(rho, rho) - 1.0) > LOST:
                 clock.status, clock.wheel = LOST_TRACK, w

@@ -94,7 +94,7 @@ def outcome(config: Config, parameters: Parameters, run: Run, rows: Recording) -
 
 def so_far(rows: Recording, clock: np.record) -> Recording:
     """The rows that are written."""
-    parts: list[Any] = [values if values is None else values[: clock.row] for values in rows]
+    parts: list[Any] = [values[: clock.row] for values in rows]
     return Recording(*parts)
 
 

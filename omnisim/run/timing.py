@@ -81,9 +81,9 @@ def states_in_contact(scene: Scene, parameters: Parameters) -> np.ndarray:
     for w, wheel in enumerate(parameters.wheels):
         spin_angle = wheel.phase + wheel.alpha * np.linspace(-INSIDE, INSIDE, STATES)
         states[:, at.spin_angle + w] = spin_angle
-        if parameters.rho is not None:
+        if parameters.machine.implicit_tracking:
             heading = states[:, YAW] + math.atan2(wheel.sin_heading, wheel.cos_heading)
             rho = -roller_directions(roller_azimuths(wheel, spin_angle), heading)
-            first_rho = parameters.rho + 3 * w * parameters.sector.shape[1]
+            first_rho = at.rho + 3 * w * parameters.sector.shape[1]
             states[:, first_rho : first_rho + 3 * wheel.rollers] = rho.reshape(STATES, -1)
     return states

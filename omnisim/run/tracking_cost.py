@@ -24,7 +24,7 @@ def track(parameters, states, slopes, rounds):
     total = 0.0
     for _ in range(rounds):
         for i in range(len(states)):
-            if parameters.rho is not None:
+            if parameters.machine.implicit_tracking:
                 total += track_implicitly(parameters, states[i], slopes[i])
             else:
                 total += track_explicitly(parameters, states[i])

@@ -73,7 +73,7 @@ def test_rho_turns_with_the_wheel():
         axle = np.array([-np.sin(y[YAW]), np.cos(y[YAW]), 0.0])
         w = y[AT.spin_rate] * axle + y[AT.yaw_rate] * np.array([0.0, 0.0, 1.0])
         np.testing.assert_allclose(rate, np.cross(w, rho), rtol=0, atol=1e-12)
-        assert parameters.rho is not None
+        assert parameters.machine.implicit_tracking
 
 
 def test_a_roller_in_the_air_costs_no_state():

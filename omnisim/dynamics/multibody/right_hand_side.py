@@ -222,7 +222,7 @@ def meet(parameters, mode, w, side, carrier, body, y):
     h, k, a, rho = at_centre.h, at_centre.k, at_centre.axis, at_centre.rho
     cos_q, sin_q = -rho.z / wheel.roller_distance, dot(rho, h) / wheel.roller_distance
     axis = Axis(dot(a, h), dot(a, k), a.z)
-    if parameters.rho is not None:
+    if parameters.machine.implicit_tracking:
         touch = implicit_contact(wheel, Heading(h.x, h.y), axis, rho_of(parameters, y, w, index))
     else:
         touch = explicit_contact(wheel, cos_q, sin_q)
