@@ -108,7 +108,7 @@ def measure_all(plan: Sequence[tuple[Scene, list[Setting]]], repeats: int) -> tu
 
     measured: list[Precision] = []
     failures: list[str] = []
-    with compilation_noted():
+    with compilation_noted([scene for scene, _ in plan]):
         for scene, settings in plan:
             note(f"{scene.source}, {scene.config.friction.law}: {len(settings)} settings, in turn ...")
             with Progress(quiet=False) as watch:

@@ -68,7 +68,7 @@ def compare_pair(pair: Sequence[Scene], kind: str, choices: tuple[str, str]) -> 
     from omnisim.results.comparison import compare, divergence
     from omnisim.run import timing
 
-    with compilation_noted():
+    with compilation_noted(pair):
         trajectories, times = timing.race(pair)
         costs = timing.tracking_costs(pair) if kind == "tracking" else []
     comparison = compare(*trajectories)

@@ -59,7 +59,7 @@ def about_scene(scene: Scene) -> str:
     from omnisim.dynamics.packing import pack
 
     config = scene.config
-    with compilation_noted():
+    with compilation_noted([scene]):
         parameters = pack(config)
         sections = [aligned(run_facts(scene, parameters)), describe(config, parameters).text]
         if found := estimate_table(config):

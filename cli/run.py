@@ -95,7 +95,7 @@ def simulate_and_save(scene: Scene, path: Path, force: bool, quiet: bool) -> tup
     from .output import unwritten
 
     with Progress(quiet) as progress:
-        with compilation_noted(quiet):
+        with compilation_noted([scene], quiet):
             trajectory = simulate(scene, progress)
         if trajectory.complete:
             progress(1.0)

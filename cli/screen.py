@@ -5,11 +5,14 @@ import signal
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, nullcontext, suppress
-from typing import Any, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 import click
 
 from omnisim.base.formatting import visible
+
+if TYPE_CHECKING:
+    from omnisim.scene.scene import Scene
 
 STOPPED, BAD_INPUT = 1, 2  # exit codes
 BAR_LENGTH = 1000
@@ -96,8 +99,8 @@ def leave_at_once(*_: object) -> None:
 
 
 @contextmanager
-def compilation_noted(quiet: bool = False) -> Iterator[None]:
-    """Says so, once, when Numba begins to compile a kernel that its cache does not hold."""
+def compilation_noted(scenes: Iterable["Scene"], quiet: bool = False) -> Iterator[None]:
+    """Says so, once, when Numba begins to compile a kernel that its cache does not hold, and for what kind of scene."""
     from numba.core import event
 
     class Announcement(event.Listener):
@@ -105,8 +108,11 @@ def compilation_noted(quiet: bool = False) -> Iterator[None]:
 
         def on_start(self, _: event.Event) -> None:
             if not self.silent:
-                note("compiling kernels, once: this takes two or three minutes")
-            self.silent = True
+                self.silent = True
+                from omnisim.run.warming import kind_of
+
+                kinds = ", then for ".join(dict.fromkeys(str(kind_of(scene)) for scene in scenes))
+                note(f"compiling kernels for {kinds}: once, about a minute")
 
         def on_end(self, _: event.Event) -> None:
             pass

@@ -1,4 +1,4 @@
-"""`omnisim warmup`: compiles every kernel, so that no later run has to wait."""
+"""`omnisim warmup`: compiles kernels, so that no later run has to wait."""
 
 import time
 
@@ -6,30 +6,25 @@ import click
 
 from .screen import note
 
-TINY = ("time.end=0.01", "time.step=0.001", "time.output_interval=0.01")
-
 
 @click.command()
-def warmup() -> None:
-    """Compile every kernel now, so that the first run starts at once.
+@click.argument("scenes", nargs=-1, metavar="[SCENE]...")
+def warmup(scenes: tuple[str, ...]) -> None:
+    """Compile now what runs of these scenes need, or else every kernel, so that the first run starts at once.
 
-    Compiled kernels stay on disk until omnisim, Numba or the processor change.
+    Scenes of one kind share all kernels: kinds differ in formulation, in set-valued or smooth friction, and in implicit
+    or explicit steps. Compiled kernels stay on disk until omnisim, Numba or the processor change.
+
+    \b
+    omnisim warmup                          all kinds
+    omnisim warmup youbot scene.toml        those of these scenes
     """
-    note("compiling kernels ...")
     begun = time.perf_counter()
     from omnisim.base.kernel import CACHE_DIRECTORY
-    from omnisim.dynamics.packing import pack
-    from omnisim.march.stiffness import explanation
-    from omnisim.run import timing
+    from omnisim.run.warming import warm
     from omnisim.scene.scene import load
 
-    from .info import wheel_facts
-
-    for tracking in ("explicit", "implicit"):
-        scene = load("six_rollers", [*TINY, f"solver.tracking={tracking}"])
-        timing.simulate(scene)
-        timing.tracking_cost(scene)
-        parameters = pack(scene.config)
-        explanation(scene.config, parameters)
-        wheel_facts(parameters.wheels[0])
+    loaded = [load(scene) for scene in scenes] or None
+    note("compiling kernels, once, where they are not on disk ...")
+    warm(loaded, lambda kind: note(f"{kind}: ready after {time.perf_counter() - begun:.2g} s"))
     click.echo(f"kernels ready after {time.perf_counter() - begun:.2g} s, in {CACHE_DIRECTORY}")

@@ -22,7 +22,7 @@ from numba.core.compiler import Compiler, CompileResult
 from numba.core.compiler_machinery import FunctionPass, register_pass
 from numba.core.ir_utils import get_definition, guard
 from numba.core.typed_passes import NativeLowering
-from numba.core.untyped_passes import InlineInlinables, RewriteSemanticConstants
+from numba.core.untyped_passes import RewriteSemanticConstants
 
 
 @register_pass(mutates_CFG=False, analysis_only=False)
@@ -240,7 +240,6 @@ class KernelCompiler(Compiler):
         self.state.flags.noalias = True
         first, *others = super().define_pipelines()
         first.add_pass_after(FoldAbsent, RewriteSemanticConstants)
-        first.add_pass_after(FoldAbsent, InlineInlinables)  # in the functions that became part of this one
         first.passes = [(self.lowering if step is NativeLowering else step, why) for step, why in first.passes]
         first.finalize()
         return [first, *others]

@@ -142,14 +142,6 @@ def kernel(function):
     return compiled(function, inline=True)
 
 
-def merged(function):
-    """A kernel that becomes part of its caller's source: for steps of one long computation.
-
-    It is compiled with its callers only, while inlined ones are compiled by themselves as well.
-    """
-    return compiled(function, inline=False, inlining="always")
-
-
 def outlined(function):
     """A kernel that is called, not inlined: for long functions with many uses, where compiling counts more."""
     return compiled(function, inline=False)
@@ -199,10 +191,10 @@ class Kernel(CPUDispatcher):
         return super().compile(tuple(map(unliteral, signature)) if isinstance(signature, tuple) else signature)
 
 
-def compiled(function, inline, inlining="never"):
+def compiled(function, inline):
     if numba_config.DISABLE_JIT:
         return function
-    options = OPTIONS | {"forceinline": inline, "inline": inlining}
+    options = OPTIONS | {"forceinline": inline}
     dispatcher = cached(Kernel(function, targetoptions=options, pipeline_class=PartCompiler))
     dispatcher._cache._impl.__class__ = PartResults
     return dispatcher

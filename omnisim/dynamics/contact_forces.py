@@ -19,7 +19,7 @@ contact equations of the one wheel, while the body's acceleration follows at onc
 
 import math
 
-from omnisim.base.kernel import kernel, merged, outlined
+from omnisim.base.kernel import kernel, outlined
 from omnisim.contact.kinematics import Slip
 from omnisim.contact.mobility import Symmetric, across, yielding_along
 from omnisim.contact.set_valued import TINY, contact_forces, slip_direction, turned
@@ -61,7 +61,7 @@ def converged(change, last):
     return change <= TOLERANCE or (change <= ROUNDING and change >= last)
 
 
-@merged
+@kernel
 def find_shared_forces(machine, wheels, workspace, mobility, acceleration):
     """Forces of all wheels on two rollers under the loads in the workspace: the largest change, relative, of the first
     sweep over them."""
@@ -108,7 +108,7 @@ def pushed(machine, acceleration, mobility, workspace, w, sign):
     )
 
 
-@merged
+@kernel
 def set_resting(wheel, workspace, w, mobility, acceleration):
     """The contact equations of wheel w on two rollers into `resting` and `mobility` of the workspace; its spin is
     held."""
@@ -126,7 +126,7 @@ def set_resting(wheel, workspace, w, mobility, acceleration):
             a[0, 0], a[0, 1], a[1, 0], a[1, 1] = hh, hk, kh, kk
 
 
-@merged
+@kernel
 def turn_creep(machine, wheel, workspace, w, mobility, acceleration):
     """Turn the direction of a creeping contact by one Newton correction: its size, rad."""
     contact, limit = workspace.contacts[wheel.contacts], machine.friction * max(workspace.parts[w].normal_force, 0.0)
@@ -170,7 +170,7 @@ def through_body(contact, source, mobility):
     )
 
 
-@merged
+@kernel
 def share_load(machine, wheel, workspace, w):
     """Split the load of wheel w between its two rollers: their forces and shares, and how firmly it rests on both."""
     part = workspace.parts[w]
@@ -228,7 +228,7 @@ def turning(machine, workspace, w, share):
     return total
 
 
-@merged
+@kernel
 def find_resting_forces(machine, workspace, part, normal):
     """Forces of the contacts of a wheel that rest, beside those that slip."""
     for side in range(TOUCHING):

@@ -12,7 +12,7 @@ contact_forces.py), and each wheel takes its share (`press_wheel`, `move_wheel`)
 
 import math
 
-from omnisim.base.kernel import kernel, merged
+from omnisim.base.kernel import kernel
 from omnisim.base.trigonometry import cos_sin
 from omnisim.contact.friction import VISCOUS
 from omnisim.contact.tracking import rho_rate, roller_axis
@@ -44,7 +44,7 @@ def rhs(parameters, stage):
         rho_rates(parameters, body_motion(parameters, stage.y), stage.y, stage.dy)
 
 
-@merged
+@kernel
 def reduced_rhs(parameters, stage):
     """The same of the reduced formulation, without odometry and rho."""
     machine, wheels, workspace, at = parameters.machine, parameters.wheels, parameters.workspace, places(parameters)

@@ -8,7 +8,7 @@ of rk4, minima of 450 marches in turn, all wheels by the one way or by the other
     bare wheel, 6 rollers     288   340          four wheels that carry roll and pitch     2570   2650
 """
 
-from omnisim.base.kernel import kernel, merged
+from omnisim.base.kernel import kernel
 from omnisim.contact.friction import VISCOUS, friction
 from omnisim.contact.kinematics import Slip, slip_jacobian
 from omnisim.contact.set_valued import SLIP
@@ -26,7 +26,7 @@ def slides_alone(machine, mode):
     return mode.grip[0] == SLIP and not mode.shared and (loads_known(machine) or machine.law != VISCOUS)
 
 
-@merged
+@kernel
 def slide_wheel(parameters, stage, w, body, load, equations):
     """A wheel that slides under a known load, N: the rates that follow; the BodyEquations with it, heat and power (W).
 
@@ -68,7 +68,7 @@ def slide_wheel(parameters, stage, w, body, load, equations):
     return pushed_equations(equations, x, y, free.yaw_moment + yaw), loss, power
 
 
-@merged
+@kernel
 def press_wheel(parameters, stage, w):
     """Rates of a wheel that slides under the load that has been found for it, and its heat, W."""
     wheel, part, mode, dy = parameters.wheels[w], parameters.workspace.parts[w], stage.mode[w], stage.dy

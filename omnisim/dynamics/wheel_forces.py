@@ -5,7 +5,7 @@ Wheels that slide on one roller go a shorter way, sliding_wheel.py.
 
 import math
 
-from omnisim.base.kernel import kernel, merged, outlined
+from omnisim.base.kernel import kernel, outlined
 from omnisim.contact.friction import VISCOUS, friction
 from omnisim.contact.kinematics import Jacobian, Motion, Slip, joint_rate, slip_acceleration, slip_jacobian
 from omnisim.contact.set_valued import CREEP, SLIP, STICK
@@ -65,7 +65,7 @@ def monitor_wheel(free, load, monitors):
     monitors.share, monitors.share_margin = 1.0, 0.0
 
 
-@merged
+@kernel
 def observe_wheel(parameters, stage, w, body, load, equations):
     """What a wheel finds at its contacts, into the workspace; the BodyEquations with its own moment, and the power of
     its drive.
@@ -152,7 +152,7 @@ def find_friction(parameters, mode, w, side, body, state, j):
         contact.unit[0], contact.unit[1] = -machine.friction * creep[0], -machine.friction * creep[1]
 
 
-@merged
+@kernel
 def move_wheel(parameters, stage, w, acceleration):
     """Forces on wheel w from the body's acceleration and the loads, and the rates that follow."""
     machine, wheel, workspace, at = parameters.machine, parameters.wheels[w], parameters.workspace, places(parameters)

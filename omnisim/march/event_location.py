@@ -2,7 +2,7 @@
 
 import math
 
-from omnisim.base.kernel import kernel, merged, outlined
+from omnisim.base.kernel import kernel, outlined
 from omnisim.base.status import (
     NO_CONVERGENCE,
     NOT_FINITE,
@@ -37,7 +37,7 @@ HALVING = 4  # every so many iterations halve what is left: a chord may creep al
 HERMITE_ITERATIONS = 3  # Newton's, from a chord of a guard that a cubic follows
 
 
-@merged
+@kernel
 def step_to_event(parameters, method, run, t, h):
     """A trial step of at most h, up to its first event: its length, and the Guard that fired or NO_GUARD."""
     clock = run.clock
@@ -57,7 +57,7 @@ def step_to_event(parameters, method, run, t, h):
             return 0.0, NO_GUARD
 
 
-@merged
+@kernel
 def cut_at_event(parameters, method, run, t, h):
     """Shorten the trial step to its first event: its length, and the Guard that fired or NO_GUARD.
 
@@ -170,7 +170,7 @@ def hermite_root(h, g_0, g_1, rate_0, rate_1, s):
     return x * h if 0.0 < x < 1.0 else s
 
 
-@merged
+@kernel
 def advance(parameters, method, run, t, h):
     """One step of length h from run.y into run.trial, explicit or implicit as the clock says."""
     clock = run.clock
@@ -187,7 +187,7 @@ def advance_again(parameters, method, run, t, h):
     advance(parameters, method, run, t, h)
 
 
-@merged
+@kernel
 def trial_guard(parameters, method, run, t, s, which):
     """Value of a guard after a step of length s."""
     advance_again(parameters, method, run, t, s)

@@ -25,7 +25,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from omnisim.base.kernel import kernel, merged, outlined
+from omnisim.base.kernel import kernel, outlined
 from omnisim.base.status import EVENT_KINDS, JAMMED, LIFT_OFF, RUNNING, TIPPING
 from omnisim.contact.friction import SATURATED
 from omnisim.contact.set_valued import CREEP, SLIP, STICK
@@ -172,7 +172,7 @@ def transition(parameters, run, log, fired, time):
         change_grip(parameters, run, log, kind, w, side, time)
 
 
-@merged
+@kernel
 def change_grip(parameters, run, log, kind, w, side, time):
     """A contact of set-valued friction lets go, comes to its end, or slips in a direction of its own."""
     mode, clock = run.mode[w], run.clock
@@ -187,7 +187,7 @@ def change_grip(parameters, run, log, kind, w, side, time):
         start_slip(parameters, run, w, side, time)
 
 
-@merged
+@kernel
 def change_load(parameters, run, log, w, time):
     """A wheel leaves the floor or touches down; of fewer than three that the machine stands on it falls."""
     mode, clock = run.mode[w], run.clock
@@ -203,7 +203,7 @@ def change_load(parameters, run, log, w, time):
     refresh(parameters, run, time)
 
 
-@merged
+@kernel
 def carried(parameters, run):
     """Whether the wheels on the floor do not all stand on one line: less than that carries no machine."""
     count, x, y, xx, xy, yy = 0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -251,7 +251,7 @@ def restore_consistency(parameters, run, log, time):
         run.clock.status, run.clock.wheel = JAMMED, heaviest(run)
 
 
-@merged
+@kernel
 def find_loads(parameters, run, log, time):
     """Try all sets of wheels on the floor for one that agrees with its loads, where one change calls for the next
     without end; whether there is one."""
@@ -280,7 +280,7 @@ def find_loads(parameters, run, log, time):
     return False
 
 
-@merged
+@kernel
 def end_slips(parameters, run, log, w, side, time):
     """Slips that have come to their end, and that of contact `side` of wheel w (-1: of none): the contacts stick or
     creep on."""

@@ -15,7 +15,7 @@ stops along it, at an instant that is located.
 
 import math
 
-from omnisim.base.kernel import kernel, merged, outlined
+from omnisim.base.kernel import kernel, outlined
 from omnisim.base.methods import EXPLICIT
 from omnisim.contact.kinematics import Motion, Slip, slip_acceleration
 from omnisim.contact.mobility import across, inverse_mass
@@ -191,7 +191,7 @@ def start_creep(parameters, run, w, t):
     keep_creep(parameters, run, w)
 
 
-@merged
+@kernel
 def begin_to_stop(parameters, run, t):
     """Let slips that are about to stop go on in the direction of the contact equation, in which they will."""
     for w in range(len(run.mode)):
@@ -214,7 +214,7 @@ def keep_creep(parameters, run, w):
     mode.creep[0], mode.creep[1] = creep[0], creep[1]
 
 
-@merged
+@kernel
 def start_slip(parameters, run, w, side, t):
     """Let a contact slip whose slip has grown; a creeping one in the direction of the contact equation."""
     mode = run.mode[w]
@@ -228,7 +228,7 @@ def start_slip(parameters, run, w, side, t):
     refresh(parameters, run, t)
 
 
-@merged
+@kernel
 def take_drift_away(parameters, run, t):
     """Take drift away: sticking contacts hold the slip acceleration at zero, the slip only to rounding; creeping ones
     have a direction that turns, and their slip follows."""

@@ -4,7 +4,7 @@ The grid k * dt never shifts. A grid step is cut at events and at knots of the t
 is taken from there, each piece with the mode frozen, so the order of the method survives.
 """
 
-from omnisim.base.kernel import kernel, merged, outlined
+from omnisim.base.kernel import kernel, outlined
 from omnisim.base.status import (
     COMPLETE,
     CROWDED,
@@ -99,7 +99,7 @@ def sampled(parameters, run, again):
     return due
 
 
-@merged
+@kernel
 def enter_piece(parameters, run, rows, log):
     """Enter a piece of the tables set while the march stood still; a row of this instant is renewed."""
     clock = run.clock
@@ -134,7 +134,7 @@ def write_row(parameters, run, rows):
     begin_interval(parameters, run, rows, row + 1)
 
 
-@merged
+@kernel
 def grid_step(parameters, method, run, rows, log):
     """One dt, with all its events and knots; what it passes through enters the extremes of its interval."""
     clock = run.clock
@@ -188,7 +188,7 @@ def grid_step(parameters, method, run, rows, log):
             return
 
 
-@merged
+@kernel
 def end_old_slips(parameters, run, rows, log, t):
     """Let contacts stick or creep whose slip has come to its end, or will soon."""
     resting, stopping = False, False

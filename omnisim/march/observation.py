@@ -1,7 +1,7 @@
 """The instants that a march has recorded, looked at again: forces, contacts and rollers, which a row does not hold."""
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 

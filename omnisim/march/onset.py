@@ -10,7 +10,7 @@ Where each roller alone would roll away from the edge, both motions are admissib
 turned without friction, as any smooth law does, whose friction grows from nothing; else ahead. There it stays.
 """
 
-from omnisim.base.kernel import merged, outlined
+from omnisim.base.kernel import kernel, outlined
 from omnisim.base.status import RUNNING
 from omnisim.contact.friction import SATURATED
 from omnisim.contact.set_valued import SLIP
@@ -46,7 +46,7 @@ def stand(parameters, run, log):
             return
 
 
-@merged
+@kernel
 def take_first(parameters, run):
     """Rollers as the spin tells, and of a wheel at rest on an edge as it would be turned without friction."""
     at = places(parameters)
@@ -64,7 +64,7 @@ def take_first(parameters, run):
             take_rollers(parameters, run, w, mode.roller - 1, False)
 
 
-@merged
+@kernel
 def on_edge(parameters, run, w):
     """Whether wheel w is at rest where two rollers touch."""
     ahead, behind = touching(parameters, w, run.y)

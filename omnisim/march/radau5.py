@@ -11,7 +11,7 @@ J couples the states `Newton.active` alone, those that forces depend on; the oth
 
 import math
 
-from omnisim.base.kernel import kernel, merged, outlined
+from omnisim.base.kernel import kernel, outlined
 from omnisim.dynamics.indices import contact_count
 from omnisim.march.runge_kutta import copy, evaluate
 
@@ -67,7 +67,7 @@ def implicit_step(parameters, method, run, t, h):
     return converged
 
 
-@merged
+@kernel
 def differentiate(parameters, run, t):
     """Forward differences of the active slopes at the start of the step.
 
@@ -92,7 +92,7 @@ def differentiate(parameters, run, t):
     run.clock.rhs += len(newton.active)
 
 
-@merged
+@kernel
 def factorize_all(radau, newton, h):
     """LU factors of lambda / h - J for the real and the complex eigenvalue."""
     k = len(newton.active)
@@ -107,7 +107,7 @@ def factorize_all(radau, newton, h):
     factorize(cplx, newton.pivots[1])
 
 
-@merged
+@kernel
 def correct(radau, newton, y, h):
     """One Newton correction of the increments z: its largest entry relative to 1 + |y|."""
     z, slopes, active, k = newton.stages[:3], newton.stages[3:6], newton.active, len(newton.active)

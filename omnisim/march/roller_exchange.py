@@ -2,7 +2,7 @@
 
 import math
 
-from omnisim.base.kernel import kernel, merged, outlined
+from omnisim.base.kernel import kernel, outlined
 from omnisim.contact.friction import SATURATED
 from omnisim.contact.set_valued import SLIP
 from omnisim.contact.tracking import explicit_touches, implicit_touches, roller_axis
@@ -20,7 +20,7 @@ MOMENTS = 3  # of this length, after which a torque that grows from nothing is t
 SLIP_ROUNDING = 0.1  # of the slip that no longer matters
 
 
-@merged
+@kernel
 def comes_to_rest_between(parameters, run, w, t):
     """Whether a wheel that has just turned back now rests on two rollers; if so, it does from here on.
 
@@ -101,7 +101,7 @@ def rest_on_both(parameters, run, w, ahead, t):
     stand_on(parameters, run, w, ahead, True, t)
 
 
-@merged
+@kernel
 def leave_edge(parameters, run, w, t):
     """The wheel goes on upon the roller whose push alone has ceased; the one that is left behind."""
     mode = run.mode[w]
@@ -120,7 +120,7 @@ def stand_on(parameters, run, w, roller, shared, t):
     renew_friction(parameters, run, w, t)
 
 
-@merged
+@kernel
 def renew_friction(parameters, run, w, t):
     """Mode of the friction at the contacts of wheel w as their slip is, and the derivative."""
     mode, slip_speed = run.mode[w], parameters.machine.slip_speed
@@ -158,7 +158,7 @@ def touching(parameters, w, y):
     return ahead, behind
 
 
-@merged
+@kernel
 def take_rollers(parameters, run, w, roller, shared):
     """Make `roller` (counted on through every turn), if shared also the one behind it, touch: rates enter the state.
 

@@ -1,12 +1,12 @@
 """One explicit Runge-Kutta step with a frozen mode, the tableau as data."""
 
-from omnisim.base.kernel import kernel, merged, outlined
+from omnisim.base.kernel import kernel, outlined
 from omnisim.dynamics.multibody.joint_kinematics import project_bodies
 from omnisim.dynamics.right_hand_side import rhs
 from omnisim.dynamics.state import Stage
 
 
-@merged
+@kernel
 def explicit_step(parameters, method, run, t, h):
     """One Runge-Kutta step of length h from run.y into run.trial, with the derivative and `monitors` at its end."""
     a, b, c, first = method.a, method.b, method.c, method.first
@@ -80,7 +80,7 @@ def evaluate(parameters, mode, piece, t, y, dy, monitors):
     rhs(parameters, Stage(mode, piece, t, y, dy, monitors, True))
 
 
-@merged
+@kernel
 def refresh(parameters, run, t):
     """Derivative at the state itself, after the mode or the state have changed; bodies follow."""
     if parameters.workspace.articulated is not None:

@@ -2,7 +2,7 @@
 
 import math
 
-from omnisim.base.kernel import kernel, merged, outlined
+from omnisim.base.kernel import kernel, outlined
 from omnisim.base.status import LOST_TRACK, NO_START, NOT_FINITE, RUNNING, TOO_STIFF, UNBALANCED
 from omnisim.base.vector import dot
 from omnisim.contact.friction import friction_factor
@@ -59,7 +59,7 @@ def finite(y, dy):
     return not burst
 
 
-@merged
+@kernel
 def check_energy(parameters, run):
     """Stop a run of which a good part of the energy came from nowhere: its steps are too long, though none is stiff.
 

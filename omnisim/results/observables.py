@@ -38,11 +38,11 @@ def datasets(parameters: Parameters, rows: Recording, interval: float, config: C
             group |= motor_datasets(observed.wheels[:, w], parameters.wheels[w].resistance)
         if config.chassis is None:
             group["servo_torque"] = observed.servo[:, 0]
-        if observed.bearing_loads is not None:
+        if config.bearing_loads:
             group |= bearing_loads(observed.bearing_loads[:, w], number, config.chassis is not None)
         data |= {f"wheels/{wheel.name}/{path}": values for path, values in group.items()}
         extremes = wheel_extremes(rows.extremes[:, w], bool(parameters.wheels[w].motor))
-        if rows.bearing_extremes is not None:
+        if config.bearing_loads:
             extremes |= bearing_extremes(rows.bearing_extremes[:, w], number, config.chassis is not None)
         data |= {path.format(wheel.name): values for path, values in extremes.items()}
     return data

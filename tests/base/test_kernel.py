@@ -179,5 +179,60 @@ def test_signatures_compiled_by_two_processes_at_once_get_files_of_their_own(pac
     assert len(list((tmp_path / "cache").rglob("callee.*.nbc"))) == 2
 
 
+KINDS = """
+from typing import NamedTuple
+import numpy as np
+from omnisim.base.kernel import kernel, outlined
+class Wheel(NamedTuple):
+    radius: float
+    tilt: np.ndarray | None
+class Machine(NamedTuple):
+    wheel: Wheel
+    mass: float
+@outlined
+def tilted(wheel, x):
+    return wheel.tilt[0] * x  # has a type only if there is a tilt
+@kernel
+def flat(mass, x):
+    return mass * x
+@outlined
+def force(machine, x):
+    wheel = machine.wheel
+    if wheel.tilt is not None and x > 1.0:
+        return tilted(wheel, x)
+    return flat(machine.mass, x) if wheel.tilt is None else FACTOR * x
+"""
+KINDS_PROGRAM = """
+import numpy as np
+from numba.core import event
+from omnisim.kinds import Machine, Wheel, flat, force, tilted
+class Counted(event.Listener):
+    count = 0
+    def on_start(self, _): Counted.count += 1
+    def on_end(self, _): pass
+event.register("numba:compile", Counted())
+print(force(Machine(Wheel(1.0, None), 3.0), 2.0), len(tilted.overloads), len(flat.overloads), Counted.count)
+print(force(Machine(Wheel(1.0, np.array([5.0])), 3.0), 2.0), len(tilted.overloads), Counted.count)
+print(force(Machine(Wheel(1.0, np.array([5.0])), 3.0), 0.5))
+"""
+
+
+def test_what_is_not_there_is_not_compiled_and_every_kind_is_on_disk_afterwards(package, tmp_path):
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+
+    def lines(factor):
+        (package / "kinds.py").write_text(KINDS.replace("FACTOR", factor))
+        done = subprocess.run(
+            [sys.executable, "-B", "-c", KINDS_PROGRAM], cwd=tmp_path, env=environment, capture_output=True, text=True,
+            check=True,
+        )  # fmt: skip
+        return done.stdout.splitlines()
+
+    assert lines("7.0") == ["6.0 0 1 2", "10.0 1 4", "3.5"]  # the second kind: force again, and tilted
+    assert lines("7.0") == ["6.0 0 0 0", "10.0 0 0", "3.5"]
+    assert lines("9.0")[2] == "4.5"
+    assert lines("7.0") == ["6.0 0 0 0", "10.0 0 0", "3.5"]  # the older one is still there, and right
+
+
 def test_other_packages_keep_their_own_cache_setting():
     assert os.environ.get("NUMBA_CACHE_DIR", "") == numba.config.CACHE_DIR

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from omnisim.base.kernel import kernel, merged
+from omnisim.base.kernel import kernel
 from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
 from omnisim.dynamics.indices import body_place
 from omnisim.dynamics.multibody.elimination import UP, Wrench3
@@ -49,7 +49,7 @@ class Balance(NamedTuple):
     known: GeneralizedForce
 
 
-@merged
+@kernel
 def chassis_of(parameters, y):
     """The Carrier in state y."""
     machine, body = parameters.machine, rigid_body(y, body_place(parameters, -1, 0))
@@ -60,7 +60,7 @@ def chassis_of(parameters, y):
     return Carrier(body, x, y_axis, z, arm, minus(body.position, arm), velocity)
 
 
-@merged
+@kernel
 def chassis_balance(machine, carrier, wrench):
     """The Balance of the chassis without its wheels; wrench: the external one."""
     mass, inertia, rate = machine.chassis_mass, machine.chassis_inertia, carrier.body.rate

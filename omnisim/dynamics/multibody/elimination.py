@@ -15,7 +15,7 @@ with A about O: that of the disk and, of each roller, It (1 - a a) + m (rho^2 - 
 
 from typing import NamedTuple
 
-from omnisim.base.kernel import kernel, merged
+from omnisim.base.kernel import kernel
 from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
 from omnisim.dynamics.indices import body_place
 from omnisim.dynamics.multibody.rigid_body import (
@@ -109,7 +109,7 @@ def across_axis(v, axis):
     return minus(v, times(dot(v, axis), axis))
 
 
-@merged
+@kernel
 def articulate(parameters, w, y):
     """Wheel w with its rollers eliminated: Articulated, and what their bearings lose, W."""
     wheel, lifted = parameters.wheels[w], against_gravity(parameters.machine)

@@ -7,7 +7,7 @@ rollers load, those of the axle. Axes of the results are fixed in what carries t
     roller    radial d (outwards), lateral a x d, axial a          axle    h, k, n of the wheel
 """
 
-from omnisim.base.kernel import kernel, merged, outlined
+from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
 from omnisim.dynamics.indices import carries, row_index
@@ -80,7 +80,7 @@ def keep_joint(record, moment, force):
     record.force[0], record.force[1], record.force[2] = force.x, force.y, force.z
 
 
-@merged
+@kernel
 def resolve_joints(parameters, w, y, found):
     """The joints of wheel w in the workspace along their own axes: found (N + 1, 2, 3), force (N) and moment (N m)."""
     wheel, at, joints = parameters.wheels[w], places(parameters), parameters.workspace.joints

@@ -8,7 +8,7 @@ back along the tree, and with them the force and the moment of every joint.
 
 from typing import NamedTuple
 
-from omnisim.base.kernel import kernel, merged, outlined
+from omnisim.base.kernel import kernel, outlined
 from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
 from omnisim.contact.friction import VISCOUS
 from omnisim.contact.kinematics import Jacobian, Slip
@@ -128,7 +128,7 @@ def multibody_rhs(parameters, stage):
         find_servo(machine, workspace, acceleration)
 
 
-@merged
+@kernel
 def join_wheel(parameters, stage, w, carrier):
     """A wheel eliminated onto the chassis, without its contacts: the Balance that the chassis feels of it, power of its
     drive and loss of its bearings (W)."""
@@ -170,7 +170,7 @@ def moving(art, rate, spin_rate, arm, angular, linear):
     return Wrench3(plus(needed.moment, art.torque), plus(needed.force, art.force))
 
 
-@merged
+@kernel
 def keep_articulated(record, art, drive):
     """An Articulated and the torque of the drive into a record, for the way back along the tree."""
     store_vector(record.axle, 0, art.axle)
@@ -211,7 +211,7 @@ def place_of(parameters, mode, w, side, y, l):
     return Place(third_axis(roller.rotation), rho, arm, h, k)
 
 
-@merged
+@kernel
 def meet(parameters, mode, w, side, carrier, body, y):
     """A contact of wheel w from the bodies as they stand, and its friction by the load, into the workspace."""
     wheel, workspace = parameters.wheels[w], parameters.workspace
@@ -273,7 +273,7 @@ def felt_from_floor(carrier, arm, art, given, held):
     return resisting(carrier, arm, through)
 
 
-@merged
+@kernel
 def move_bodies(parameters, stage, w, carrier, linear, angular):
     """Accelerations of the bodies of a wheel, and what its joints carry, from those of the chassis (of C)."""
     machine, wheel, workspace, at = parameters.machine, parameters.wheels[w], parameters.workspace, places(parameters)

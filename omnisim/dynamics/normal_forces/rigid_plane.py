@@ -13,7 +13,7 @@ On an inclined floor g is what of gravity is normal to it; what lies along it, g
 
 from typing import NamedTuple
 
-from omnisim.base.kernel import kernel, merged
+from omnisim.base.kernel import kernel
 from omnisim.contact.friction import VISCOUS
 from omnisim.dynamics.normal_forces.tilt import TILT_X, TILT_Y, tilt_of
 from omnisim.dynamics.planar_body import Acceleration, holds, push_of, yielding
@@ -58,7 +58,7 @@ class LoadedPlaces(NamedTuple):
     yy: float
 
 
-@merged
+@kernel
 def share_out(machine, workspace, load, mobility, motion):
     """Normal forces into the workspace; the Acceleration with them, its Mobility, and how regular the loads are.
 

@@ -1,0 +1,102 @@
+"""Kernels compiled before they are needed: once for every kind of scene, in processes side by side.
+
+All scenes of one kind share all kernels, whatever their numbers: a kind is which parts of Parameters and Run are there.
+"""
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from itertools import product
+from os import PathLike
+from typing import NamedTuple
+
+from omnisim.base.methods import EXPLICIT
+from omnisim.contact.roller_profile import length, profile_radius, tip_radius
+from omnisim.dynamics.packing import pack
+from omnisim.march.stiffness import explanation, resolve
+from omnisim.run.loop import Loop
+from omnisim.run.timing import tracking_cost
+from omnisim.scene.scene import Scene, SceneError, as_scene, load
+
+SMALL = ("six_rollers", "time.end=0.01", "time.step=0.001", "time.output_interval=0.01")  # a scene, made of any kind
+FORMULATIONS, LAWS, METHODS = ("reduced", "multibody"), ("regularized", "coulomb"), ("rk4", "radau5")
+WORKER = "import sys; from omnisim.run.warming import compile_now; compile_now(sys.argv[1:])"
+
+
+class Kind(NamedTuple):
+    """What kernels are compiled for."""
+
+    multibody: bool
+    set_valued: bool  # friction
+    implicit: bool  # steps, all or some
+
+    def __str__(self) -> str:
+        formulation = "the multibody formulation" if self.multibody else "the reduced formulation"
+        friction = "set-valued friction" if self.set_valued else "smooth friction"
+        return f"{formulation} with {friction} and {'implicit' if self.implicit else 'explicit'} steps"
+
+    @property
+    def overrides(self) -> tuple[str, ...]:
+        """Those that make the small scene one of this kind."""
+        return (
+            f"solver.formulation={FORMULATIONS[self.multibody]}",
+            f"friction.law={LAWS[self.set_valued]}",
+            f"solver.method={METHODS[self.implicit]}",
+        )
+
+
+def kind_of(scene: Scene) -> Kind:
+    parameters = pack(scene.config)
+    there = parameters.workspace.articulated is not None, parameters.workspace.resting is not None
+    return Kind(*there, resolve(scene.config, parameters) != EXPLICIT)
+
+
+def kinds() -> Iterator[Kind]:
+    """All that a scene can be of."""
+    for kind in map(Kind._make, product((False, True), repeat=3)):
+        try:
+            load(SMALL[0], [*SMALL[1:], *kind.overrides])
+        except SceneError:  # not every formulation has every method
+            continue
+        yield kind
+
+
+def warm(
+    scenes: Iterable[Scene | str | PathLike[str]] | None = None,
+    progress: Callable[[Kind], object] | None = None,
+    processes: int | None = None,
+) -> list[Kind]:
+    """Compile what runs of these scenes need, or all that there is, unless it is on disk already: their kinds.
+
+    progress: called with a kind when it is done. processes: at once, by default as many as there are processors.
+    Raises RuntimeError if one of them fails.
+    """
+    found = kinds() if scenes is None else dict.fromkeys(kind_of(as_scene("warm", scene)) for scene in scenes)
+    wanted, running = list(found), {}
+    waiting, most = list(wanted), processes or os.cpu_count() or 1
+    while waiting or running:
+        while waiting and len(running) < most:
+            kind = waiting.pop(0)
+            running[subprocess.Popen([sys.executable, "-c", WORKER, *kind.overrides])] = kind
+        child = next(iter(running))
+        kind = running.pop(child)
+        if child.wait():
+            for other in running:
+                other.terminate()
+            raise RuntimeError(f"compiling kernels for {kind} failed")
+        if progress:
+            progress(kind)
+    return wanted
+
+
+def compile_now(overrides: Iterable[str]) -> None:
+    """Compile, in this process, what the small scene with these overrides needs."""
+    scene = load(SMALL[0], [*SMALL[1:], *overrides])
+    Loop(scene).trajectory()
+    tracking_cost(scene)
+    parameters = pack(scene.config)
+    explanation(scene.config, parameters)
+    for size in (length, tip_radius):
+        size(parameters.wheels[0])
+    profile_radius(parameters.wheels[0], 0.0)

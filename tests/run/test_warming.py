@@ -1,0 +1,58 @@
+"""Kernels are compiled for kinds of scenes: once for each, and for all scenes of it."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from omnisim.run.warming import SMALL, Kind, kind_of, kinds
+from omnisim.scene.scene import load
+
+COUNTING = """
+import sys
+from numba.core import event
+
+class Counted(event.Listener):
+    count = 0
+    def on_start(self, _): Counted.count += 1
+    def on_end(self, _): pass
+
+event.register("numba:compile", Counted())
+import omnisim
+for scene in sys.argv[1:]:
+    name, *overrides = scene.split()
+    Counted.count = 0
+    assert omnisim.simulate(omnisim.load(name, overrides)).complete
+    print(Counted.count)
+"""
+BARE = "six_rollers time.end=0.1"
+SAME = ("thirty_two_rollers time.end=0.05", "six_rollers time.end=0.1 friction.law=saturated solver.tracking=implicit")
+
+
+def compilations(*scenes):
+    """How many kernels a new process compiles for each scene in turn."""
+    done = subprocess.run([sys.executable, "-c", COUNTING, *scenes], capture_output=True, text=True, check=True)
+    return [int(count) for count in done.stdout.split()]
+
+
+@pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT", "0") != "0", reason="nothing is compiled")
+def test_scenes_of_a_kind_share_all_kernels_and_a_new_process_compiles_none():
+    compilations(BARE)
+    assert compilations(BARE, *SAME) == [0, 0, 0]
+
+
+def test_a_small_scene_is_of_the_kind_that_it_is_made_for():
+    found = list(kinds())
+    assert len(found) == 6  # in the multibody formulation all steps are explicit
+    for kind in found:
+        assert kind_of(load(SMALL[0], [*SMALL[1:], *kind.overrides])) == kind
+
+
+@pytest.mark.parametrize(("scene", "kind"), [
+    ("six_rollers", Kind(False, False, False)),
+    ("coulomb_wheel", Kind(False, True, False)),
+    ("authors_vehicle", Kind(False, False, True)),
+])  # fmt: skip
+def test_a_scene_is_of_one_kind(scene, kind):
+    assert kind_of(load(scene)) == kind
