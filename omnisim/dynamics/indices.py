@@ -48,8 +48,9 @@ def carries(wheel, mode, side, i):
 
 @kernel
 def sector_of(parameters, w, i, roller):
-    """Cosine and sine (an array) of the angle by which roller i (0..N_r-1) stands behind `roller`, round the axle."""
-    return parameters.sector[w, roller_index(parameters.wheels[w], i - roller)]
+    """Cosine and sine of the angle from `roller` of an axle to its roller i (0..N_r-1)."""
+    found = roller_index(parameters.wheels[w], i - roller)
+    return parameters.sector[w, found, 0], parameters.sector[w, found, 1]
 
 
 @kernel
