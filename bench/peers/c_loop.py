@@ -18,7 +18,7 @@ import numpy as np
 
 from bench.common import Claim, March, bare_wheel, interleaved, median_ratio, ready, table
 from bench.machine_scenes import slipping_platform
-from omnisim.dynamics.state import YAW, X, Y, places_of
+from omnisim.dynamics.state import YAW, Contents, X, Y, places_of
 from omnisim.scene.scene import Scene
 
 AGREEMENT = 1e-11  # of all states and rows, relative to the largest value of each state (at least 1); C sums plainly
@@ -109,13 +109,13 @@ def constant_inputs(march: March) -> np.ndarray:
 
 
 def order_of_wheel() -> list[int]:
-    at = places_of(1, 2, 0, 0, 0, 0, 0)
+    at = places_of(Contents(wheels=1))
     order = [X, Y, YAW, at.velocity, at.velocity + 1, at.yaw_rate, at.friction_loss, at.drive_work, at.wrench_work]
     return [*order, at.spin_angle, at.spin_rate, at.roller_rate]
 
 
 def order_of_machine() -> list[int]:
-    at, slots = places_of(WHEELS, 2, 0, 0, 0, 0, 1), 2
+    at, slots = places_of(Contents(WHEELS, odometry=1)), 2
     positions = [X, Y, YAW, *range(at.spin_angle, at.spin_angle + WHEELS)]
     rates = [at.velocity, at.velocity + 1, at.yaw_rate, *range(at.spin_rate, at.spin_rate + WHEELS)]
     rollers = range(at.roller_rate, at.roller_rate + slots * WHEELS, slots)

@@ -28,7 +28,7 @@ from omnisim.dynamics.parameters import (
     Parameters,
     Workspace,
 )
-from omnisim.dynamics.state import TOUCHING, places_of
+from omnisim.dynamics.state import TOUCHING, Contents, places_of
 from omnisim.scene.drives import DriveLaw, Motor, drive_law
 from omnisim.scene.ideal_kinematics import inverse, rms_distance, wheel_rows
 from omnisim.scene.masses import common_centre, exact_moments, point_masses
@@ -53,12 +53,15 @@ def pack(config: Config) -> Parameters:
         wheels = [wheel | {"odometry": tuple(column)} for wheel, column in zip(wheels, twists.T, strict=True)]
         machine["odometry_yaw"] = math.radians(config.initial.yaw_deg) - twists[2] @ spin_angles
     most = max(kind.roller_count for kind in types)
+    flags = "integrals", "currents", "bearing_friction", "motors", "odometry"
     machine["places"] = places_of(
-        len(wheels),
-        machine["slots"],
-        **{flag: int(machine[flag]) for flag in ("integrals", "currents", "bearing_friction", "motors", "odometry")},
-        rhos=len(wheels) * most if config.solver.tracking == "implicit" else 0,
-        bodies=1 + len(wheels) * (1 + most) if config.solver.formulation == "multibody" else 0,
+        Contents(
+            len(wheels),
+            machine["slots"],
+            **{flag: int(machine[flag]) for flag in flags},
+            rhos=len(wheels) * most if config.solver.tracking == "implicit" else 0,
+            bodies=1 + len(wheels) * (1 + most) if config.solver.formulation == "multibody" else 0,
+        )
     )
     rates = machine["places"].roller_rate
     starts = [

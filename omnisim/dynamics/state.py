@@ -66,9 +66,24 @@ def places_in(parameters):
     return Places(*map(int, parameters.machine.places))
 
 
-def places_of(wheels, slots, integrals, currents, bearing_friction, motors, odometry, rhos=0, bodies=0):
-    """Places for so many wheels with so many slots of roller rates each, rollers with a rho, and bodies; the others: 1
-    if the scene has them."""
+class Contents(NamedTuple):
+    """What a state holds: how many wheels, slots of roller rates for each, rollers with a rho, and bodies; of the
+    others 1 if the scene has them."""
+
+    wheels: int
+    slots: int = 2
+    integrals: int = 0
+    currents: int = 0
+    bearing_friction: int = 0
+    motors: int = 0
+    odometry: int = 0
+    rhos: int = 0
+    bodies: int = 0
+
+
+def places_of(contents):
+    """The Places of a state with such Contents."""
+    wheels, slots, integrals, currents, bearing_friction, motors, odometry, rhos, bodies = contents
     rates, rollers, integral = 3 + wheels, 6 + 2 * wheels, 6 + 2 * wheels + slots * wheels
     current = integral + integrals * wheels
     works = current + currents * wheels

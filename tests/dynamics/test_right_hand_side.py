@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scenes import packed, reference_scene, standing
 
-from omnisim.dynamics.state import YAW, places_of
+from omnisim.dynamics.state import YAW, Contents, places_of
 from omnisim.march.initial_state import blank_rows
 from omnisim.march.march import write_row
 from omnisim.march.runge_kutta import evaluate
@@ -12,7 +12,7 @@ from omnisim.results.observables import datasets
 
 pytestmark = pytest.mark.short
 
-AT = places_of(1, 2, 0, 0, 0, 0, 0)
+AT = places_of(Contents(wheels=1))
 PUSHED = (
     "wheels.wheel.drive={kind='torque', torque=0.7}",
     "wrench.frame='body'",
