@@ -13,6 +13,13 @@ class Vec3(NamedTuple):
     z: float
 
 
+class Vec2(NamedTuple):
+    """Components x, y of a vector along the floor."""
+
+    x: float
+    y: float
+
+
 @kernel
 def plus(a, b):
     return Vec3(a.x + b.x, a.y + b.y, a.z + b.z)

@@ -3,23 +3,7 @@
 from typing import NamedTuple
 
 from omnisim.base.kernel import kernel
-
-
-class Slip(NamedTuple):
-    """Velocity of the roller's material point at the contact, relative to the floor, along h and k, m/s."""
-
-    h: float
-    k: float
-
-
-class Motion(NamedTuple):
-    """Accelerations of the wheel centre along h and k (m/s^2), of spin, yaw and the roller's axial rate (rad/s^2)."""
-
-    h: float
-    k: float
-    spin: float
-    yaw: float
-    roller: float
+from omnisim.contact.frame import Slip, rate_along, touching_acceleration, touching_velocity
 
 
 class Jacobian(NamedTuple):
@@ -34,21 +18,17 @@ class Jacobian(NamedTuple):
 
 
 @kernel
-def joint_rate(axis, roller_rate, spin_rate, yaw_rate):
-    """chi' = p - w . a, rad/s: rate of the roller relative to the wheel, from its absolute axial rate p."""
-    return roller_rate - (spin_rate * axis.k + yaw_rate * axis.n)
+def joint_rate(axis, roller_rate, twist):
+    """chi' = p - w . a, rad/s: rate of a roller relative to its wheel, which has this WheelTwist, from its absolute
+    axial rate p."""
+    return roller_rate - rate_along(twist, axis)
 
 
 @kernel
-def slip_velocity(wheel, contact, velocity_h, velocity_k, spin_rate, yaw_rate, joint):
-    """Slip from the velocity of the wheel centre (m/s), the spin and yaw rate and chi' = `joint` (rad/s).
-
-    v = V_w + w x (P - O) + chi' a x (P - O_B)
-    """
-    return Slip(
-        velocity_h - spin_rate * wheel.radius - yaw_rate * contact.l + joint * contact.arm_h,
-        velocity_k + joint * contact.arm_k,
-    )
+def slip_velocity(wheel, contact, twist, joint):
+    """Slip from the WheelTwist and chi' = `joint` (rad/s): v = V_w + w x (P - O) + chi' a x (P - O_B)."""
+    disk = touching_velocity(wheel, twist, contact.l)
+    return Slip(disk.h + joint * contact.arm_h, disk.k + joint * contact.arm_k)
 
 
 @kernel
@@ -59,7 +39,7 @@ def slip_acceleration(wheel, state, motion):
     tracking taken from the closed forms; h and k turn with the yaw.
     """
     axis, contact, cos_q, sin_q, joint = state.axis, state.contact, state.cos_q, state.sin_q, state.joint
-    spin_rate, yaw_rate = state.spin_rate, state.yaw_rate
+    spin_rate, yaw_rate = state.twist.spin, state.twist.yaw
     h_q = wheel.radius - wheel.roller_distance / cos_q
     h_rate = wheel.roller_distance * sin_q / (cos_q * cos_q) * spin_rate
     l_rate = -wheel.roller_distance * wheel.tan_psi / (cos_q * cos_q) * spin_rate
@@ -67,11 +47,10 @@ def slip_acceleration(wheel, state, motion):
     arm_k_rate = -wheel.cos_psi * (h_rate * cos_q + h_q * sin_q * spin_rate)
     axis_n_rate = wheel.cos_psi * cos_q * spin_rate
     joint_acceleration = motion.roller - motion.spin * axis.k - motion.yaw * axis.n - yaw_rate * axis_n_rate
-    along_h = motion.h + yaw_rate * state.velocity.k - motion.spin * wheel.radius - motion.yaw * contact.l
-    along_k = motion.k - yaw_rate * state.velocity.h
+    disk = touching_acceleration(wheel, state.twist, motion, contact.l)
     return Slip(
-        along_h - yaw_rate * l_rate + joint_acceleration * contact.arm_h + joint * arm_h_rate,
-        along_k + joint_acceleration * contact.arm_k + joint * arm_k_rate,
+        disk.h - yaw_rate * l_rate + joint_acceleration * contact.arm_h + joint * arm_h_rate,
+        disk.k + joint_acceleration * contact.arm_k + joint * arm_k_rate,
     )
 
 

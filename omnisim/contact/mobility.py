@@ -8,7 +8,8 @@ import math
 from typing import NamedTuple
 
 from omnisim.base.kernel import kernel
-from omnisim.contact.kinematics import Slip, slip_jacobian
+from omnisim.contact.frame import Slip
+from omnisim.contact.kinematics import slip_jacobian
 
 LIGHT = 1e8  # masses of the body, that an arm too short for its own inertia stands for: passed within nanoseconds
 

@@ -14,7 +14,7 @@ import math
 from typing import NamedTuple
 
 from omnisim.base.kernel import kernel
-from omnisim.contact.kinematics import Slip
+from omnisim.contact.frame import Slip
 from omnisim.contact.mobility import Symmetric, solution
 
 TINY = 1e-300

@@ -9,32 +9,18 @@ Seen along the axle k, which points at the reader (h is forward and to the right
            |   O_B              P    contact point = O - R n + l k
         ---P---------- floor    arm  a x (P - O_B): a force F on the roller has the torque arm . F about its axis
 
-Both algorithms give a `Contact`. Formulas: explicit, section 4 of the paper; implicit, its section 3 with the
-misprints mended: the contact point needs "- R j1" where the paper prints "- R1 j1", and the contact test is
-|c_beta| < cos psi sin alpha, both of which the paper leaves open.
+Both algorithms give a `Contact`, and both are of an upright wheel on a flat floor. Formulas: explicit, section 4 of the
+paper; implicit, its section 3 with the misprints mended: the contact point needs "- R j1" where the paper prints
+"- R1 j1", and the contact test is |c_beta| < cos psi sin alpha, both of which the paper leaves open.
 """
 
 from typing import NamedTuple
 
 from omnisim.base.kernel import kernel
-from omnisim.base.vector import Vec3, combine, cross, dot
+from omnisim.base.vector import combine, cross, dot
+from omnisim.contact.frame import Axis, axes, axis_vector, rate_vector, tangential
 
 EDGE = 1e-12  # rounding allowed when two rollers touch at once
-
-
-class Heading(NamedTuple):
-    """Horizontal unit vectors of an upright wheel: h = (cos, sin) forward, k = (-sin, cos) along the axle."""
-
-    cos: float
-    sin: float
-
-
-class Axis(NamedTuple):
-    """Components of a roller's unit axis a along h, k and n."""
-
-    h: float
-    k: float
-    n: float
 
 
 class Contact(NamedTuple):
@@ -60,29 +46,22 @@ def explicit_contact(wheel, cos_q, sin_q):
 
 
 @kernel
-def implicit_contact(wheel, heading, axis, rho):
+def implicit_contact(wheel, frame, axis, rho):
     """From rho, the integrated unit vector from O_B to O (Vec3, world).
 
     P - O_B = R1 rho - R n + l k1, where l follows from (P - O_B) . k2 = 0: the contact point lies in the vertical
     plane through the roller's axis, whose normal is k2 = i2 x n (not normalised: its length cancels).
     """
-    k1 = Vec3(-heading.sin, heading.cos, 0.0)
-    i2 = world_axis(heading, axis)
-    k2 = Vec3(i2.y, -i2.x, 0.0)
+    _, k1, n = axes(frame)
+    i2 = axis_vector(frame, axis)
+    k2 = cross(i2, n)
     l = -wheel.roller_distance * dot(rho, k2) / dot(k1, k2)
-    lever = combine(wheel.roller_distance, rho, l, k1, -wheel.radius, Vec3(0.0, 0.0, 1.0))
-    arm = cross(i2, lever)
-    return Contact(l, arm.x * heading.cos + arm.y * heading.sin, -arm.x * heading.sin + arm.y * heading.cos)
+    arm = tangential(frame, cross(i2, combine(wheel.roller_distance, rho, l, k1, -wheel.radius, n)))
+    return Contact(l, arm.h, arm.k)
 
 
 @kernel
-def world_axis(heading, axis):
-    """The roller axis in world components (Vec3)."""
-    return Vec3(axis.h * heading.cos - axis.k * heading.sin, axis.h * heading.sin + axis.k * heading.cos, axis.n)
-
-
-@kernel
-def rho_rate(heading, axis, spin_rate, yaw_rate, rho):
+def rho_rate(frame, axis, spin_rate, yaw_rate, rho):
     """rho' of one roller (Vec3) from the differentiated orthogonality conditions of the paper:
 
         rho' . i2 = -rho . i2'        rho' . k1 = -rho . k1'        rho' . rho = 0
@@ -90,9 +69,8 @@ def rho_rate(heading, axis, spin_rate, yaw_rate, rho):
     Linear in rho', solved by Cramer's rule. The orientation of the roller (i2, and i2' = w x i2) is known; rho
     itself is only ever integrated.
     """
-    w = Vec3(-spin_rate * heading.sin, spin_rate * heading.cos, yaw_rate)
-    k1 = Vec3(-heading.sin, heading.cos, 0.0)
-    i2 = world_axis(heading, axis)
+    w, i2 = rate_vector(frame, spin_rate, yaw_rate), axis_vector(frame, axis)
+    _, k1, _ = axes(frame)
     k1_rho = cross(k1, rho)
     b1 = -dot(rho, cross(w, i2))
     b2 = -dot(rho, cross(w, k1))

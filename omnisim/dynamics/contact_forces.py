@@ -20,13 +20,14 @@ contact equations of the one wheel, while the body's acceleration follows at onc
 import math
 
 from omnisim.base.kernel import kernel, outlined
-from omnisim.contact.kinematics import Slip
+from omnisim.contact.frame import Slip
 from omnisim.contact.mobility import Symmetric, across, yielding_along
 from omnisim.contact.set_valued import TINY, contact_forces, slip_direction, turned
 from omnisim.dynamics.normal_forces.solution import solve
 from omnisim.dynamics.normal_forces.tilt import place_load
-from omnisim.dynamics.planar_body import Acceleration, free_rate, push_of, yielding
+from omnisim.dynamics.planar_body import free_rate, push_of, yielding
 from omnisim.dynamics.state import TOUCHING
+from omnisim.dynamics.twist import Acceleration
 
 MOST_ITERATIONS = 100  # for a share
 MOST_SWEEPS = 500  # over the wheels

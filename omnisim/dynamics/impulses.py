@@ -1,7 +1,8 @@
 """Impulses at the contacts that give slip the value it has come to: what is left of it when it ends is taken away."""
 
 from omnisim.base.kernel import outlined
-from omnisim.contact.kinematics import Slip, slip_jacobian
+from omnisim.contact.frame import Slip, outward
+from omnisim.contact.kinematics import slip_jacobian
 from omnisim.contact.mobility import inverse_mass, solution
 from omnisim.contact.set_valued import CREEP, SLIP
 from omnisim.dynamics.indices import rate_place
@@ -16,7 +17,8 @@ from omnisim.dynamics.planar_body import (
     yielding,
 )
 from omnisim.dynamics.state import places
-from omnisim.dynamics.wheel import body_motion, contact_state, world_heading
+from omnisim.dynamics.twist import body_motion, in_world, world_frame
+from omnisim.dynamics.wheel import contact_state
 
 
 @outlined
@@ -55,8 +57,9 @@ def align_slip(parameters, run):
             roller = contact.arm[0] * impulse_h + contact.arm[1] * impulse_k
             y[at.spin_rate + w] += spin * wheel.spin_mobility
             y[rate_place(parameters, run.mode[w], w, 0)] += roller * wheel.axial_mobility
-    y[at.velocity] += change.x * body.cos - change.y * body.sin
-    y[at.velocity + 1] += change.x * body.sin + change.y * body.cos
+    linear = in_world(body, change)
+    y[at.velocity] += linear.x
+    y[at.velocity + 1] += linear.y
     y[at.yaw_rate] += change.yaw
 
 
@@ -69,9 +72,9 @@ def change_slip(parameters, run, w, side, slip):
     mobility = inverse_mass(machine, wheel, state.axis, state.contact, mode.shared)
     impulse = solution(mobility, Slip(slip.h - state.slip.h, slip.k - state.slip.k))
     j = slip_jacobian(wheel, state.axis, state.contact)
-    heading = world_heading(wheel, body)
-    y[at.velocity] += (impulse.h * heading.cos - impulse.k * heading.sin) * machine.mobility
-    y[at.velocity + 1] += (impulse.h * heading.sin + impulse.k * heading.cos) * machine.mobility
+    push = outward(world_frame(wheel, body), impulse)
+    y[at.velocity] += push.x * machine.mobility
+    y[at.velocity + 1] += push.y * machine.mobility
     if not mode.shared:
         y[at.spin_rate + w] += (j.spin_h * impulse.h + j.spin_k * impulse.k) * wheel.spin_mobility
     y[at.yaw_rate] += (j.yaw_h * impulse.h + j.yaw_k * impulse.k) * machine.yaw_mobility

@@ -10,15 +10,10 @@ contact gives as far as its spin and roller do, F = -E (b + J X). What the floor
 from typing import NamedTuple
 
 from omnisim.base.kernel import kernel
+from omnisim.base.vector import Vec2
+from omnisim.contact.frame import axes, frame_on_chassis, tangential
 from omnisim.contact.mobility import holding_mass
-
-
-class Acceleration(NamedTuple):
-    """Of C along the chassis axes (m/s^2) and of the yaw (rad/s^2)."""
-
-    x: float
-    y: float
-    yaw: float
+from omnisim.dynamics.twist import Acceleration
 
 
 class BodyEquations(NamedTuple):
@@ -62,8 +57,8 @@ def set_contact(contact, state, j, spin_held):
 @kernel
 def set_lever(wheel, contact, axis, j):
     """The levers of a contact in the rows x, y and yaw."""
-    lever, cos, sin = contact.lever, wheel.cos_heading, wheel.sin_heading
-    lever[0, 0], lever[0, 1], lever[1, 0], lever[1, 1] = cos, -sin, sin, cos
+    lever, (h, k, _) = contact.lever, axes(frame_on_chassis(wheel))
+    lever[0, 0], lever[0, 1], lever[1, 0], lever[1, 1] = h.x, k.x, h.y, k.y
     lever[2, 0], lever[2, 1] = j.yaw_h, j.yaw_k
     contact.twist[2] = 1.0 - axis.n * axis.n
 
@@ -144,7 +139,8 @@ def pushed_equations(equations, x, y, yaw):
 def inclined_equations(machine, body, equations):
     """BodyEquations with the weight along an inclined floor, which acts at C."""
     x, y = machine.mass * machine.downhill[0], machine.mass * machine.downhill[1]
-    return pushed_equations(equations, x * body.cos + y * body.sin, y * body.cos - x * body.sin, 0.0)
+    weight = tangential(body.frame, Vec2(x, y))
+    return pushed_equations(equations, weight.h, weight.k, 0.0)
 
 
 @kernel

@@ -22,10 +22,11 @@ from omnisim.dynamics.indices import rho_place
 from omnisim.dynamics.multibody.right_hand_side import multibody_rhs
 from omnisim.dynamics.normal_forces.solution import given_load, loads_known, solve
 from omnisim.dynamics.normal_forces.tilt import set_body_tilt
-from omnisim.dynamics.planar_body import Acceleration, free_equations, inclined_equations
+from omnisim.dynamics.planar_body import free_equations, inclined_equations
 from omnisim.dynamics.sliding_wheel import press_wheel, slide_wheel, slides_alone
 from omnisim.dynamics.state import YAW, X, Y, places
-from omnisim.dynamics.wheel import body_motion, external_wrench, rho_of, world_heading
+from omnisim.dynamics.twist import Acceleration, body_motion, in_world, power_of, world_frame
+from omnisim.dynamics.wheel import external_wrench, rho_of
 from omnisim.dynamics.wheel_forces import move_wheel, observe_wheel
 
 
@@ -55,7 +56,7 @@ def reduced_rhs(parameters, stage):
     wrench = external_wrench(parameters, stage.piece, stage.t, body)
     known = loads_known(machine)
     if not known:
-        set_body_tilt(machine, workspace.loads, wrench, body.yaw_rate)
+        set_body_tilt(machine, workspace.loads, wrench, body.twist.yaw)
     load, others, sought = machine.mass * machine.gravity - wrench.z, 0, 0
     equations = free_equations(machine, wrench.x, wrench.y, wrench.yaw)
     if machine.inclined:
@@ -101,10 +102,9 @@ def reduced_rhs(parameters, stage):
             equations.x * mobility, equations.y * mobility, equations.yaw * machine.yaw_mobility
         )
     dy[at.friction_loss], dy[at.drive_work] = heat, power
-    dy[at.velocity] = acceleration.x * body.cos - acceleration.y * body.sin
-    dy[at.velocity + 1] = acceleration.x * body.sin + acceleration.y * body.cos
-    dy[at.yaw_rate] = acceleration.yaw
-    dy[at.wrench_work] = wrench.x * body.x + wrench.y * body.y + wrench.yaw * body.yaw_rate
+    linear = in_world(body, acceleration)
+    dy[at.velocity], dy[at.velocity + 1], dy[at.yaw_rate] = linear.x, linear.y, acceleration.yaw
+    dy[at.wrench_work] = power_of(wrench, body.twist)
 
 
 @kernel
@@ -126,12 +126,12 @@ def rho_rates(parameters, body, y, dy):
     at = places(parameters)
     for w in range(len(parameters.wheels)):
         wheel = parameters.wheels[w]
-        heading = world_heading(wheel, body)
+        frame = world_frame(wheel, body)
         angle = wheel.phase - y[at.spin_angle + w]
         cos_0, sin_0 = math.cos(angle), math.sin(angle)
         for i in range(wheel.rollers):
             cos_i, sin_i = parameters.sector[w, i, 0], parameters.sector[w, i, 1]
             axis = roller_axis(wheel, cos_0 * cos_i - sin_0 * sin_i, sin_0 * cos_i + cos_0 * sin_i)
-            rate = rho_rate(heading, axis, y[at.spin_rate + w], y[at.yaw_rate], rho_of(parameters, y, w, i))
+            rate = rho_rate(frame, axis, y[at.spin_rate + w], y[at.yaw_rate], rho_of(parameters, y, w, i))
             j = rho_place(parameters, w, i)
             dy[j], dy[j + 1], dy[j + 2] = rate.x, rate.y, rate.z

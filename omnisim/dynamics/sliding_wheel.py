@@ -9,8 +9,9 @@ of rk4, minima of 450 marches in turn, all wheels by the one way or by the other
 """
 
 from omnisim.base.kernel import kernel
+from omnisim.contact.frame import Slip, frame_on_chassis, outward
 from omnisim.contact.friction import VISCOUS, friction
-from omnisim.contact.kinematics import Slip, slip_jacobian
+from omnisim.contact.kinematics import slip_jacobian
 from omnisim.contact.set_valued import SLIP
 from omnisim.dynamics.indices import rate_place
 from omnisim.dynamics.normal_forces.solution import loads_known
@@ -49,13 +50,12 @@ def slide_wheel(parameters, stage, w, body, load, equations):
         set_contact(contact, state, j, False)
         contact.force[0], contact.force[1], contact.torque, contact.factor = force.h, force.k, torque, factor
         monitors.slip_square[0], monitors.factor[0], monitors.margin[0] = slip.h * slip.h + slip.k * slip.k, factor, 0.0
-    power, cos, sin = free.drive * state.spin_rate, wheel.cos_heading, wheel.sin_heading
-    x, y = cos * force.h - sin * force.k, sin * force.h + cos * force.k
+    power, push = free.drive * state.twist.spin, outward(frame_on_chassis(wheel), force)
     if not loads_known(machine):
         set_part(parameters, mode, w, free, body, load)
         part = parameters.workspace.parts[w]
         set_point(wheel, part, state.contact.l)
-        part.push[0], part.push[1], part.push[2] = x, y, yaw
+        part.push[0], part.push[1], part.push[2] = push.x, push.y, yaw
         about_h = machine.height * force.k - axis.h * rolling
         about_k = (wheel.radius - machine.height) * force.h + rotor_part(wheel, False) * spin
         part.push[TILT_Y], part.push[TILT_X] = tilt_rows(wheel, about_h, about_k)
@@ -65,7 +65,7 @@ def slide_wheel(parameters, stage, w, body, load, equations):
         set_part(parameters, mode, w, free, body, load)
     dy[rate_place(parameters, mode, w, 0)] += rolling * wheel.axial_mobility
     dy[places(parameters).spin_rate + w] = (free.spin + spin) * wheel.spin_mobility
-    return pushed_equations(equations, x, y, free.yaw_moment + yaw), loss, power
+    return pushed_equations(equations, push.x, push.y, free.yaw_moment + yaw), loss, power
 
 
 @kernel

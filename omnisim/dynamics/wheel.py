@@ -12,38 +12,19 @@ from typing import NamedTuple
 
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
-from omnisim.base.vector import Vec3
-from omnisim.contact.kinematics import Slip, joint_rate, slip_velocity
+from omnisim.base.vector import Vec2, Vec3
+from omnisim.contact.frame import Axis, Slip, WheelTwist, tangential, turn_rate
+from omnisim.contact.kinematics import joint_rate, slip_velocity
 from omnisim.contact.tracking import (
-    Axis,
     Contact,
-    Heading,
     explicit_contact,
     implicit_contact,
     roller_axis,
 )
 from omnisim.dynamics.indices import rate_place, rho_place, roller_index, roller_of, row_index, sector_of
 from omnisim.dynamics.parameters import FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE
-from omnisim.dynamics.state import YAW, places
-
-
-class Body(NamedTuple):
-    """Motion of the body: cosine and sine of its yaw, velocity of C along its axes (m/s), yaw rate (rad/s)."""
-
-    cos: float
-    sin: float
-    x: float
-    y: float
-    yaw_rate: float
-
-
-class Wrench(NamedTuple):
-    """External force (body axes, N) and its torque about the vertical through C (N m)."""
-
-    x: float
-    y: float
-    z: float
-    yaw: float
+from omnisim.dynamics.state import places
+from omnisim.dynamics.twist import Wrench, wheel_twist, world_frame
 
 
 class ContactState(NamedTuple):
@@ -53,12 +34,10 @@ class ContactState(NamedTuple):
     contact: Contact
     cos_q: float
     sin_q: float
-    velocity: Slip  # of the wheel centre
+    twist: WheelTwist
     joint: float  # chi', rad/s
     slip: Slip
     turn: float  # angular velocity of the roller about the normal, rad/s
-    spin_rate: float
-    yaw_rate: float
 
 
 class Rollers(NamedTuple):
@@ -85,43 +64,6 @@ class FreeWheel(NamedTuple):
 
 
 @kernel
-def body_motion(parameters, y):
-    """The Body in state y."""
-    at = places(parameters)
-    cos, sin = cos_sin(y[YAW])
-    velocity_x, velocity_y = y[at.velocity], y[at.velocity + 1]
-    return Body(cos, sin, velocity_x * cos + velocity_y * sin, velocity_y * cos - velocity_x * sin, y[at.yaw_rate])
-
-
-@kernel
-def world_heading(wheel, body):
-    """Heading of a wheel in the world."""
-    return Heading(
-        body.cos * wheel.cos_heading - body.sin * wheel.sin_heading,
-        body.sin * wheel.cos_heading + body.cos * wheel.sin_heading,
-    )
-
-
-@kernel
-def centre_velocity(wheel, body):
-    """Velocity of a wheel's centre (Slip: along its h and k, m/s)."""
-    return Slip(
-        body.x * wheel.cos_heading + body.y * wheel.sin_heading - body.yaw_rate * wheel.offset[1],
-        body.y * wheel.cos_heading - body.x * wheel.sin_heading + body.yaw_rate * wheel.offset[0],
-    )
-
-
-@kernel
-def centre_acceleration(wheel, body, x, y, yaw):
-    """Acceleration of a wheel's centre (Slip: along its h and k, m/s^2) from that of C along x, y, and of the yaw."""
-    turning = body.yaw_rate * body.yaw_rate
-    return Slip(
-        x * wheel.cos_heading + y * wheel.sin_heading - yaw * wheel.offset[1] - turning * wheel.offset[0],
-        y * wheel.cos_heading - x * wheel.sin_heading + yaw * wheel.offset[0] - turning * wheel.offset[1],
-    )
-
-
-@kernel
 def external_wrench(parameters, piece, t, body):
     """The scene's wrench at time t on the current piece of the tables."""
     if not parameters.machine.pushed:
@@ -132,7 +74,7 @@ def external_wrench(parameters, piece, t, body):
     z = channels[FORCE_Z, 0] + channels[FORCE_Z, 1] * elapsed
     yaw = channels[YAW_TORQUE, 0] + channels[YAW_TORQUE, 1] * elapsed
     if not parameters.machine.body_frame:
-        x, y = x * body.cos + y * body.sin, y * body.cos - x * body.sin
+        x, y = tangential(body.frame, Vec2(x, y))
     return Wrench(x, y, z, yaw + lever[0] * y - lever[1] * x)
 
 
@@ -160,23 +102,20 @@ def contact_state(parameters, mode, w, side, body, y):
     """Tracking and kinematics of a contact of wheel w: a ContactState."""
     wheel, at = parameters.wheels[w], places(parameters)
     row, roller = parameters.roller_rows[mode.row[side]], roller_of(mode, side)
-    spin_rate, yaw_rate = y[at.spin_rate + w], body.yaw_rate
     roller_rate = y[rate_place(parameters, mode, w, side)]
     q = azimuth(wheel, row, roller, y[at.spin_angle + w])
     cos_q, sin_q = cos_sin(q)
     axis = roller_axis(wheel, cos_q, sin_q)
     if parameters.machine.implicit_tracking:
         rho = rho_of(parameters, y, w, roller_index(wheel, roller))
-        contact = implicit_contact(wheel, world_heading(wheel, body), axis, rho)
+        contact = implicit_contact(wheel, world_frame(wheel, body), axis, rho)
     else:
         contact = explicit_contact(wheel, cos_q, sin_q)
     contact = on_row(contact, row)
-    velocity = centre_velocity(wheel, body)
-    joint = joint_rate(axis, roller_rate, spin_rate, yaw_rate)
-    slip = slip_velocity(wheel, contact, velocity.h, velocity.k, spin_rate, yaw_rate, joint)
-    return ContactState(
-        axis, contact, cos_q, sin_q, velocity, joint, slip, yaw_rate + joint * axis.n, spin_rate, yaw_rate
-    )
+    twist = wheel_twist(wheel, body.twist, y[at.spin_rate + w])
+    joint = joint_rate(axis, roller_rate, twist)
+    slip = slip_velocity(wheel, contact, twist, joint)
+    return ContactState(axis, contact, cos_q, sin_q, twist, joint, slip, turn_rate(axis, twist, joint))
 
 
 @kernel
@@ -186,13 +125,13 @@ def on_row(contact, row):
 
 
 @kernel
-def all_rollers(parameters, mode, w, cos_q, sin_q, y):
-    """The Rollers of wheel w; cos_q, sin_q: of the azimuth of contact 0."""
-    machine, wheel = parameters.machine, parameters.wheels[w]
+def all_rollers(parameters, mode, w, state, y):
+    """The Rollers of wheel w; state: the ContactState of contact 0."""
+    machine, wheel, cos_q, sin_q = parameters.machine, parameters.wheels[w], state.cos_q, state.sin_q
     across = -wheel.cos_psi * wheel.axial_inertia
     along = wheel.axial_inertia * wheel.sin_psi
     if machine.bearing_friction:
-        return bearing_rollers(parameters, mode, w, cos_q, sin_q, y)
+        return bearing_rollers(parameters, mode, w, state, y)
     rate = y[rate_place(parameters, mode, w, 0)]
     cos_sum, sin_sum, total = mode.air_cos + rate, mode.air_sin, mode.air_sum + rate
     if mode.shared:  # contact 1 stands 2 alpha behind
@@ -204,10 +143,10 @@ def all_rollers(parameters, mode, w, cos_q, sin_q, y):
 
 
 @outlined
-def bearing_rollers(parameters, mode, w, cos_q, sin_q, y):
+def bearing_rollers(parameters, mode, w, state, y):
     """The same when every roller's rate is a state, with the friction of their bearings."""
-    wheel, at, here = parameters.wheels[w], places(parameters), roller_of(mode, 0)
-    spin_rate, yaw_rate = y[at.spin_rate + w], y[at.yaw_rate]
+    wheel, here = parameters.wheels[w], roller_of(mode, 0)
+    cos_q, sin_q = state.cos_q, state.sin_q
     g_h, g_k, g_n, bearing_h, bearing_k, bearing_n, loss = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(wheel.rollers):
         sector = sector_of(parameters, w, i, here)
@@ -215,7 +154,7 @@ def bearing_rollers(parameters, mode, w, cos_q, sin_q, y):
         rate = y[wheel.rates + i]
         momentum = wheel.axial_inertia * rate
         g_h, g_k, g_n = g_h + momentum * axis.h, g_k + momentum * axis.k, g_n + momentum * axis.n
-        joint = joint_rate(axis, rate, spin_rate, yaw_rate)
+        joint = joint_rate(axis, rate, state.twist)
         torque = bearing_torque(wheel, joint)
         bearing_h += torque * axis.h
         bearing_k += torque * axis.k

@@ -6,21 +6,22 @@ Wheels that slide on one roller go a shorter way, sliding_wheel.py.
 import math
 
 from omnisim.base.kernel import kernel, outlined
+from omnisim.contact.frame import Axis, Slip
 from omnisim.contact.friction import VISCOUS, friction
-from omnisim.contact.kinematics import Jacobian, Motion, Slip, joint_rate, slip_acceleration, slip_jacobian
+from omnisim.contact.kinematics import Jacobian, joint_rate, slip_acceleration, slip_jacobian
 from omnisim.contact.set_valued import CREEP, SLIP, STICK
-from omnisim.contact.tracking import Axis, roller_axis
+from omnisim.contact.tracking import roller_axis
 from omnisim.dynamics.actuation import actuate
 from omnisim.dynamics.indices import contact_count, rate_place, roller_of, sector_of
 from omnisim.dynamics.normal_forces.solution import held_body, loads_known
 from omnisim.dynamics.normal_forces.tilt import place_load, rotor_part, set_tilt, tilt_rows
 from omnisim.dynamics.planar_body import holding_force, holds, pushed_equations, set_contact, set_holding, set_lever
 from omnisim.dynamics.state import TOUCHING, places
+from omnisim.dynamics.twist import Acceleration, wheel_motion
 from omnisim.dynamics.wheel import (
     FreeWheel,
     all_rollers,
     bearing_torque,
-    centre_acceleration,
     contact_state,
 )
 
@@ -34,7 +35,7 @@ def free_wheel(parameters, stage, w, body):
     spin_rate = y[at.spin_rate + w]
     dy[at.spin_angle + w] = spin_rate  # first: the sine and cosine of the next stage wait for it
     state = contact_state(parameters, mode, w, 0, body, y)
-    rollers = all_rollers(parameters, mode, w, state.cos_q, state.sin_q, y)
+    rollers = all_rollers(parameters, mode, w, state, y)
     demand, drive = actuate(parameters, stage, w, spin_rate)
     if machine.bearing_friction:
         dy[at.bearing_loss] += rollers.bearing_loss
@@ -42,7 +43,7 @@ def free_wheel(parameters, stage, w, body):
     else:
         for side in range(TOUCHING):
             dy[rate_place(parameters, mode, w, side)] = 0.0
-    spin = drive - rollers.bearing_k - body.yaw_rate * rollers.g_h
+    spin = drive - rollers.bearing_k - body.twist.yaw * rollers.g_h
     return FreeWheel(state, rollers, demand, drive, spin, spin_rate * rollers.g_h - rollers.bearing_n)
 
 
@@ -52,8 +53,8 @@ def set_part(parameters, mode, w, free, body, load):
     part, wheel, state, rollers = parameters.workspace.parts[w], parameters.wheels[w], free.state, free.rollers
     part.drive_torque, part.free_spin = free.drive, free.spin
     part.contacts, part.loaded, part.normal_force = contact_count(mode), mode.loaded, load
-    gyroscopic = wheel.axle_inertia * state.spin_rate * body.yaw_rate
-    gyroscopic += body.yaw_rate * rollers.g_k - state.spin_rate * rollers.g_n
+    gyroscopic = wheel.axle_inertia * state.twist.spin * body.twist.yaw
+    gyroscopic += body.twist.yaw * rollers.g_k - state.twist.spin * rollers.g_n
     about_k = rotor_part(wheel, mode.shared) * free.spin - free.drive
     part.tilt[0], part.tilt[1] = tilt_rows(wheel, gyroscopic - rollers.bearing_h, about_k)
 
@@ -87,7 +88,7 @@ def observe_wheel(parameters, stage, w, body, load, equations):
         equations = held_body(
             parameters.machine, parameters.workspace.loads, parameters.workspace.contacts[part.first], equations
         )
-    return pushed_equations(equations, 0.0, 0.0, free.yaw_moment), free.drive * free.state.spin_rate
+    return pushed_equations(equations, 0.0, 0.0, free.yaw_moment), free.drive * free.state.twist.spin
 
 
 @kernel
@@ -130,8 +131,8 @@ def find_friction(parameters, mode, w, side, body, state, j):
     if parameters.workspace.resting is not None and contact.rest:
         spin = 0.0 if mode.shared else parameters.workspace.parts[w].free_spin * wheel.spin_mobility
         roller = bearing_torque(wheel, state.joint) * wheel.axial_mobility if machine.bearing_friction else 0.0
-        centre = centre_acceleration(wheel, body, 0.0, 0.0, 0.0)
-        bias = slip_acceleration(wheel, state, Motion(centre.h, centre.k, spin, 0.0, roller))
+        still = Acceleration(0.0, 0.0, 0.0)
+        bias = slip_acceleration(wheel, state, wheel_motion(wheel, body.twist, still, spin, roller))
         contact.bias[0], contact.bias[1] = bias.h, bias.k
         if mode.grip[side] == STICK and not mode.shared:  # its force is what holds it
             set_holding(machine, wheel, contact, state.axis, j, bias)
@@ -223,5 +224,5 @@ def air_rates(parameters, mode, w, state, y, dy):
         sector = sector_of(parameters, w, i, here)
         cos_i = state.cos_q * sector[0] - state.sin_q * sector[1]
         sin_i = state.sin_q * sector[0] + state.cos_q * sector[1]
-        joint = joint_rate(roller_axis(wheel, cos_i, sin_i), y[first + i], state.spin_rate, state.yaw_rate)
+        joint = joint_rate(roller_axis(wheel, cos_i, sin_i), y[first + i], state.twist)
         dy[first + i] = bearing_torque(wheel, joint) * wheel.axial_mobility

@@ -12,10 +12,12 @@ import numpy as np
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3, cross, dot
+from omnisim.contact.frame import axes
 from omnisim.dynamics.indices import contact_count
 from omnisim.dynamics.multibody.joint_forces import mounting, recover
 from omnisim.dynamics.state import YAW, X, Y, places
-from omnisim.dynamics.wheel import azimuth_of, body_motion, world_heading
+from omnisim.dynamics.twist import body_motion, world_frame
+from omnisim.dynamics.wheel import azimuth_of
 from omnisim.march.roller_exchange import release_rollers
 
 LEAST, MOST = range(2)
@@ -117,10 +119,11 @@ def follow_bearings(parameters, run, found):
         if parameters.workspace.articulated is None:
             release_rollers(parameters, run, w)
             recover(parameters, run.mode[w], w, y, run.slopes[0], run.rates[w])
-        heading = world_heading(wheel, body_motion(parameters, y))
-        follow_joint(joints[w, 0], Vec3(-heading.sin, heading.cos, 0.0), found[w, 0])
+        frame = world_frame(wheel, body_motion(parameters, y))
+        _, axle, _ = axes(frame)
+        follow_joint(joints[w, 0], axle, found[w, 0])
         for i in range(wheel.rollers):
-            _, _, axis = mounting(wheel, heading, azimuth_of(parameters, w, i, y[at.spin_angle + w]))
+            _, _, axis = mounting(wheel, frame, azimuth_of(parameters, w, i, y[at.spin_angle + w]))
             follow_joint(joints[w, i + 1], axis, found[w, i + 1])
 
 

@@ -17,13 +17,15 @@ import math
 
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.methods import EXPLICIT
-from omnisim.contact.kinematics import Motion, Slip, slip_acceleration
+from omnisim.contact.frame import Slip
+from omnisim.contact.kinematics import slip_acceleration
 from omnisim.contact.mobility import across, inverse_mass
 from omnisim.contact.set_valued import CREEP, SLIP, STICK
 from omnisim.dynamics.impulses import align_slip, change_slip
 from omnisim.dynamics.indices import contact_count, rate_place
 from omnisim.dynamics.state import places
-from omnisim.dynamics.wheel import body_motion, centre_acceleration, contact_state
+from omnisim.dynamics.twist import acceleration_of, body_motion, wheel_motion
+from omnisim.dynamics.wheel import contact_state
 from omnisim.march.runge_kutta import refresh
 
 COARSE_STEP = 1e-2  # s: a grid step from which on sub-steps are as coarse as is safe
@@ -47,10 +49,9 @@ def slip_rate(parameters, run, w, side):
     """v' (Slip, m/s^2) at a contact of wheel w as the motion goes, v (Slip, m/s), and A, 1/kg."""
     wheel, at, slope, body = parameters.wheels[w], places(parameters), run.slopes[0], body_motion(parameters, run.y)
     state = contact_state(parameters, run.mode[w], w, side, body, run.y)
-    x, y, yaw = slope[at.velocity], slope[at.velocity + 1], slope[at.yaw_rate]
-    centre = centre_acceleration(wheel, body, x * body.cos + y * body.sin, y * body.cos - x * body.sin, yaw)
+    acceleration = acceleration_of(parameters, body, slope)
     roller = slope[rate_place(parameters, run.mode[w], w, side)]
-    motion = Motion(centre.h, centre.k, slope[at.spin_rate + w], yaw, roller)
+    motion = wheel_motion(wheel, body.twist, acceleration, slope[at.spin_rate + w], roller)
     mobility = inverse_mass(parameters.machine, wheel, state.axis, state.contact)
     return slip_acceleration(wheel, state, motion), state.slip, mobility
 

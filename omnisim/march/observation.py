@@ -9,6 +9,7 @@ from omnisim.base.calls import direct
 from omnisim.base.kernel import kernel
 from omnisim.base.records import blank
 from omnisim.base.vector import Vec3, combine, cross
+from omnisim.contact.frame import axes, rate_change, rate_vector, spoke, tangential
 from omnisim.contact.kinematics import joint_rate
 from omnisim.contact.tracking import roller_axis
 from omnisim.dynamics.indices import roller_index, row_index
@@ -16,16 +17,12 @@ from omnisim.dynamics.multibody.joint_forces import recover, resolve_joints
 from omnisim.dynamics.normal_forces.servo import find_servo, set_all_tilt
 from omnisim.dynamics.normal_forces.solution import loads_known
 from omnisim.dynamics.parameters import Parameters
-from omnisim.dynamics.planar_body import Acceleration
 from omnisim.dynamics.state import MONITORS, Recording, X, Y, places
+from omnisim.dynamics.twist import Acceleration, acceleration_of, body_motion, wheel_motion, wheel_twist, world_frame
 from omnisim.dynamics.wheel import (
     azimuth,
-    body_motion,
-    centre_acceleration,
-    centre_velocity,
     external_wrench,
     rho_of,
-    world_heading,
 )
 from omnisim.march.runge_kutta import evaluate
 
@@ -73,19 +70,19 @@ def observe(parameters, rows, times, monitors, observed):
         wrench, turning = external_wrench(parameters, rows.piece[row], times[row], body), slopes[at.yaw_rate]
         if loads_known(parameters.machine):
             if workspace.articulated is None:  # else the right-hand side has found it
-                set_all_tilt(parameters.machine, parameters.wheels, workspace, wrench, body.yaw_rate)
+                set_all_tilt(parameters.machine, parameters.wheels, workspace, wrench, body.twist.yaw)
                 find_servo(parameters.machine, workspace, Acceleration(0.0, 0.0, turning))
             observed.servo[row, 0], observed.servo[row, 1] = workspace.loads.servo[0], workspace.loads.servo[1]
         for w in range(len(parameters.wheels)):
             wheel, seen, part = parameters.wheels[w], observed.wheels[row, w], workspace.parts[w]
-            contact, heading = workspace.contacts[part.first], world_heading(wheel, body)
+            contact, frame = workspace.contacts[part.first], world_frame(wheel, body)
             seen.normal_force = max(part.normal_force, 0.0) if part.loaded else 0.0
             seen.drive_torque, seen.share, seen.contact_torque = part.drive_torque, contact.share, contact.torque
             seen.voltage, seen.current = part.voltage, part.current
-            seen.angle = contact_angle(parameters, mode[w], w, heading, y)
-            along, across = wheel.offset[0], wheel.offset[1] + contact.l
-            seen.point[0] = y[X] + along * heading.cos - across * heading.sin
-            seen.point[1] = y[Y] + along * heading.sin + across * heading.cos
+            seen.angle = contact_angle(parameters, mode[w], w, frame, y)
+            along, across, (h, k, _) = wheel.offset[0], wheel.offset[1] + contact.l, axes(frame)
+            seen.point[0] = y[X] + along * h.x + across * k.x
+            seen.point[1] = y[Y] + along * h.y + across * k.y
             for i in range(2):
                 seen.slip_velocity[i], seen.friction_force[i] = contact.slip[i], contact.force[i]
             observe_rollers(parameters, rows, row, w, body, observed)
@@ -96,12 +93,12 @@ def observe(parameters, rows, times, monitors, observed):
 
 
 @kernel
-def contact_angle(parameters, mode, w, heading, y):
+def contact_angle(parameters, mode, w, frame, y):
     """q of the roller in contact, rad: from the spin angle, or from the rho that the implicit tracking integrated."""
     wheel, at = parameters.wheels[w], places(parameters)
     if parameters.machine.implicit_tracking:
         rho = rho_of(parameters, y, w, roller_index(wheel, mode.roller))
-        return math.atan2(-rho.x * heading.cos - rho.y * heading.sin, rho.z)
+        return math.atan2(-tangential(frame, rho).h, rho.z)
     return azimuth(wheel, parameters.roller_rows[mode.row[0]], mode.roller, y[at.spin_angle + w])
 
 
@@ -109,27 +106,21 @@ def contact_angle(parameters, mode, w, heading, y):
 def observe_rollers(parameters, rows, row, w, body, observed):
     """Joint rates of the rollers of wheel w, and the rigid motion of their centres O + R1 d with the wheel."""
     wheel, y, dy, at = parameters.wheels[w], rows.y[row], observed.slopes[row], places(parameters)
-    heading, spin_rate, yaw_rate = world_heading(wheel, body), y[at.spin_rate + w], y[at.yaw_rate]
-    spin_acceleration, turning = dy[at.spin_rate + w], spin_rate * yaw_rate
-    h, k = Vec3(heading.cos, heading.sin, 0.0), Vec3(-heading.sin, heading.cos, 0.0)
-    up = Vec3(0.0, 0.0, 1.0)
-    rate = combine(spin_rate, k, yaw_rate, up, 0.0, up)
-    rate_rate = combine(spin_acceleration, k, dy[at.yaw_rate], up, -turning, h)  # k' = -theta' h
-    slow, x, y_rate = centre_velocity(wheel, body), dy[at.velocity], dy[at.velocity + 1]
-    fast = centre_acceleration(
-        wheel, body, x * body.cos + y_rate * body.sin, y_rate * body.cos - x * body.sin, dy[at.yaw_rate]
-    )
+    frame, twist = world_frame(wheel, body), wheel_twist(wheel, body.twist, y[at.spin_rate + w])
+    motion = wheel_motion(wheel, body.twist, acceleration_of(parameters, body, dy), dy[at.spin_rate + w], 0.0)
+    (h, k, up), rate = axes(frame), rate_vector(frame, twist.spin, twist.yaw)
+    rate_rate = rate_change(frame, twist.spin, twist.yaw, motion)
     centre = combine(wheel.offset[0], h, wheel.offset[1], k, 1.0, Vec3(y[X], y[Y], wheel.radius))
-    velocity, acceleration = combine(slow.h, h, slow.k, k, 0.0, up), combine(fast.h, h, fast.k, k, 0.0, up)
+    velocity, acceleration = combine(twist.h, h, twist.k, k, 0.0, up), combine(motion.h, h, motion.k, k, 0.0, up)
     for i in range(wheel.rollers):
         own = parameters.roller_rows[row_index(wheel, i)]
         q = azimuth(wheel, own, i, y[at.spin_angle + w])
         axis = roller_axis(wheel, math.cos(q), math.sin(q))
-        observed.joint_rate[row, w, i] = joint_rate(axis, rows.rates[row, w, i], spin_rate, yaw_rate)
+        observed.joint_rate[row, w, i] = joint_rate(axis, rows.rates[row, w, i], twist)
         if parameters.machine.implicit_tracking:  # what it integrated is what it shows
             d = combine(-1.0, rho_of(parameters, y, w, i), 0.0, up, 0.0, up)
         else:
-            d = combine(math.sin(q), h, -math.cos(q), up, 0.0, up)
+            d = spoke(frame, math.cos(q), math.sin(q))
         arm = combine(wheel.roller_distance, d, own.offset, k, 0.0, up)
         around = cross(rate, arm)
         store(observed.motion[0, row, w, i], combine(1.0, centre, 1.0, arm, 0.0, up))

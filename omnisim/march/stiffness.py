@@ -4,8 +4,8 @@ import math
 
 from omnisim.base.methods import AUTO, EXPLICIT, METHODS
 from omnisim.base.status import SAFE_STEP
+from omnisim.contact.frame import Slip
 from omnisim.contact.friction import friction_factor
-from omnisim.contact.kinematics import Slip
 from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.static_loads import static_loads
 from omnisim.march.validity import roller_mobility

@@ -5,10 +5,10 @@ import math
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.status import LOST_TRACK, NO_START, NOT_FINITE, RUNNING, TOO_STIFF, UNBALANCED
 from omnisim.base.vector import dot
+from omnisim.contact.frame import Axis, Slip
 from omnisim.contact.friction import friction_factor
-from omnisim.contact.kinematics import Slip
 from omnisim.contact.mobility import inverse_mass, largest
-from omnisim.contact.tracking import Axis, Contact, explicit_contact, roller_axis
+from omnisim.contact.tracking import Contact, explicit_contact, roller_axis
 from omnisim.dynamics.energy import kinetic_energy, potential_energy
 from omnisim.dynamics.indices import roller_index
 from omnisim.dynamics.state import places

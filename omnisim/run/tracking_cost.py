@@ -6,7 +6,8 @@ from omnisim.base.kernel import kernel
 from omnisim.contact.tracking import explicit_contact, implicit_contact, roller_axis
 from omnisim.dynamics.right_hand_side import rho_rates
 from omnisim.dynamics.state import places
-from omnisim.dynamics.wheel import azimuth, body_motion, rho_of, world_heading
+from omnisim.dynamics.twist import body_motion, world_frame
+from omnisim.dynamics.wheel import azimuth, rho_of
 
 
 @kernel
@@ -49,7 +50,7 @@ def track_implicitly(parameters, y, slopes):
         wheel = parameters.wheels[w]
         q = azimuth(wheel, parameters.roller_rows[wheel.row], 0, y[at.spin_angle + w])
         axis = roller_axis(wheel, math.cos(q), math.sin(q))
-        contact = implicit_contact(wheel, world_heading(wheel, body), axis, rho_of(parameters, y, w, 0))
+        contact = implicit_contact(wheel, world_frame(wheel, body), axis, rho_of(parameters, y, w, 0))
         total += contact.l + contact.arm_h + contact.arm_k
     rho_rates(parameters, body, y, slopes)
     return total

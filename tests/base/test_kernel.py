@@ -18,7 +18,7 @@ from omnisim.base import kernel
 PACKAGE = Path(omnisim.__file__).parent
 IMPORT = "from omnisim.base.kernel import kernel\n"
 PROGRAM = """
-from omnisim.contact.kinematics import Slip
+from omnisim.contact.frame import Slip
 from omnisim.base.kernel import kernel, CACHE_DIRECTORY
 from omnisim import caller
 print(caller.outer(2.0), CACHE_DIRECTORY.name)

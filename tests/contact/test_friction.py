@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scenes import packed, reference_scene
 
+from omnisim.contact.frame import Slip
 from omnisim.contact.friction import friction_factor
-from omnisim.contact.kinematics import Slip
 
 pytestmark = pytest.mark.short
 

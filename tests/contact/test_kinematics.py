@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 from scenes import packed, reference_scene, standing
 
-from omnisim.contact.kinematics import Motion, joint_rate, slip_acceleration, slip_velocity
+from omnisim.contact.frame import Motion, WheelTwist
+from omnisim.contact.kinematics import joint_rate, slip_acceleration, slip_velocity
 from omnisim.contact.mobility import inverse_mass
 from omnisim.contact.tracking import explicit_contact, roller_axis
 from omnisim.dynamics.state import places_in
-from omnisim.dynamics.wheel import body_motion, contact_state, external_wrench
+from omnisim.dynamics.twist import body_motion
+from omnisim.dynamics.wheel import contact_state, external_wrench
 
 pytestmark = pytest.mark.short
 
@@ -41,8 +43,8 @@ def test_the_slip_velocity_is_that_of_the_material_point_and_horizontal(psi):
         v_h, v_k, spin_rate, yaw_rate, roller_rate = rng.normal(size=5)
         q = rng.uniform(-np.pi / 4, np.pi / 4)
         _, wheel, axis, contact = case(psi, q)
-        joint = joint_rate(axis, roller_rate, spin_rate, yaw_rate)
-        slip = slip_velocity(wheel, contact, v_h, v_k, spin_rate, yaw_rate, joint)
+        twist = WheelTwist(v_h, v_k, spin_rate, yaw_rate)
+        slip = slip_velocity(wheel, contact, twist, joint_rate(axis, roller_rate, twist))
         expected = slip_by_vectors(wheel, q, v_h * H + v_k * K, spin_rate, yaw_rate, roller_rate)
         np.testing.assert_allclose([*slip, 0.0], expected, rtol=0, atol=1e-14)
 
@@ -87,8 +89,8 @@ def test_the_slip_acceleration_is_a_f_plus_b(psi):
         gyroscopic = wheel.axial_inertia * rollers_along_h(parameters, run)
         free = Motion(
             wrench.x / machine.mass, wrench.y / machine.mass,
-            (0.7 - state.yaw_rate * gyroscopic) / wheel.axle_inertia,
-            (wrench.yaw + state.spin_rate * gyroscopic) / machine.yaw_inertia, 0.0,
+            (0.7 - state.twist.yaw * gyroscopic) / wheel.axle_inertia,
+            (wrench.yaw + state.twist.spin * gyroscopic) / machine.yaw_inertia, 0.0,
         )  # fmt: skip
         b = slip_acceleration(wheel, state, free)
         hh, hk, kk = inverse_mass(parameters.machine, wheel, state.axis, state.contact)

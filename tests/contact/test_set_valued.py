@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from omnisim.contact.kinematics import Slip
+from omnisim.contact.frame import Slip
 from omnisim.contact.mobility import Symmetric
 from omnisim.contact.set_valued import contact_forces, slip_direction, sticking_force
 from omnisim.dynamics.parameters import RESTING

@@ -7,16 +7,15 @@ import pytest
 from scenes import wheel_record
 
 from omnisim.base.vector import Vec3
+from omnisim.contact.frame import Frame, axis_vector
 from omnisim.contact.roller_profile import support_point
 from omnisim.contact.tracking import (
-    Heading,
     explicit_contact,
     explicit_touches,
     implicit_contact,
     implicit_touches,
     rho_rate,
     roller_axis,
-    world_axis,
 )
 
 pytestmark = pytest.mark.short
@@ -36,10 +35,10 @@ def frame(yaw):
 
 
 def pose(wheel, q, yaw):
-    """Heading, axis, rho and d of a roller at azimuth q."""
+    """Frame, axis, rho and d of a roller at azimuth q."""
     h, _ = frame(yaw)
     d = -math.cos(q) * UP + math.sin(q) * h
-    return Heading(math.cos(yaw), math.sin(yaw)), roller_axis(wheel, math.cos(q), math.sin(q)), Vec3(*-d), d
+    return Frame(math.cos(yaw), math.sin(yaw)), roller_axis(wheel, math.cos(q), math.sin(q)), Vec3(*-d), d
 
 
 def angles(wheel):
@@ -50,7 +49,7 @@ def test_the_explicit_contact_point_is_the_lowest_point_of_the_exact_roller(whee
     for q, yaw in angles(wheel):
         heading, axis, _, d = pose(wheel, q, yaw)
         h, k = frame(yaw)
-        a = np.array(world_axis(heading, axis))
+        a = np.array(axis_vector(heading, axis))
         lever = np.array(support_point(wheel, Vec3(*a)))  # P - O_B
         contact = explicit_contact(wheel, math.cos(q), math.sin(q))
         expected = wheel.roller_distance * d + lever  # P - O = -R n + l k
@@ -83,7 +82,7 @@ def test_the_rate_of_rho_solves_the_three_differentiated_conditions(wheel):
     for q, yaw in angles(wheel):
         heading, axis, rho, _ = pose(wheel, q, yaw)
         _, k = frame(yaw)
-        a, w, r = np.array(world_axis(heading, axis)), spin_rate * k + yaw_rate * UP, np.array(rho)
+        a, w, r = np.array(axis_vector(heading, axis)), spin_rate * k + yaw_rate * UP, np.array(rho)
         rate = np.array(rho_rate(heading, axis, spin_rate, yaw_rate, rho))
         assert abs(rate @ a + r @ np.cross(w, a)) < 1e-14
         assert abs(rate @ k + r @ np.cross(w, k)) < 1e-14

@@ -9,7 +9,8 @@ from omnisim.base.methods import METHODS
 from omnisim.base.status import COMPLETE, RUNNING
 from omnisim.contact.set_valued import SLIP, STICK
 from omnisim.dynamics.state import places
-from omnisim.dynamics.wheel import body_motion, contact_state
+from omnisim.dynamics.twist import body_motion
+from omnisim.dynamics.wheel import contact_state
 from omnisim.march.events import EVENT
 from omnisim.march.friction_modes import slip_rate
 from omnisim.march.initial_state import blank_rows
@@ -172,13 +173,12 @@ def test_the_multipliers_hold_at_every_accepted_step(step, overrides):
         run.clock.pause = run.clock.rhs + 1  # one step
         march(parameters, stages, run, rows, log)
         grip, limit = run.mode[0].grip[0], parameters.machine.friction * run.monitors[0].normal_force
-        heading = body_motion(parameters, run.y)
-        state = contact_state(parameters, run.mode[0], 0, 0, heading, run.y)
+        body = body_motion(parameters, run.y)
+        state = contact_state(parameters, run.mode[0], 0, 0, body, run.y)
         acceleration = np.hypot(*slip_rate(parameters, run, 0, 0)[0])
         slope = run.slopes[0][[at.velocity, at.velocity + 1]] * parameters.machine.mass
-        force = np.array(
-            [heading.cos * slope[0] + heading.sin * slope[1], heading.cos * slope[1] - heading.sin * slope[0]]
-        )
+        cos, sin = body.frame
+        force = np.array([cos * slope[0] + sin * slope[1], cos * slope[1] - sin * slope[0]])
         size, slip = np.hypot(*force), np.hypot(*state.slip)
         if grip == STICK:
             assert acceleration < 1e-10  # m/s^2, of hundreds; measured up to 2.0e-13

@@ -9,7 +9,8 @@ import omnisim
 from omnisim.contact.set_valued import CREEP, SLIP, STICK
 from omnisim.dynamics.impulses import align_slip
 from omnisim.dynamics.state import places_in
-from omnisim.dynamics.wheel import body_motion, contact_state
+from omnisim.dynamics.twist import body_motion
+from omnisim.dynamics.wheel import contact_state
 from omnisim.scene.ideal_kinematics import wheel_rows
 
 COULOMB = {"law": "coulomb", "coefficient": 0.5}

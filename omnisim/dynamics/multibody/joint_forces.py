@@ -10,20 +10,21 @@ rollers load, those of the axle. Axes of the results are fixed in what carries t
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
+from omnisim.contact.frame import axes, rate_change, rate_vector, spoke
 from omnisim.dynamics.indices import carries, row_index
 from omnisim.dynamics.multibody.rigid_body import against_gravity, needed_wrench
 from omnisim.dynamics.state import places
-from omnisim.dynamics.wheel import azimuth_of, body_motion, centre_acceleration, world_heading
+from omnisim.dynamics.twist import acceleration_of, body_motion, wheel_motion, world_frame
+from omnisim.dynamics.wheel import azimuth_of
 
 RADIAL, LATERAL, AXIAL = range(3)
 
 
 @kernel
-def mounting(wheel, heading, q):
+def mounting(wheel, frame, q):
     """Directions d, a x d and a of the roller at azimuth q (Vec3, world)."""
     cos_q, sin_q = cos_sin(q)
-    d = Vec3(sin_q * heading.cos, sin_q * heading.sin, -cos_q)
-    k = Vec3(-heading.sin, heading.cos, 0.0)
+    d, (_, k, _) = spoke(frame, cos_q, sin_q), axes(frame)
     axis = plus(times(wheel.cos_psi, cross(k, d)), times(wheel.sin_psi, k))
     return d, cross(axis, d), axis
 
@@ -33,21 +34,17 @@ def recover(parameters, mode, w, y, dy, rates):
     """Force and moment of the joints of wheel w, from its motion and the floor's forces, into the workspace; rates
     (N,): absolute axial rates of its rollers, rad/s."""
     machine, wheel, workspace, at = parameters.machine, parameters.wheels[w], parameters.workspace, places(parameters)
-    body, part, up = body_motion(parameters, y), parameters.workspace.parts[w], Vec3(0.0, 0.0, 1.0)
-    heading, spin_rate, yaw_rate = world_heading(wheel, body), y[at.spin_rate + w], body.yaw_rate
-    h, k = Vec3(heading.cos, heading.sin, 0.0), Vec3(-heading.sin, heading.cos, 0.0)
-    rate = plus(times(spin_rate, k), times(yaw_rate, up))
-    bent = plus(times(dy[at.spin_rate + w], k), times(dy[at.yaw_rate], up))
-    bent = minus(bent, times(yaw_rate * spin_rate, h))  # k' = -theta' h
-    x, y_rate = dy[at.velocity], dy[at.velocity + 1]
-    forward, left = x * body.cos + y_rate * body.sin, y_rate * body.cos - x * body.sin
-    along = centre_acceleration(wheel, body, forward, left, dy[at.yaw_rate])
-    centre = plus(plus(times(along.h, h), times(along.k, k)), against_gravity(machine))  # with the weight
+    body, part = body_motion(parameters, y), parameters.workspace.parts[w]
+    frame, spin_rate, spin = world_frame(wheel, body), y[at.spin_rate + w], dy[at.spin_rate + w]
+    h, k, up = axes(frame)
+    motion = wheel_motion(wheel, body.twist, acceleration_of(parameters, body, dy), spin, 0.0)
+    rate, bent = rate_vector(frame, spin_rate, body.twist.yaw), rate_change(frame, spin_rate, body.twist.yaw, motion)
+    centre = plus(plus(times(motion.h, h), times(motion.k, k)), against_gravity(machine))  # with the weight
     across, axle = wheel.disk_inertia[0], wheel.disk_inertia[1]
     force, moment = needed_wrench(wheel.disk_mass, across, axle, k, rate, centre, bent)
     normal = max(part.normal_force, 0.0) if part.loaded else 0.0
     for i in range(wheel.rollers):
-        d, _, axis = mounting(wheel, heading, azimuth_of(parameters, w, i, y[at.spin_angle + w]))
+        d, _, axis = mounting(wheel, frame, azimuth_of(parameters, w, i, y[at.spin_angle + w]))
         rho = plus(times(wheel.roller_distance, d), times(parameters.roller_rows[row_index(wheel, i)].offset, k))
         joint, rolling = rates[i] - dot(rate, axis), dy[wheel.rates + i] if machine.every_rate else 0.0
         pressed, twisted = Vec3(0.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.0)
@@ -84,11 +81,11 @@ def keep_joint(record, moment, force):
 def resolve_joints(parameters, w, y, found):
     """The joints of wheel w in the workspace along their own axes: found (N + 1, 2, 3), force (N) and moment (N m)."""
     wheel, at, joints = parameters.wheels[w], places(parameters), parameters.workspace.joints
-    heading = world_heading(wheel, body_motion(parameters, y))
-    h, k, up = Vec3(heading.cos, heading.sin, 0.0), Vec3(-heading.sin, heading.cos, 0.0), Vec3(0.0, 0.0, 1.0)
+    frame = world_frame(wheel, body_motion(parameters, y))
+    h, k, up = axes(frame)
     resolve(joints[w, 0], h, k, up, found[0])
     for i in range(wheel.rollers):
-        d, lateral, axis = mounting(wheel, heading, azimuth_of(parameters, w, i, y[at.spin_angle + w]))
+        d, lateral, axis = mounting(wheel, frame, azimuth_of(parameters, w, i, y[at.spin_angle + w]))
         resolve(joints[w, i + 1], d, lateral, axis, found[i + 1])
 
 

@@ -13,6 +13,7 @@ import math
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
+from omnisim.contact.frame import Axis, axes, axis_vector, rate_vector
 from omnisim.dynamics.indices import body_place, row_index
 from omnisim.dynamics.multibody.joint_forces import mounting
 from omnisim.dynamics.multibody.rigid_body import (
@@ -27,7 +28,8 @@ from omnisim.dynamics.multibody.rigid_body import (
     turned_to,
 )
 from omnisim.dynamics.state import BODY_STATES, YAW, X, Y, places
-from omnisim.dynamics.wheel import azimuth_of, body_motion, world_heading
+from omnisim.dynamics.twist import body_motion, world_frame
+from omnisim.dynamics.wheel import azimuth_of
 
 
 @kernel
@@ -53,16 +55,15 @@ def project_bodies(parameters, run, counted):
     """Put every body of run.y where its joints hold it; if `counted`, how far it was from there enters the drift."""
     machine, wheels, y, at = parameters.machine, parameters.wheels, run.y, places(parameters)
     body = body_motion(parameters, y)
-    turning = Vec3(0.0, 0.0, body.yaw_rate)
-    ahead, left, above = machine.lever[0], machine.lever[1], machine.lever[2]
-    c = Vec3(ahead * body.cos - left * body.sin, ahead * body.sin + left * body.cos, above)
+    turning = rate_vector(body.frame, 0.0, body.twist.yaw)
+    c = axis_vector(body.frame, Axis(machine.lever[0], machine.lever[1], machine.lever[2]))
     centre, velocity = Vec3(y[X], y[Y], machine.height), Vec3(y[at.velocity], y[at.velocity + 1], 0.0)
     chassis = RigidBody(plus(centre, c), about_z(y[YAW]), plus(velocity, cross(turning, c)), turning)
     drift = project_body(run, body_place(parameters, -1, 0), chassis, True)
     for w in range(len(wheels)):
-        wheel, heading = wheels[w], world_heading(wheels[w], body)
+        wheel, frame = wheels[w], world_frame(wheels[w], body)
         spin_angle, spin_rate = y[at.spin_angle + w], y[at.spin_rate + w]
-        h, k = Vec3(heading.cos, heading.sin, 0.0), Vec3(-heading.sin, heading.cos, 0.0)
+        h, k, _ = axes(frame)
         e = plus(times(wheel.offset[0], h), times(wheel.offset[1], k))
         upright = about_z(y[YAW] + math.atan2(wheel.sin_heading, wheel.cos_heading))
         disk = RigidBody(
@@ -76,7 +77,7 @@ def project_bodies(parameters, run, counted):
         tilt = Quaternion(math.cos(0.5 * tilted), math.sin(0.5 * tilted), 0.0, 0.0)
         for i in range(wheel.rollers):
             q = azimuth_of(parameters, w, i, spin_angle)
-            d, _, axis = mounting(wheel, heading, q)
+            d, _, axis = mounting(wheel, frame, q)
             rho = plus(times(wheel.roller_distance, d), times(parameters.roller_rows[row_index(wheel, i)].offset, k))
             place = body_place(parameters, w, i + 1)
             now = rigid_body(y, place).rotation

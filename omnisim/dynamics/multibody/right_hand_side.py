@@ -10,10 +10,11 @@ from typing import NamedTuple
 
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
+from omnisim.contact.frame import Axis, Slip, WheelTwist, frame_along
 from omnisim.contact.friction import VISCOUS
-from omnisim.contact.kinematics import Jacobian, Slip
+from omnisim.contact.kinematics import Jacobian
 from omnisim.contact.set_valued import CREEP
-from omnisim.contact.tracking import Axis, Heading, explicit_contact, implicit_contact
+from omnisim.contact.tracking import explicit_contact, implicit_contact
 from omnisim.dynamics.actuation import actuate, rest_motors
 from omnisim.dynamics.contact_forces import find_contact_forces
 from omnisim.dynamics.indices import body_place, carries, contact_count, roller_index, roller_of
@@ -53,7 +54,8 @@ from omnisim.dynamics.normal_forces.solution import given_load, held_body, loads
 from omnisim.dynamics.normal_forces.tilt import TILT_X, TILT_Y, place_load
 from omnisim.dynamics.planar_body import holds, set_contact
 from omnisim.dynamics.state import YAW, X, Y, places
-from omnisim.dynamics.wheel import Body, ContactState, bearing_torque, external_wrench, on_row, rho_of
+from omnisim.dynamics.twist import Body, Twist, power_of
+from omnisim.dynamics.wheel import ContactState, bearing_torque, external_wrench, on_row, rho_of
 from omnisim.dynamics.wheel_forces import find_friction, monitor_loads, react
 
 
@@ -74,7 +76,8 @@ def multibody_rhs(parameters, stage):
     mode, y, dy = stage.mode, stage.y, stage.dy
     carrier = chassis_of(parameters, y)
     rate = carrier.body.rate
-    body = Body(carrier.x.x, carrier.x.y, dot(carrier.velocity, carrier.x), dot(carrier.velocity, carrier.y), rate.z)
+    twist = Twist(dot(carrier.velocity, carrier.x), dot(carrier.velocity, carrier.y), rate.z)
+    body = Body(frame_along(carrier.x), twist)
     wrench = external_wrench(parameters, stage.piece, stage.t, body)
     dy[X], dy[Y], dy[YAW] = carrier.velocity.x, carrier.velocity.y, rate.z
     if machine.motors:
@@ -121,7 +124,7 @@ def multibody_rhs(parameters, stage):
     dy[at.drift], dy[at.drift + 1] = 0.0, 0.0
     dy[at.velocity], dy[at.velocity + 1], dy[at.yaw_rate] = linear.x, linear.y, acceleration.yaw
     dy[at.friction_loss], dy[at.drive_work] = heat, power
-    dy[at.wrench_work] = wrench.x * body.x + wrench.y * body.y + wrench.yaw * rate.z
+    dy[at.wrench_work] = power_of(wrench, twist)
     if machine.bearing_friction:
         dy[at.bearing_loss] = bearing_loss
     if stage.monitoring and loads_known(machine):
@@ -223,7 +226,7 @@ def meet(parameters, mode, w, side, carrier, body, y):
     cos_q, sin_q = -rho.z / wheel.roller_distance, dot(rho, h) / wheel.roller_distance
     axis = Axis(dot(a, h), dot(a, k), a.z)
     if parameters.machine.implicit_tracking:
-        touch = implicit_contact(wheel, Heading(h.x, h.y), axis, rho_of(parameters, y, w, index))
+        touch = implicit_contact(wheel, frame_along(h), axis, rho_of(parameters, y, w, index))
     else:
         touch = explicit_contact(wheel, cos_q, sin_q)
     touch = on_row(touch, parameters.roller_rows[mode.row[side]])
@@ -235,12 +238,10 @@ def meet(parameters, mode, w, side, carrier, body, y):
         touch,
         cos_q,
         sin_q,
-        Slip(dot(disk.velocity, h), dot(disk.velocity, k)),
+        WheelTwist(dot(disk.velocity, h), dot(disk.velocity, k), spin_rate, body.twist.yaw),
         joint,
         Slip(dot(moved, h), dot(moved, k)),
         roller.rate.z,
-        spin_rate,
-        body.yaw_rate,
     )
     art, held, nothing = kept_articulated(workspace.articulated[w]), mode.shared == 1, Vec3(0.0, 0.0, 0.0)
     arm = minus(disk.position, carrier.centre)

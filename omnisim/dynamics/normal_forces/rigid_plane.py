@@ -16,7 +16,8 @@ from typing import NamedTuple
 from omnisim.base.kernel import kernel
 from omnisim.contact.friction import VISCOUS
 from omnisim.dynamics.normal_forces.tilt import TILT_X, TILT_Y, tilt_of
-from omnisim.dynamics.planar_body import Acceleration, holds, push_of, yielding
+from omnisim.dynamics.planar_body import holds, push_of, yielding
+from omnisim.dynamics.twist import Acceleration
 
 LEAST_REGULAR = 1e-2  # determinant of the loads over that without friction, below which friction jams
 
@@ -71,8 +72,8 @@ def share_out(machine, workspace, load, mobility, motion):
     by_2 = yielding(mobility, pushes.x.y, pushes.y.y, pushes.yaw.y)
     share = 1.0 / places.count
     x, y, mean = places.x * share, places.y * share, load * share
-    a_1, a_2, a = reduced(about_y, by_0, by_1, by_2, motion, x, y, mean)
-    c_1, c_2, c = reduced(about_x, by_0, by_1, by_2, motion, x, y, mean)
+    a_1, a_2, a = reduced(about_y, (by_0, by_1, by_2), motion, x, y, mean)
+    c_1, c_2, c = reduced(about_x, (by_0, by_1, by_2), motion, x, y, mean)
     determinant = a_1 * c_2 - a_2 * c_1
     scale = 1.0 / determinant
     b_1, b_2 = (a * c_2 - a_2 * c) * scale, (a_1 * c - a * c_1) * scale
@@ -90,11 +91,13 @@ def share_out(machine, workspace, load, mobility, motion):
 
 
 @kernel
-def reduced(row, by_0, by_1, by_2, motion, x, y, mean):
+def reduced(row, by, motion, x, y, mean):
     """A Tilt without the acceleration and b_0: by b_1, by b_2, and its right side.
 
-    x, y: mean place of the loaded wheels, m; mean: their mean load, N.
+    by: the Accelerations by b_0, b_1 and b_2; motion: that without loads; x, y: mean place of the loaded wheels, m;
+    mean: their mean load, N.
     """
+    by_0, by_1, by_2 = by
     first = row.loads.one + row.x * by_0.x + row.y * by_0.y + row.yaw * by_0.yaw
     second = row.loads.x + row.x * by_1.x + row.y * by_1.y + row.yaw * by_1.yaw
     third = row.loads.y + row.x * by_2.x + row.y * by_2.y + row.yaw * by_2.yaw

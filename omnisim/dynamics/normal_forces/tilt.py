@@ -8,6 +8,7 @@ inclined floor what of gravity lies along it acts at C, and gives no moment.
 """
 
 from omnisim.base.kernel import kernel
+from omnisim.contact.frame import Slip, frame_on_chassis, outward
 
 TILT_Y, TILT_X = 3, 4  # rows of levers and pushes, about -y and about x, after x, y and yaw
 
@@ -31,8 +32,8 @@ def set_tilt(machine, wheel, contact, spin_held):
 @kernel
 def tilt_rows(wheel, about_h, about_k):
     """A moment about a wheel's h and k in the rows of tilt: about -y and about x."""
-    cos, sin = wheel.cos_heading, wheel.sin_heading
-    return -(about_h * sin + about_k * cos), about_h * cos - about_k * sin
+    moment = outward(frame_on_chassis(wheel), Slip(about_h, about_k))
+    return -moment.y, moment.x
 
 
 @kernel
@@ -54,8 +55,7 @@ def place_load(wheel, workspace, w):
 def set_point(wheel, part, along):
     """Where the load of a wheel acts: `along` from its centre, along the axle, m."""
     ahead, aside = wheel.offset[0], wheel.offset[1] + along
-    part.point[0] = ahead * wheel.cos_heading - aside * wheel.sin_heading
-    part.point[1] = ahead * wheel.sin_heading + aside * wheel.cos_heading
+    part.point[0], part.point[1] = outward(frame_on_chassis(wheel), Slip(ahead, aside))
 
 
 @kernel
