@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 import click
 
 from .compare import KINDS
-from .screen import BAD_INPUT, Failure, Progress, compilation_noted, note
+from .compiling import compilation_noted
+from .screen import BAD_INPUT, Failure, Progress, note
 
 if TYPE_CHECKING:
     from omnisim.run.work_precision import Precision, Setting

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .screen import Failure, compilation_noted, note
+from .compiling import compilation_noted
+from .screen import Failure, note
 
 if TYPE_CHECKING:
     from omnisim.results.comparison import Comparison, Divergence

@@ -9,7 +9,8 @@ import click
 
 from omnisim.base.formatting import aligned, columns
 
-from .screen import BAD_INPUT, Failure, compilation_noted, warn
+from .compiling import compilation_noted
+from .screen import BAD_INPUT, Failure, warn
 
 if TYPE_CHECKING:
     import numpy as np

@@ -14,7 +14,8 @@ import click
 
 from omnisim.base.formatting import aligned, visible
 
-from .screen import BAD_INPUT, Failure, Progress, compilation_noted, note, warn
+from .compiling import compilation_noted
+from .screen import BAD_INPUT, Failure, Progress, note, warn
 
 if TYPE_CHECKING:
     from omnisim.results.trajectory import Trajectory

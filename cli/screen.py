@@ -5,17 +5,15 @@ import signal
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, nullcontext, suppress
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import Any, TextIO
 
 import click
 
 from omnisim.base.formatting import visible
 
-if TYPE_CHECKING:
-    from omnisim.scene.scene import Scene
-
 STOPPED, BAD_INPUT = 1, 2  # exit codes
 BAR_LENGTH = 1000
+unfinished_lines = 0  # on the terminal: 1 while a bar is drawn that a message must not continue
 ENDING = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 
 
@@ -94,31 +92,8 @@ def leave_at_once(*_: object) -> None:
     if "omnisim.base.files" in sys.modules:
         sys.modules["omnisim.base.files"].release_all()
     with suppress(OSError):
-        os.write(2, b"Error: interrupted; nothing was written\n")
+        os.write(2, b"\n" * unfinished_lines + b"Error: interrupted; nothing was written\n")
     os._exit(STOPPED)
-
-
-@contextmanager
-def compilation_noted(scenes: Iterable["Scene"], quiet: bool = False) -> Iterator[None]:
-    """Says so, once, when Numba begins to compile a kernel that its cache does not hold, and for what kind of scene."""
-    from numba.core import event
-
-    class Announcement(event.Listener):
-        silent = quiet
-
-        def on_start(self, _: event.Event) -> None:
-            if not self.silent:
-                self.silent = True
-                from omnisim.run.warming import kind_of
-
-                kinds = ", then for ".join(dict.fromkeys(str(kind_of(scene)) for scene in scenes))
-                note(f"compiling kernels for {kinds}: once, about a minute")
-
-        def on_end(self, _: event.Event) -> None:
-            pass
-
-    with event.install_listener("numba:compile", Announcement()):
-        yield
 
 
 class Progress:

@@ -3,6 +3,8 @@
 All scenes of one kind share all kernels, whatever their numbers: a kind is which parts of Parameters and Run are there.
 """
 
+import ast
+import inspect
 import os
 import subprocess
 import sys
@@ -11,9 +13,12 @@ from itertools import product
 from os import PathLike
 from typing import NamedTuple
 
+from omnisim.base.kernel import Kernel
 from omnisim.base.methods import EXPLICIT
 from omnisim.contact.roller_profile import length, profile_radius, tip_radius
 from omnisim.dynamics.packing import pack
+from omnisim.march.march import march
+from omnisim.march.observation import observe
 from omnisim.march.stiffness import explanation, resolve
 from omnisim.run.loop import Loop
 from omnisim.run.timing import tracking_cost
@@ -100,3 +105,48 @@ def compile_now(overrides: Iterable[str]) -> None:
     for size in (length, tip_radius):
         size(parameters.wheels[0])
     profile_radius(parameters.wheels[0], 0.0)
+
+
+def kernels_of(kind: Kind) -> set[Kernel]:
+    """About those that are compiled for a run of this kind: all that march and observation reach in their sources but
+    for branches that ask for what is not there."""
+    there = dict(zip(("articulated", "resting", "newton"), kind, strict=True))
+    found: set[Kernel] = set()
+    waiting = [kernel for kernel in (march, observe) if isinstance(kernel, Kernel)]  # compilation may be switched off
+    while waiting:
+        kernel = waiting.pop()
+        if kernel not in found:
+            found.add(kernel)
+            source = Names(there)
+            source.visit(ast.parse(inspect.getsource(kernel.py_func)))
+            values = map(kernel.py_func.__globals__.get, source.names)
+            waiting += [value for value in values if isinstance(value, Kernel)]
+    return found
+
+
+class Names(ast.NodeVisitor):
+    """The names in a source but for those in branches that are never taken; there: by member whether it is not None."""
+
+    def __init__(self, there: dict[str, bool]):
+        self.there, self.names = there, set[str]()
+
+    def visit_Name(self, node: ast.Name) -> None:
+        self.names.add(node.id)
+
+    def visit_If(self, node: ast.If) -> None:
+        known = self.decided(node.test)
+        if known is None:
+            self.visit(node.test)
+        for part in [*node.body] * (known is not False) + [*node.orelse] * (known is not True):
+            self.visit(part)
+
+    def decided(self, test: ast.expr) -> bool | None:
+        """Whether a condition holds, None if that is not known from what is there."""
+        if isinstance(test, ast.BoolOp):
+            parts, ending = [self.decided(part) for part in test.values], isinstance(test.op, ast.Or)
+            if ending in parts:
+                return ending
+            return None if None in parts else not ending
+        if isinstance(test, ast.Compare) and isinstance(test.left, ast.Attribute) and test.left.attr in self.there:
+            return self.there[test.left.attr] == isinstance(test.ops[0], ast.IsNot)
+        return None

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from omnisim.run.warming import SMALL, Kind, kind_of, kinds
+from omnisim.run.warming import SMALL, Kind, kernels_of, kind_of, kinds
 from omnisim.scene.scene import load
 
 COUNTING = """
@@ -56,3 +56,20 @@ def test_a_small_scene_is_of_the_kind_that_it_is_made_for():
 ])  # fmt: skip
 def test_a_scene_is_of_one_kind(scene, kind):
     assert kind_of(load(scene)) == kind
+
+
+@pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT", "0") != "0", reason="nothing is compiled")
+def test_kernels_of_a_kind_are_those_that_it_needs():
+    def names(*kind):
+        return {kernel.__name__ for kernel in kernels_of(Kind(*kind))}
+
+    smooth, coulomb, implicit, multibody = (
+        names(False, False, False),
+        names(False, True, False),
+        names(False, False, True),
+        names(True, False, False),
+    )
+    assert {"march", "observe", "reduced_rhs"} <= smooth < coulomb
+    assert {"turn_creep", "come_to_rest", "align_slip"} <= coulomb - smooth
+    assert {"implicit_step", "factorize"} <= implicit - smooth
+    assert "multibody_rhs" in multibody - smooth and "reduced_rhs" not in multibody
