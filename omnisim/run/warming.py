@@ -78,7 +78,7 @@ def warm(
     Raises RuntimeError if one of them fails.
     """
     found = kinds() if scenes is None else dict.fromkeys(kind_of(as_scene("warm", scene)) for scene in scenes)
-    wanted, running = list(found), {}
+    wanted, running = list(found), dict[subprocess.Popen[bytes], Kind]()
     waiting, most = list(wanted), processes or os.cpu_count() or 1
     while waiting or running:
         while waiting and len(running) < most:
