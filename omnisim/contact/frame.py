@@ -12,6 +12,7 @@ dynamics/twist.py for the machine, know it; the others speak of h, k and n. A wh
 is not flat, has another Frame and another twist behind the same functions.
 """
 
+import math
 from typing import NamedTuple
 
 from omnisim.base.kernel import kernel
@@ -82,6 +83,12 @@ def frame_by(carrier, frame):
 
 
 @kernel
+def turn_of(frame):
+    """The angle by which a Frame is turned about n, rad."""
+    return math.atan2(frame.sin, frame.cos)
+
+
+@kernel
 def axes(frame):
     """h, k and n (Vec3)."""
     return Vec3(frame.cos, frame.sin, 0.0), Vec3(-frame.sin, frame.cos, 0.0), Vec3(0.0, 0.0, 1.0)
@@ -112,16 +119,16 @@ def spoke(frame, cos_q, sin_q):
 
 
 @kernel
-def rate_vector(frame, spin_rate, yaw_rate):
-    """Angular velocity of a disk (Vec3, rad/s)."""
-    return Vec3(-spin_rate * frame.sin, spin_rate * frame.cos, yaw_rate)
+def rate_vector(frame, twist):
+    """Angular velocity of a disk with this WheelTwist (Vec3, rad/s)."""
+    return Vec3(-twist.spin * frame.sin, twist.spin * frame.cos, twist.yaw)
 
 
 @kernel
-def rate_change(frame, spin_rate, yaw_rate, motion):
+def rate_change(frame, twist, motion):
     """Its rate (Vec3, rad/s^2), from the accelerations `motion`: k turns with the yaw, k' = -theta' h."""
     h, k, n = axes(frame)
-    return combine(motion.spin, k, motion.yaw, n, -yaw_rate * spin_rate, h)
+    return combine(motion.spin, k, motion.yaw, n, -twist.yaw * twist.spin, h)
 
 
 @kernel

@@ -61,15 +61,15 @@ def implicit_contact(wheel, frame, axis, rho):
 
 
 @kernel
-def rho_rate(frame, axis, spin_rate, yaw_rate, rho):
-    """rho' of one roller (Vec3) from the differentiated orthogonality conditions of the paper:
+def rho_rate(frame, axis, twist, rho):
+    """rho' of a roller (Vec3) on a wheel with this WheelTwist, by the paper's orthogonality conditions derived in time:
 
         rho' . i2 = -rho . i2'        rho' . k1 = -rho . k1'        rho' . rho = 0
 
     Linear in rho', solved by Cramer's rule. The orientation of the roller (i2, and i2' = w x i2) is known; rho
     itself is only ever integrated.
     """
-    w, i2 = rate_vector(frame, spin_rate, yaw_rate), axis_vector(frame, axis)
+    w, i2 = rate_vector(frame, twist), axis_vector(frame, axis)
     _, k1, _ = axes(frame)
     k1_rho = cross(k1, rho)
     b1 = -dot(rho, cross(w, i2))

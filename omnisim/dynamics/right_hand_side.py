@@ -25,7 +25,7 @@ from omnisim.dynamics.normal_forces.tilt import set_body_tilt
 from omnisim.dynamics.planar_body import free_equations, inclined_equations
 from omnisim.dynamics.sliding_wheel import press_wheel, slide_wheel, slides_alone
 from omnisim.dynamics.state import YAW, X, Y, places
-from omnisim.dynamics.twist import Acceleration, body_motion, in_world, power_of, world_frame
+from omnisim.dynamics.twist import Acceleration, body_motion, in_world, power_of, wheel_twist, world_frame
 from omnisim.dynamics.wheel import external_wrench, rho_of
 from omnisim.dynamics.wheel_forces import move_wheel, observe_wheel
 
@@ -126,12 +126,12 @@ def rho_rates(parameters, body, y, dy):
     at = places(parameters)
     for w in range(len(parameters.wheels)):
         wheel = parameters.wheels[w]
-        frame = world_frame(wheel, body)
+        frame, twist = world_frame(wheel, body), wheel_twist(wheel, body.twist, y[at.spin_rate + w])
         angle = wheel.phase - y[at.spin_angle + w]
         cos_0, sin_0 = math.cos(angle), math.sin(angle)
         for i in range(wheel.rollers):
             cos_i, sin_i = parameters.sector[w, i, 0], parameters.sector[w, i, 1]
             axis = roller_axis(wheel, cos_0 * cos_i - sin_0 * sin_i, sin_0 * cos_i + cos_0 * sin_i)
-            rate = rho_rate(frame, axis, y[at.spin_rate + w], y[at.yaw_rate], rho_of(parameters, y, w, i))
+            rate = rho_rate(frame, axis, twist, rho_of(parameters, y, w, i))
             j = rho_place(parameters, w, i)
             dy[j], dy[j + 1], dy[j + 2] = rate.x, rate.y, rate.z

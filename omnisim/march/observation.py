@@ -108,8 +108,8 @@ def observe_rollers(parameters, rows, row, w, body, observed):
     wheel, y, dy, at = parameters.wheels[w], rows.y[row], observed.slopes[row], places(parameters)
     frame, twist = world_frame(wheel, body), wheel_twist(wheel, body.twist, y[at.spin_rate + w])
     motion = wheel_motion(wheel, body.twist, acceleration_of(parameters, body, dy), dy[at.spin_rate + w], 0.0)
-    (h, k, up), rate = axes(frame), rate_vector(frame, twist.spin, twist.yaw)
-    rate_rate = rate_change(frame, twist.spin, twist.yaw, motion)
+    (h, k, up), rate = axes(frame), rate_vector(frame, twist)
+    rate_rate = rate_change(frame, twist, motion)
     centre = combine(wheel.offset[0], h, wheel.offset[1], k, 1.0, Vec3(y[X], y[Y], wheel.radius))
     velocity, acceleration = combine(twist.h, h, twist.k, k, 0.0, up), combine(motion.h, h, motion.k, k, 0.0, up)
     for i in range(wheel.rollers):

@@ -7,7 +7,7 @@ import pytest
 from scenes import wheel_record
 
 from omnisim.base.vector import Vec3
-from omnisim.contact.frame import Frame, axis_vector
+from omnisim.contact.frame import Frame, WheelTwist, axis_vector
 from omnisim.contact.roller_profile import support_point
 from omnisim.contact.tracking import (
     explicit_contact,
@@ -83,7 +83,7 @@ def test_the_rate_of_rho_solves_the_three_differentiated_conditions(wheel):
         heading, axis, rho, _ = pose(wheel, q, yaw)
         _, k = frame(yaw)
         a, w, r = np.array(axis_vector(heading, axis)), spin_rate * k + yaw_rate * UP, np.array(rho)
-        rate = np.array(rho_rate(heading, axis, spin_rate, yaw_rate, rho))
+        rate = np.array(rho_rate(heading, axis, WheelTwist(0.0, 0.0, spin_rate, yaw_rate), rho))
         assert abs(rate @ a + r @ np.cross(w, a)) < 1e-14
         assert abs(rate @ k + r @ np.cross(w, k)) < 1e-14
         assert abs(rate @ r) < 1e-14

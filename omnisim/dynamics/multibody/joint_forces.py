@@ -14,7 +14,7 @@ from omnisim.contact.frame import axes, rate_change, rate_vector, spoke
 from omnisim.dynamics.indices import carries, row_index
 from omnisim.dynamics.multibody.rigid_body import against_gravity, needed_wrench
 from omnisim.dynamics.state import places
-from omnisim.dynamics.twist import acceleration_of, body_motion, wheel_motion, world_frame
+from omnisim.dynamics.twist import acceleration_of, body_motion, wheel_motion, wheel_twist, world_frame
 from omnisim.dynamics.wheel import azimuth_of
 
 RADIAL, LATERAL, AXIAL = range(3)
@@ -35,10 +35,10 @@ def recover(parameters, mode, w, y, dy, rates):
     (N,): absolute axial rates of its rollers, rad/s."""
     machine, wheel, workspace, at = parameters.machine, parameters.wheels[w], parameters.workspace, places(parameters)
     body, part = body_motion(parameters, y), parameters.workspace.parts[w]
-    frame, spin_rate, spin = world_frame(wheel, body), y[at.spin_rate + w], dy[at.spin_rate + w]
+    frame, twist = world_frame(wheel, body), wheel_twist(wheel, body.twist, y[at.spin_rate + w])
     h, k, up = axes(frame)
-    motion = wheel_motion(wheel, body.twist, acceleration_of(parameters, body, dy), spin, 0.0)
-    rate, bent = rate_vector(frame, spin_rate, body.twist.yaw), rate_change(frame, spin_rate, body.twist.yaw, motion)
+    motion = wheel_motion(wheel, body.twist, acceleration_of(parameters, body, dy), dy[at.spin_rate + w], 0.0)
+    rate, bent = rate_vector(frame, twist), rate_change(frame, twist, motion)
     centre = plus(plus(times(motion.h, h), times(motion.k, k)), against_gravity(machine))  # with the weight
     across, axle = wheel.disk_inertia[0], wheel.disk_inertia[1]
     force, moment = needed_wrench(wheel.disk_mass, across, axle, k, rate, centre, bent)

@@ -13,7 +13,7 @@ import math
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
-from omnisim.contact.frame import Axis, axes, axis_vector, rate_vector
+from omnisim.contact.frame import Axis, axes, axis_vector, frame_on_chassis, turn_of
 from omnisim.dynamics.indices import body_place, row_index
 from omnisim.dynamics.multibody.joint_forces import mounting
 from omnisim.dynamics.multibody.rigid_body import (
@@ -55,7 +55,8 @@ def project_bodies(parameters, run, counted):
     """Put every body of run.y where its joints hold it; if `counted`, how far it was from there enters the drift."""
     machine, wheels, y, at = parameters.machine, parameters.wheels, run.y, places(parameters)
     body = body_motion(parameters, y)
-    turning = rate_vector(body.frame, 0.0, body.twist.yaw)
+    _, _, up = axes(body.frame)
+    turning = times(body.twist.yaw, up)
     c = axis_vector(body.frame, Axis(machine.lever[0], machine.lever[1], machine.lever[2]))
     centre, velocity = Vec3(y[X], y[Y], machine.height), Vec3(y[at.velocity], y[at.velocity + 1], 0.0)
     chassis = RigidBody(plus(centre, c), about_z(y[YAW]), plus(velocity, cross(turning, c)), turning)
@@ -65,7 +66,7 @@ def project_bodies(parameters, run, counted):
         spin_angle, spin_rate = y[at.spin_angle + w], y[at.spin_rate + w]
         h, k, _ = axes(frame)
         e = plus(times(wheel.offset[0], h), times(wheel.offset[1], k))
-        upright = about_z(y[YAW] + math.atan2(wheel.sin_heading, wheel.cos_heading))
+        upright = about_z(y[YAW] + turn_of(frame_on_chassis(wheel)))
         disk = RigidBody(
             Vec3(y[X] + e.x, y[Y] + e.y, wheel.radius),
             product(upright, about_y(spin_angle)),
