@@ -7,17 +7,27 @@ rollers load, those of the axle. Axes of the results are fixed in what carries t
     roller    radial d (outwards), lateral a x d, axial a          axle    h, k, n of the wheel
 """
 
+from typing import NamedTuple
+
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
 from omnisim.contact.frame import axes, rate_change, rate_vector, spoke
 from omnisim.dynamics.indices import carries, row_index
+from omnisim.dynamics.multibody.elimination import UP, Wrench3, across_axis
 from omnisim.dynamics.multibody.rigid_body import against_gravity, needed_wrench
 from omnisim.dynamics.state import places
 from omnisim.dynamics.twist import acceleration_of, body_motion, wheel_motion, wheel_twist, world_frame
 from omnisim.dynamics.wheel import azimuth_of
 
 RADIAL, LATERAL, AXIAL = range(3)
+
+
+class RollerMotion(NamedTuple):
+    """Acceleration of a roller's centre (m/s^2) and its angular one (rad/s^2), world axes."""
+
+    linear: Vec3
+    angular: Vec3
 
 
 @kernel
@@ -42,32 +52,58 @@ def recover(parameters, mode, w, y, dy, rates):
     centre = plus(plus(times(motion.h, h), times(motion.k, k)), against_gravity(machine))  # with the weight
     across, axle = wheel.disk_inertia[0], wheel.disk_inertia[1]
     force, moment = needed_wrench(wheel.disk_mass, across, axle, k, rate, centre, bent)
-    normal = max(part.normal_force, 0.0) if part.loaded else 0.0
     for i in range(wheel.rollers):
         d, _, axis = mounting(wheel, frame, azimuth_of(parameters, w, i, y[at.spin_angle + w]))
         rho = plus(times(wheel.roller_distance, d), times(parameters.roller_rows[row_index(wheel, i)].offset, k))
         joint, rolling = rates[i] - dot(rate, axis), dy[wheel.rates + i] if machine.every_rate else 0.0
-        pressed, twisted = Vec3(0.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.0)
+        floor = Wrench3(Vec3(0.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.0))
         for side in range(part.contacts):
             if carries(wheel, mode, side, i):
                 contact = workspace.contacts[part.first + side]
-                floor = plus(times(contact.force[0], h), times(contact.force[1], k))
-                floor = plus(floor, times(contact.share * normal, up))
                 arm = minus(plus(times(contact.l, k), times(-wheel.radius, up)), rho)
-                pressed, twisted = floor, plus(cross(arm, floor), times(contact.torque, up))
+                floor = on_roller(part, contact, arm, h, k)
                 if not machine.every_rate:
                     rolling = dy[wheel.rates + side]
-        acceleration = plus(centre, plus(cross(bent, rho), cross(rate, cross(rate, rho))))
-        carried = plus(bent, times(joint, cross(rate, axis)))
-        angular = plus(carried, times(rolling - dot(carried, axis), axis))
-        rolling_rate = plus(rate, times(joint, axis))
-        pull, turn = needed_wrench(
-            wheel.roller_mass, wheel.transverse_inertia, wheel.axial_inertia, axis, rolling_rate, acceleration, angular
-        )
-        pull, turn = minus(pull, pressed), minus(turn, twisted)
-        keep_joint(workspace.joints[w, i + 1], turn, pull)
-        force, moment = plus(force, pull), plus(moment, plus(turn, cross(rho, pull)))
+        motion = roller_motion(centre, bent, rate, axis, rho, joint, rolling)
+        given = load_joint(workspace.joints[w, i + 1], wheel, axis, plus(rate, times(joint, axis)), motion, floor)
+        force, moment = plus(force, given.force), plus(moment, plus(given.moment, cross(rho, given.force)))
     keep_joint(workspace.joints[w, 0], moment, force)
+
+
+@kernel
+def roller_motion(centre, bent, rate, axis, rho, joint, rolling):
+    """The RollerMotion of a roller on a disk that turns at `rate`; centre, bent: linear (m/s^2) and angular
+    acceleration (rad/s^2) of the disk, rho: from there to the roller's centre, joint: chi', rolling: p' (rad/s^2)."""
+    linear = plus(centre, plus(cross(bent, rho), cross(rate, cross(rate, rho))))
+    carried = across_axis(plus(bent, times(joint, cross(rate, axis))), axis)
+    return RollerMotion(linear, plus(carried, times(rolling, axis)))
+
+
+@kernel
+def floor_force(part, contact, h, k):
+    """Force (Vec3, N) and torque (N m) of the floor on a roller at a contact; part: of its wheel."""
+    normal = contact.share * max(part.normal_force, 0.0) if part.loaded else 0.0
+    along = plus(times(contact.force[0], h), times(contact.force[1], k))
+    return plus(along, times(normal, UP)), times(contact.torque, UP)
+
+
+@kernel
+def on_roller(part, contact, arm, h, k):
+    """The same as a Wrench3 about the centre of the roller, from which the contact is at `arm`."""
+    force, torque = floor_force(part, contact, h, k)
+    return Wrench3(plus(cross(arm, force), torque), force)
+
+
+@kernel
+def load_joint(record, wheel, axis, rate, motion, floor):
+    """The Wrench3 by which its bearing moves a roller that turns at `rate` and feels `floor`, also into a record JOINT;
+    motion: its RollerMotion, with the weight in it."""
+    force, moment = needed_wrench(
+        wheel.roller_mass, wheel.transverse_inertia, wheel.axial_inertia, axis, rate, motion.linear, motion.angular
+    )
+    given = Wrench3(minus(moment, floor.moment), minus(force, floor.force))
+    keep_joint(record, given.moment, given.force)
+    return given
 
 
 @kernel

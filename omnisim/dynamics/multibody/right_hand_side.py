@@ -32,16 +32,21 @@ from omnisim.dynamics.multibody.elimination import (
     Articulated,
     Inertia,
     Wrench3,
-    across_axis,
     articulate,
     handed_on,
     resistance,
     transmitted,
 )
-from omnisim.dynamics.multibody.joint_forces import keep_joint
+from omnisim.dynamics.multibody.joint_forces import (
+    RollerMotion,
+    floor_force,
+    keep_joint,
+    load_joint,
+    on_roller,
+    roller_motion,
+)
 from omnisim.dynamics.multibody.rigid_body import (
     against_gravity,
-    needed_wrench,
     rate_states,
     rigid_body,
     second_axis,
@@ -284,7 +289,9 @@ def move_bodies(parameters, stage, w, carrier, linear, angular):
     arm, spin_rate = minus(disk.position, carrier.centre), dot(minus(disk.rate, rate), art.axle)
     needed = moving(art, rate, spin_rate, arm, angular, linear)
     for side in range(part.contacts):
-        point, force, torque = floor_force(parameters, mode, w, side, y)
+        contact = workspace.contacts[part.first + side]
+        point = place_of(parameters, mode, w, side, y, contact.l)
+        force, torque = floor_force(part, contact, point.h, point.k)
         given = handed_on(point.axis, point.rho, point.arm, force, torque)
         needed = Wrench3(minus(needed.moment, given.moment), minus(needed.force, given.force))
     spin, axle = transmitted(art, needed, workspace.articulated[w].drive, mode.shared == 1)
@@ -293,34 +300,20 @@ def move_bodies(parameters, stage, w, carrier, linear, angular):
     centre = plus(linear, plus(cross(angular, arm), cross(rate, cross(rate, arm))))
     rate_states(dy, body_place(parameters, w, 0), disk, centre, bent)
     keep_joint(workspace.joints[w, 0], axle.moment, axle.force)
-    across, along = wheel.transverse_inertia, wheel.axial_inertia
     for i in range(wheel.rollers):
         first = body_place(parameters, w, i + 1)
         roller = rigid_body(y, first)
         axis, rho = third_axis(roller.rotation), minus(roller.position, disk.position)
         joint = dot(minus(roller.rate, disk.rate), axis)
-        pressed, twisted = Vec3(0.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.0)
+        floor = Wrench3(Vec3(0.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.0))
         for side in range(part.contacts):
             if carries(wheel, mode, side, i):
-                point, pressed, torque = floor_force(parameters, mode, w, side, y)
-                twisted = plus(cross(point.arm, pressed), torque)
-        acceleration = plus(centre, plus(cross(bent, rho), cross(disk.rate, cross(disk.rate, rho))))
-        rolling = (dot(axis, twisted) + bearing_torque(wheel, joint)) * wheel.axial_mobility
-        carried = across_axis(plus(bent, times(joint, cross(disk.rate, axis))), axis)
-        turned = plus(carried, times(rolling, axis))
-        rate_states(dy, first, roller, acceleration, turned)
+                contact = workspace.contacts[part.first + side]
+                point = place_of(parameters, mode, w, side, y, contact.l)
+                floor = on_roller(part, contact, point.arm, point.h, point.k)
+        rolling = (dot(axis, floor.moment) + bearing_torque(wheel, joint)) * wheel.axial_mobility
+        motion = roller_motion(centre, bent, disk.rate, axis, rho, joint, rolling)
+        rate_states(dy, first, roller, motion.linear, motion.angular)
         dy[wheel.rates + i] = rolling
-        lifted = plus(acceleration, against_gravity(machine))
-        force, moment = needed_wrench(wheel.roller_mass, across, along, axis, roller.rate, lifted, turned)
-        keep_joint(workspace.joints[w, i + 1], minus(moment, twisted), minus(force, pressed))
-
-
-@kernel
-def floor_force(parameters, mode, w, side, y):
-    """The Place of a contact, and force and torque (Vec3) of the floor on its roller."""
-    part = parameters.workspace.parts[w]
-    contact = parameters.workspace.contacts[part.first + side]
-    point = place_of(parameters, mode, w, side, y, contact.l)
-    normal = contact.share * max(part.normal_force, 0.0) if part.loaded else 0.0
-    along = plus(times(contact.force[0], point.h), times(contact.force[1], point.k))
-    return point, plus(along, times(normal, UP)), times(contact.torque, UP)
+        lifted = RollerMotion(plus(motion.linear, against_gravity(machine)), motion.angular)
+        load_joint(workspace.joints[w, i + 1], wheel, axis, roller.rate, lifted, floor)
