@@ -64,8 +64,8 @@ def recover(parameters, mode, w, y, dy, rates):
                 floor = on_roller(part, contact, arm, h, k)
                 if not machine.every_rate:
                     rolling = dy[wheel.rates + side]
-        motion = roller_motion(centre, bent, rate, axis, rho, joint, rolling)
-        given = load_joint(workspace.joints[w, i + 1], wheel, axis, plus(rate, times(joint, axis)), motion, floor)
+        moved = roller_motion(centre, bent, rate, axis, rho, joint, rolling)
+        given = load_joint(workspace.joints[w, i + 1], wheel, axis, plus(rate, times(joint, axis)), moved, floor)
         force, moment = plus(force, given.force), plus(moment, plus(given.moment, cross(rho, given.force)))
     keep_joint(workspace.joints[w, 0], moment, force)
 
