@@ -7,9 +7,10 @@
 
 Wheels stand upright on a flat floor: k lies in that plane, n is the same everywhere, and all frames differ by a turn
 about n alone, from each other, from the chassis and from the world. So the cosine and the sine of that turn are a
-whole Frame, and a wheel that is not tilted has no rate about h. Of the kernels of contacts and of wheels this file, and
-dynamics/twist.py for the machine, know it; the others speak of h, k and n. A wheel that leans, or stands on ground that
-is not flat, has another Frame and another twist behind the same functions.
+whole Frame, and a wheel that is not tilted has no rate about h. This file knows it, dynamics/twist.py does for the
+machine, and the closed forms do that hold for such wheels alone: where they touch (tracking.py), and the equations of a
+body in the plane (planar_body.py, normal_forces/). The others speak of h, k and n: a wheel that leans, or stands on
+ground that is not flat, has another Frame and another twist behind the same functions.
 """
 
 import math
