@@ -100,7 +100,7 @@ def places_of(contents):
 MODE = np.dtype(
     [
         ("roller", np.int64),  # of contact 0, counted on through every turn of its axle: see indices.py
-        ("row", np.int64, (TOUCHING,)),  # on which row of rollers each contact is
+        ("row", np.uint32, (TOUCHING,)),  # on which row of rollers each contact is, never counted from the end
         ("direction", np.int64),  # +1 or -1: sense in which the spin angle runs throughout a step
         ("shared", np.int64),  # 1: the wheel rests on `roller` at q = +alpha and on the one behind it, contact 1
         ("loaded", np.int64),  # 1: the floor carries the wheel
