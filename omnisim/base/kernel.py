@@ -44,12 +44,13 @@ def source_hash(package: Path = Path(__file__).parents[1]) -> str:
 
 
 def kernel_sources(package: Path) -> dict[Path, bytes]:
-    """The modules that import this one, which all that define kernels do, and whatever they import in turn."""
+    """The modules that import a decorator of this one, to define kernels, and whatever they import in turn."""
     sources = {path: path.read_bytes() for path in sorted(package.rglob("*.py"))}
     names = {path: dotted(path, package.parent) for path in sources}
     imports = {path: imported(source, names[path], path.stem == "__init__") for path, source in sources.items()}
     home = dotted(Path(__file__), Path(__file__).parents[2])
-    reached, more = set(), {path for path in sources if home in imports[path]}
+    decorators = {f"{home}.kernel", f"{home}.outlined"}
+    reached, more = set(), {path for path in sources if not decorators.isdisjoint(imports[path])}
     while more:
         reached |= more
         wanted = {name for path in more for name in imports[path]}

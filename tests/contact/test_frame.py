@@ -1,7 +1,6 @@
 """The frame of a contact and the twists in it, against vectors in space."""
 
 import math
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -35,8 +34,10 @@ def frame(angle):
 
 
 def mounted(angle, offset):
-    """A wheel of the machine, as far as it has a place there."""
-    return SimpleNamespace(cos_heading=math.cos(angle), sin_heading=math.sin(angle), offset=offset)
+    """The record of a wheel there on the machine."""
+    wheel = wheel_record()
+    wheel.cos_heading, wheel.sin_heading, wheel.offset = math.cos(angle), math.sin(angle), offset
+    return wheel
 
 
 @pytest.mark.parametrize("numbers", RANDOM)

@@ -1,14 +1,13 @@
 """Tables of indices: an axle with two rows of rollers needs no other arithmetic than one with one row."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from omnisim import Loop, load
-from omnisim.base.records import records
+from omnisim.base.records import blank, records
 from omnisim.dynamics.indices import carries, roller_index, roller_of, row_index
-from omnisim.dynamics.parameters import ROLLER_ROW
+from omnisim.dynamics.parameters import ROLLER_ROW, WHEEL
+from omnisim.dynamics.state import MODE
 from omnisim.march.initial_state import begin, blank_rows
 from omnisim.march.runge_kutta import evaluate
 
@@ -68,7 +67,8 @@ def test_two_rows_move_alike_in_both_formulations():
 @pytest.mark.short
 @pytest.mark.parametrize("roller", [-7, -1, 0, 5, 13])
 def test_a_contact_names_one_roller_of_its_axle(roller):
-    wheel, mode = SimpleNamespace(rollers=6, row=0, rows=2), SimpleNamespace(roller=roller)
+    wheel, mode = blank(WHEEL, 1)[0], blank(MODE, 1)[0]
+    wheel.rollers, wheel.row, wheel.rows, mode.roller = 6, 0, 2, roller
     for side in range(2):
         carried = [i for i in range(6) if carries(wheel, mode, side, i)]
         assert carried == [roller_index(wheel, roller_of(mode, side))] == [(roller - side) % 6]

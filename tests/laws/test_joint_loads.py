@@ -23,7 +23,7 @@ EACH = CHASSIS["mass"] / len(BOX) * GRAVITY  # of the chassis on each axle, N
 def run(request):
     """A function that runs the machine, with wheels and scene changed."""
 
-    def simulated(wheels=None, **changed) -> omnisim.trajectory.Trajectory:
+    def simulated(wheels=None, **changed) -> omnisim.Trajectory:
         scene = machine("omni", time={"end": 0.02, "step": 1e-5, "output_interval": 0.01}, **changed)
         scene["output"], scene["solver"] = {"bearing_loads": True}, {"formulation": request.param}
         for wheel in scene["wheels"]:

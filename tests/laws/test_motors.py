@@ -223,7 +223,7 @@ def test_a_loop_commands_motors_and_what_it_did_repeats():
     while loop.advance(0.01):
         loop.command(0.2, 0.1 * np.sin(30.0 * loop.time), 0.3)
     told = loop.trajectory()
-    again = omnisim.simulate(omnisim.scene.parse(told.attributes["scene"]))
+    again = omnisim.simulate(omnisim.load_text(told.attributes["scene"]))
     assert told.complete and again.complete and "[command]" not in told.attributes["scene"]
     for path in ("body/position", "body/velocity", "wheels/w1/voltage", "wheels/w2/target_rate", "energy/electrical"):
         assert np.abs(told[path] - again[path]).max() < 1e-9, path
@@ -236,7 +236,7 @@ def test_a_trajectory_from_before_motors_told_their_currents_still_opens(tmp_pat
     told = spin_of(MOTOR | {"voltage": 6.0}, "time.step=1e-3")[0]
     old = {path: values for path, values in told.data.items() if path.rpartition("/")[2] not in new}
     assert len(old) <= len(told.data) - 9  # four of the wheel, five energies; extremes of some of them
-    omnisim.trajectory.Trajectory(told.attributes, old).save(tmp_path / "old.h5")
+    omnisim.Trajectory(told.attributes, old).save(tmp_path / "old.h5")
     opened = omnisim.open_trajectory(tmp_path / "old.h5")
     assert "energy/electrical" not in opened and "wheels/w0/drive_torque" in opened
 

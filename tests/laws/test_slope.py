@@ -182,7 +182,7 @@ def test_a_slope_is_one_motion_by_every_way_to_compute_it():
     plain = reference_scene("kiwi", "floor={slope_deg=7.0, uphill_deg=40.0}", time)
     motion = omnisim.simulate(plain)
     for override in ("solver.method=radau5", "solver.tracking=implicit", "solver.error=1e-8"):
-        other = omnisim.simulate(omnisim.scene.parse(plain.text, overrides=[override]))
+        other = omnisim.simulate(omnisim.load_text(plain.text, [override]))
         assert other.complete and len(other.time) == 6
         assert np.abs(other["body/position"] - motion["body/position"]).max() < 1e-8, override
     loop = omnisim.Loop(plain)

@@ -11,9 +11,12 @@ MACHINE = ("time.end=0.4", "time.step=5e-4", "time.output_interval=0.01")
 
 
 def worst(a, b):
+    """The largest difference, by the largest value of its dataset or by 1."""
     rows = min(len(a.time), len(b.time))
     paths = [path for path in a if a[path].dtype == float and path.startswith(("body", "wheels", "energy", "odometry"))]
-    return max(np.abs(a[path][:rows] - b[path][:rows]).max(initial=0.0) for path in paths)
+    return max(
+        np.abs(a[path][:rows] - b[path][:rows]).max(initial=0.0) / np.abs(a[path]).max(initial=1.0) for path in paths
+    )
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +42,7 @@ def test_what_was_set_stands_in_the_trajectory_and_repeats_the_run(controlled):
     run = controlled.trajectory()
     again = omnisim.simulate(parse(run.attributes["scene"]))
     assert run.complete and again.complete
-    assert worst(run, again) < 1e-10  # measured 7e-12, in the forces
+    assert worst(run, again) < 1e-12  # measured 6.5e-14, in a spin acceleration of 1600 rad/s^2
 
 
 def test_what_it_shows_is_what_the_trajectory_has(controlled):
