@@ -28,7 +28,8 @@ def is_worker(config: pytest.Config) -> bool:
 @pytest.hookimpl(tryfirst=True)
 def pytest_cmdline_main(config: pytest.Config) -> None:
     """As if -n auto --dist worksteal were given. A few tests start faster in one process; -n 0 keeps all in one."""
-    if is_whole(config) and config.getoption("numprocesses", 0) is None:
+    covered = config.getoption("cov_source", None)  # pytest-cov has looked for workers already
+    if is_whole(config) and config.getoption("numprocesses", 0) is None and not covered:
         config.option.numprocesses, config.option.dist = "auto", "worksteal"
 
 
