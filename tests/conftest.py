@@ -53,7 +53,7 @@ def folder(tmp_path, monkeypatch):
 
 @pytest.fixture(scope="session")
 def browser():
-    """One for all pages, as playwright starts but one in a process; it draws without a graphics card."""
+    """One for all pages, as playwright starts but one in a process: without a network, a graphics card or hurry."""
     playwright = pytest.importorskip("playwright.sync_api", reason="needs playwright: pip install -e '.[test]'")
     names = ("chromium", "chromium-browser", "google-chrome")
     chromium = next(filter(None, map(shutil.which, names)), None)
@@ -63,5 +63,7 @@ def browser():
         opened = running.chromium.launch(
             executable_path=chromium, args=["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
         )
-        yield opened
+        context = opened.new_context(offline=True)
+        context.set_default_timeout(180_000)  # ms
+        yield context
         opened.close()

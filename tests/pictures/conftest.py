@@ -24,22 +24,20 @@ def youbot(runs):
 def shown(runs, browser, tmp_path_factory):
     """Opens the page of a run from a file, without a network; every complaint of the browser is an error."""
     folder, pages = tmp_path_factory.mktemp("pages"), {}
-    context = browser.new_context(offline=True)
 
     def show(name):
         if name not in pages:
             (folder / f"{name}.html").write_text(page(runs[name]), encoding="utf-8")
-            tab = context.new_page()
+            tab = browser.new_page()
             tab.complaints = []
             tab.on("pageerror", lambda error: tab.complaints.append(str(error)))
             tab.on("console", lambda message: message.type == "error" and tab.complaints.append(message.text))
             tab.goto((folder / f"{name}.html").as_uri())
-            tab.wait_for_function("window.omnisim", timeout=60_000)
+            tab.wait_for_function("window.omnisim")
             pages[name] = tab
         return pages[name]
 
-    yield show
-    context.close()
+    return show
 
 
 @pytest.fixture(scope="session")

@@ -48,7 +48,7 @@ def test_time_advances_while_it_plays_and_stands_while_it_does_not(shown):
     tab = shown("kiwi")
     tab.evaluate("omnisim.seek(0)")
     tab.get_by_role("button", name="Play").click()
-    tab.wait_for_function("omnisim.time > 0.2", timeout=30_000)
+    tab.wait_for_function("omnisim.time > 0.2")
     tab.get_by_role("button", name="Pause").click()
     stopped = tab.evaluate("omnisim.time")
     tab.wait_for_timeout(300)
@@ -211,7 +211,7 @@ def by_hand(youbot, browser, tmp_path):
     tab = browser.new_page()
     tab.add_init_script(BY_HAND)
     tab.goto((tmp_path / "page.html").as_uri())
-    tab.wait_for_function("window.omnisim", timeout=60_000, polling=50)
+    tab.wait_for_function("window.omnisim", polling=50)
     tab.evaluate("while (asked.length) turn(16)")
     yield tab
     tab.close()

@@ -297,8 +297,10 @@ def test_a_write_that_fails_leaves_the_old_files_and_nothing_else(saved, monkeyp
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_write_leaves_nothing(saved, monkeypatch, number):
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # tests in the background may ignore it
     monkeypatch.setattr("os.fsync", lambda _: signal.raise_signal(number))
     result = command("export", "run.h5", "out.csv")
+    signal.signal(signal.SIGINT, before)
     assert result.exit_code == 1 and result.stderr == "Error: interrupted; nothing was written\n"
     assert os.listdir() == ["run.h5"]
 
