@@ -19,6 +19,7 @@ from omnisim.march.events import (
     Guard,
     all_hold,
     guard,
+    resolution,
 )
 from omnisim.march.friction_modes import stopped_speed
 from omnisim.march.radau5 import implicit_step
@@ -30,8 +31,6 @@ SHRINKING = 2.0**-5  # of a step, in the search for a point inside
 NEAR = 1e-3  # of a step, between two iterates that tell how good the root is
 REACH_GROWTH = 2.0  # of an implicit step over the last one that converged
 GRID_ROUNDING = 1e-14  # of a step and of the time: what is left of a step that is none
-EPSILON = 4.0 * 2.0**-52
-ROOT = 1e-12  # of a step: an event that is located so well is located
 MOST_ITERATIONS = 60  # for a root, of which halving alone would need 50
 HALVING = 4  # every so many iterations halve what is left: a chord may creep along a guard that bends
 HERMITE_ITERATIONS = 3  # Newton's, from a chord of a guard that a cubic follows
@@ -101,7 +100,7 @@ def locate(parameters, method, run, t, h, which, value):
             low, g_low = s, g
         else:
             high, g_high = s, g
-    tolerance, slack, enough = ROOT * h + EPSILON * (t + h), 0.0, 0.0
+    tolerance, slack, enough = resolution(h, t), 0.0, 0.0
     s, s_last, g_last = low + (high - low) * g_low / (g_low - g_high), high, g_high
     spin, direction = places(parameters).spin_rate + w, run.mode[w].direction
     if kind == EXIT:  # the angle and its rate are known at both ends

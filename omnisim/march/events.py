@@ -50,6 +50,8 @@ from omnisim.march.runge_kutta import refresh
 TURN, EXIT, SHARE, LOAD, JAM, DRIVE, KINK, GRIP, YOUNG = range(9)
 OF_WHEEL, GUARDS = 6, 9  # the first are of the wheel, the others of each of its contacts
 ANGLE_ROUNDING = 16.0 * 2.0**-53
+EPSILON = 4.0 * 2.0**-52
+ROOT = 1e-12  # of a step: an event that is located so well is located
 LOAD_PLAY = 1e-12  # of the weight: in the rounding of its load a wheel that has left the floor does not land again
 MOST_CHANGES = 50  # of modes that follow one another at one instant
 MOST_TRIED = 10  # wheels of which all sets are tried
@@ -77,6 +79,12 @@ class Guard(NamedTuple):
 
 
 NO_GUARD = Guard(-1, -1, 0)
+
+
+@kernel
+def resolution(h, t):
+    """To how much time an event is located in a step of length h that starts at t, s."""
+    return ROOT * h + EPSILON * (t + h)
 
 
 @kernel
@@ -232,8 +240,11 @@ def heaviest(run):
 def restore_consistency(parameters, run, log, time):
     """Guards that the last change has left behind: modes follow until all agree.
 
-    Edges reached at the same instant, and what jumps with the forces: cones, loads, limits of drives.
+    Edges reached at the same instant, and what jumps with the forces: cones, loads, limits of drives. An instant is as
+    long as events are resolved: rollers that change together by symmetry do so in one event, and no state in between,
+    which only rounding makes, enters the extremes.
     """
+    instant, spins = resolution(run.clock.dt, time), places(parameters).spin_rate
     for _ in range(MOST_CHANGES):
         changed = -1
         for kind in (EXIT, DRIVE, GRIP, LOAD):
@@ -241,7 +252,8 @@ def restore_consistency(parameters, run, log, time):
                 sticks = run.mode[w].grip[0] == STICK and not run.mode[w].shared
                 if run.clock.status != RUNNING or (kind == GRIP and not sticks):
                     continue
-                if guard(parameters, run, Guard(kind, w, 0), False) < 0.0:
+                early = run.mode[w].direction * run.y[spins + w] * instant if kind == EXIT else 0.0
+                if guard(parameters, run, Guard(kind, w, 0), False) < early:
                     transition(parameters, run, log, Guard(kind, w, 0), time)
                     changed = kind
         if changed < 0 or run.clock.status != RUNNING:
