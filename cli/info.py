@@ -16,8 +16,9 @@ if TYPE_CHECKING:
     import numpy as np
 
     from omnisim.dynamics.parameters import Parameters
+    from omnisim.scene.drive_schema import Drive
     from omnisim.scene.scene import Scene
-    from omnisim.scene.schema import Config, Drive
+    from omnisim.scene.schema import Config
 
 UPRIGHT_DEG = 89.99  # a slope beyond is a wall
 

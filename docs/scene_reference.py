@@ -7,7 +7,9 @@ from typing import Any, get_args
 
 from pydantic.fields import FieldInfo
 
-from omnisim.scene.schema import DATA_SHEET, DRIVE_KEYS, FRICTION_DEFAULTS, FRICTION_KEYS, Config, DriveKeys, Table
+from omnisim.scene.drive_schema import DATA_SHEET, DRIVE_KEYS, DriveKeys
+from omnisim.scene.schema import FRICTION_DEFAULTS, FRICTION_KEYS, Config
+from omnisim.scene.values import Table
 
 PAGE = Path(__file__).parent / "pages/scene.md"
 INTRODUCTION = """# Scene file

@@ -17,7 +17,7 @@ PACKAGE = Path(omnisim.__file__).parent
 ROOMS = ("base", "scene", "contact", "dynamics", "march", "results", "run", "cad", "pictures")
 ONLY = {
     "h5py": {"results.hdf5", "base.trajectory_file"},
-    "pydantic": {"scene.schema", "scene.problems", "scene.validation"},
+    "pydantic": {"scene.schema", "scene.problems", "scene.validation", "scene.values"},
     "numba": {"base.kernel", "base.compiler", "base.calls"},
     "tomlkit": {"scene.toml_text"},
     "pandas": {"results.trajectory", "results.tables"},

@@ -9,9 +9,10 @@ from omnisim.base.formatting import hanging
 from omnisim.base.records import plain
 from omnisim.dynamics.parameters import CONTACTS, Parameters
 from omnisim.dynamics.state import places_in
+from omnisim.scene.drive_schema import Drive
 from omnisim.scene.drives import drive_law, motor_of
 from omnisim.scene.ideal_kinematics import rms_distance, undetermined, wheel_rows
-from omnisim.scene.schema import Config, Drive, Friction, Roller, Wheel, unused_keys
+from omnisim.scene.schema import Config, Friction, Roller, Wheel, unused_keys
 
 
 class Part(NamedTuple):

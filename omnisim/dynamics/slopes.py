@@ -19,9 +19,10 @@ import numpy as np
 
 from omnisim.dynamics.parameters import CONTACTS, Parameters
 from omnisim.dynamics.static_loads import centres, loads_under
+from omnisim.scene.drive_schema import Drive
 from omnisim.scene.drives import friction_torque
 from omnisim.scene.plausibility import most_torque
-from omnisim.scene.schema import Config, Drive
+from omnisim.scene.schema import Config
 
 RUBBING = ("coulomb", "regularized", "saturated")  # laws with a coefficient
 STEEPEST = math.radians(89.999)

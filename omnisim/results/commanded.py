@@ -12,8 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from omnisim.results.trajectory import Trajectory
+from omnisim.scene.drive_schema import Drive
 from omnisim.scene.ideal_kinematics import inverse, rms_distance, wheel_rows
-from omnisim.scene.schema import Command, Config, Drive
+from omnisim.scene.schema import Command, Config
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)  # error below 1e-18 of a piece that turns by less than a turn
 AGREEING = 1e-9  # of the fastest wheel: target rates that ideal wheels have together, but for rounding

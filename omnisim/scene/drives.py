@@ -16,7 +16,7 @@ over the rate r. The rotor appears at the axle with g^2 times its inertia.
 import math
 from typing import NamedTuple
 
-from omnisim.scene.schema import DATA_SHEET, Drive
+from omnisim.scene.drive_schema import DATA_SHEET, Drive
 
 SHEET_TOLERANCE = 0.05  # of the stall torque: data sheets are rounded
 
@@ -105,7 +105,7 @@ def friction_torque(drive: Drive) -> float:
 
 class DataSheet(NamedTuple):
     """What a data sheet says of a motor, at its nominal voltage (V), before its gear: torque (N m) and current (A) at
-    standstill, speed (rad/s) and current (A) without load. The order is that of schema.DATA_SHEET."""
+    standstill, speed (rad/s) and current (A) without load. The order is that of drive_schema.DATA_SHEET."""
 
     stall_torque: float
     stall_current: float

@@ -13,8 +13,9 @@ from typing import Any, NamedTuple, TypeVar
 
 from omnisim.scene.problems import Problem, allowed_at
 from omnisim.scene.rules import DECIMAL_TOLERANCE
-from omnisim.scene.schema import Chassis, Config, Disk, Roller, Table, WheelType
+from omnisim.scene.schema import Chassis, Config, Disk, Roller, WheelType
 from omnisim.scene.toml_text import KeyPath
+from omnisim.scene.values import Table
 
 CLEARANCE = 0.5  # of the smallest wheel radius: how high a chassis box lies where the scene does not say
 

@@ -11,10 +11,11 @@ from itertools import combinations
 import numpy as np
 
 from omnisim.scene import machine_rules
+from omnisim.scene.drive_schema import Drive
 from omnisim.scene.drives import friction_torque, standstill_torque
 from omnisim.scene.ideal_kinematics import MOTIONS, handedness, rms_distance, undetermined, wheel_rows
 from omnisim.scene.problems import Problem
-from omnisim.scene.schema import Config, Drive, Wheel, WheelType
+from omnisim.scene.schema import Config, Wheel, WheelType
 from omnisim.scene.solids import gap, half_width, hub_radius, outline, profile, solid
 from omnisim.scene.toml_text import KeyPath
 

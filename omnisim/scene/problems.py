@@ -8,8 +8,9 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
-from omnisim.scene.schema import Config, Name, Table
+from omnisim.scene.schema import Config
 from omnisim.scene.toml_text import MISSING, KeyPath, value_at
+from omnisim.scene.values import Name, Table
 
 MOST = 200  # errors of pydantic that are looked at: a file of nonsense has as many as keys
 

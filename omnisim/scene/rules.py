@@ -5,20 +5,10 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from omnisim.base.methods import EXPLICIT, METHODS
+from omnisim.scene.drive_schema import CONTROLLER, DATA_SHEET, DRIVE_KEYS, MOTOR_CONSTANTS, Drive
 from omnisim.scene.drives import SHEET_TOLERANCE, data_sheet, sheet_constants
 from omnisim.scene.problems import Problem, allowed_at, did_you_mean
-from omnisim.scene.schema import (
-    CONTROLLER,
-    DATA_SHEET,
-    DRIVE_KEYS,
-    FRICTION_KEYS,
-    GRID_TOLERANCE,
-    MOTOR_CONSTANTS,
-    Config,
-    Drive,
-    Wheel,
-    is_whole,
-)
+from omnisim.scene.schema import FRICTION_KEYS, GRID_TOLERANCE, Config, Wheel, is_whole
 from omnisim.scene.toml_text import KeyPath
 
 MAX_STEPS = 10**10

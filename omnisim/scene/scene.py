@@ -14,7 +14,7 @@ from omnisim.base.arguments import path_text, shown
 from omnisim.base.files import is_hdf5, read_small
 from omnisim.base.formatting import visible
 from omnisim.scene.problems import ConfigError, Problem, did_you_mean
-from omnisim.scene.schema import FRICTION_KEYS, Config, is_name
+from omnisim.scene.schema import FRICTION_KEYS, Config
 from omnisim.scene.toml_text import (
     DEEPEST,
     MISSING,
@@ -32,6 +32,7 @@ from omnisim.scene.toml_text import (
     value_at,
 )
 from omnisim.scene.validation import validate
+from omnisim.scene.values import is_name
 
 Overrides = Iterable[str] | Mapping[str, Any]  # ["time.end=1"], or {"time.end": 1}, or {"time": {"end": 1}}
 SOURCE = "a path or the name of a packaged scene"

@@ -5,26 +5,35 @@ Values keep the units of the file (SI, degrees where a key ends in `_deg`). The 
 """
 
 import math
-import re
-from collections.abc import Iterable
 from functools import lru_cache
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
+
+from omnisim.scene.drive_schema import Drive
+from omnisim.scene.values import (
+    Boolean,
+    Count,
+    Inertia,
+    Name,
+    NonNegative,
+    Planar,
+    Point,
+    Positive,
+    PositiveOrNone,
+    Rates,
+    Real,
+    Reals,
+    Size,
+    Slope,
+    Table,
+    Twists,
+    Vectors,
+    choice,
+)
 
 GRID_TOLERANCE = 1e-9  # relative, for ratios of times that must be integers
-MAX_ROLLERS = 10**6  # far beyond any wheel; keeps N_r an integer that floats and arrays can hold
-NAME = "[A-Za-z][A-Za-z0-9_-]*"
 INTERVALS = 100  # of output, about, where the scene gives no output_interval
-
-
-def _choice(*words: str) -> Any:
-    return Annotated[Literal[words], Field(description=_join(words))]
-
-
-def _join(words: Iterable[str]) -> str:
-    *most, last = [f'"{word}"' for word in words]
-    return f"{', '.join(most)} or {last}" if most else last
 
 
 # Which keys a friction law reads; the values that some of them have when absent.
@@ -38,42 +47,6 @@ FRICTION_KEYS = {
 FRICTION_DEFAULTS = {"saturated": {"slip_speed": 1e-6}}
 
 
-# Two ways to say what a motor is, and what only a controller of its rate reads.
-MOTOR_CONSTANTS = ("resistance", "torque_constant", "viscosity", "friction_torque")
-DATA_SHEET = ("stall_torque", "stall_current", "no_load_speed", "no_load_current", "nominal_voltage")
-CONTROLLER = ("proportional", "rate", "integral", "derivative", "sample_time")
-
-
-class DriveKeys(NamedTuple):
-    """What a drive reads: the keys that are a number or a list over `times`, the keys it needs, those with defaults."""
-
-    given: tuple[str, ...] = ()
-    needed: tuple[str, ...] = ()
-    optional: tuple[str, ...] = ()
-
-    @property
-    def all(self) -> set[str]:
-        return {"times", *self.given, *self.needed, *self.optional} if self.given else set()
-
-
-DRIVE_KEYS = {
-    "free": DriveKeys(),
-    "torque": DriveKeys(("torque",), needed=("torque",)),
-    "rate": DriveKeys(("rate",), needed=("proportional",), optional=("integral", "torque_limit")),
-    "dc_motor": DriveKeys(
-        ("voltage", "rate"),
-        optional=(
-            *CONTROLLER, "voltage_limit", "current_limit", *MOTOR_CONSTANTS, *DATA_SHEET, "gear_ratio", "inductance",
-            "rotor_inertia", "friction_rate",
-        ),
-    ),
-}  # fmt: skip
-
-Real = Annotated[float, Field(description="a finite number")]
-Positive = Annotated[float, Field(gt=0, description="a finite number > 0")]
-PositiveOrNone = Annotated[float | None, Field(gt=0, description="a finite number > 0")]
-NonNegative = Annotated[float, Field(ge=0, description="a finite number >= 0")]
-Slope = Annotated[float, Field(ge=0, lt=90, description="a finite number from 0 to less than 90")]
 if TYPE_CHECKING:  # to a type checker a word is a word
     Upright = str
     Method = str
@@ -81,49 +54,15 @@ if TYPE_CHECKING:  # to a type checker a word is a word
     Formulation = str
     Law = str
     ContactTorque = str
-    Kind = str
     Frame = str
 else:
-    Upright = _choice("servo", "contacts")
-    Method = _choice("heun", "rk4", "dopri5", "radau5", "auto")
-    Tracking = _choice("explicit", "implicit")
-    Formulation = _choice("reduced", "multibody")
-    Law = _choice(*FRICTION_KEYS)
-    ContactTorque = _choice("none", "contensou")
-    Kind = _choice(*DRIVE_KEYS)
-    Frame = _choice("world", "body")
-Boolean = Annotated[bool, Field(description="true or false")]
-Name = Annotated[str, Field(pattern=f"^{NAME}$", description="a name (a letter, then letters, digits, _ or -)")]
-Count = Annotated[int, Field(ge=3, le=MAX_ROLLERS, description=f"an integer from 3 to {MAX_ROLLERS}")]
-Planar = Annotated[tuple[float, float], Field(description="two finite numbers [x, y]")]
-Reals = Annotated[tuple[float, ...], Field(min_length=1, description="a list of one or more finite numbers")]
-Rates = Annotated[
-    float | tuple[float, ...],
-    Field(description="one finite number, or a list of roller_count finite numbers"),
-]
-Tabulated = Annotated[
-    float | tuple[float, ...],
-    Field(description="a finite number or, with times, a list of as many finite numbers"),
-]
-Vectors = Annotated[
-    tuple[tuple[float, float, float], ...],
-    Field(min_length=1, description="a list of one or more vectors [x, y, z] of finite numbers"),
-]
-Twists = Annotated[
-    tuple[tuple[float, float, float], ...],
-    Field(min_length=1, description="a list of one or more twists [vx, vy, yaw_rate] of finite numbers"),
-]
-Point = Annotated[tuple[Real, Real, NonNegative], Field(description="three finite numbers [x, y, z], z >= 0")]
-Size = Annotated[
-    tuple[Positive, Positive, Positive], Field(description="three finite numbers > 0 [length, width, height]")
-]
-Inertia = Annotated[tuple[Positive, Positive, Positive], Field(description="three finite numbers > 0 [Ixx, Iyy, Izz]")]
-
-
-class Table(BaseModel):
-    """Integers pass for numbers; booleans, strings, NaN, infinities and unknown keys never do."""
-
-    model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
+    Upright = choice("servo", "contacts")
+    Method = choice("heun", "rk4", "dopri5", "radau5", "auto")
+    Tracking = choice("explicit", "implicit")
+    Formulation = choice("reduced", "multibody")
+    Law = choice(*FRICTION_KEYS)
+    ContactTorque = choice("none", "contensou")
+    Frame = choice("world", "body")
 
 
 class World(Table):
@@ -287,82 +226,6 @@ class Chassis(Table):
     ground_clearance: NonNegative = 0.0
 
 
-class Drive(Table):
-    """drive of a wheel: what turns it about its axle. The kind says which keys it reads.
-
-    free      nothing
-    torque    a torque (N m)
-    rate      a controller of the spin rate: a target (rad/s; absent: that of [command]), proportional gain (N m s/rad),
-              integral gain (N m/rad), and the largest torque (N m)
-    dc_motor  a voltage (V), or a controller that gives it to follow a target rate as above: proportional gain
-              (V s/rad), integral gain (V/rad), derivative gain (V s^2/rad); the largest voltage (V) and current (A);
-              the motor: resistance (ohm), inductance (H), torque constant (N m/A, which is V s/rad too), gear ratio,
-              inertia of the rotor itself (kg m^2); friction at the wheel: viscosity (N m s), and a Coulomb torque (N m)
-              that changes its sign over a rate (rad/s)
-
-    Torque, target and voltage are constant, or linear between `times` (s).
-
-    With a sample time (s) the controller reads the spin rate at multiples of it, and holds its voltage between them;
-    only then has it a derivative gain, on the change of the measured rate.
-
-    Instead of resistance, torque constant and friction a motor may have the values of its data sheet, all before the
-    gear: torque (N m) and current (A) at standstill, speed (rad/s) and current (A) without load, each at the nominal
-    voltage (V), which is then the largest voltage of a controller that has no other.
-    """
-
-    kind: Kind
-    times: Reals = ()
-    torque: Tabulated = 0.0
-    rate: Tabulated = None  # type: ignore[assignment]  # where [command] gives it
-    proportional: Positive = 0.0
-    integral: NonNegative = 0.0
-    derivative: NonNegative = 0.0
-    sample_time: PositiveOrNone = None
-    torque_limit: Positive = math.inf
-    voltage_limit: Positive = math.inf
-    current_limit: Positive = math.inf
-    voltage: Tabulated = 0.0
-    resistance: Positive = 0.0
-    torque_constant: Positive = 0.0
-    gear_ratio: Positive = 1.0
-    inductance: NonNegative = 0.0
-    rotor_inertia: NonNegative = 0.0
-    viscosity: NonNegative = 0.0
-    friction_torque: NonNegative = 0.0
-    friction_rate: Positive = 0.1
-
-    stall_torque: PositiveOrNone = None
-    stall_current: PositiveOrNone = None
-    no_load_speed: PositiveOrNone = None
-    no_load_current: NonNegative = 0.0
-    nominal_voltage: PositiveOrNone = None
-
-    @property
-    def controlled(self) -> bool:
-        """Whether it follows a spin rate."""
-        return self.kind == "rate" or (self.kind == "dc_motor" and self.proportional > 0.0)
-
-    @property
-    def follows_command(self) -> bool:
-        return self.controlled and self.rate is None
-
-    @property
-    def given(self) -> str | None:
-        """The key that is a number or a list over `times`; None: it takes no input."""
-        return "rate" if self.controlled else next(iter(DRIVE_KEYS[self.kind].given), None)
-
-    @property
-    def table(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Times, and torques, target rates or voltages; 0 where nothing is given or [command] gives it.
-
-        A constant is a table of one point, since tables are held outside.
-        """
-        if self.given is None or self.follows_command:
-            return (0.0,), (0.0,)
-        values = getattr(self, self.given)
-        return (self.times, values) if self.times else ((0.0,), (values,))
-
-
 class Wheel(Table):
     """[[wheels]]: a wheel type put somewhere, its start and its drive (angles in deg, rates in rad/s)."""
 
@@ -494,8 +357,3 @@ def _about(wanted: int, steps: int) -> int:
 def is_whole(ratio: float) -> bool:
     """Whether a ratio of times is an integer > 0, as far as decimals can say it."""
     return math.isfinite(ratio) and ratio > 0.5 and abs(ratio - round(ratio)) <= GRID_TOLERANCE * ratio
-
-
-def is_name(word: Any) -> bool:
-    """Whether a wheel or a wheel type may have this name."""
-    return isinstance(word, str) and re.fullmatch(NAME, word) is not None

@@ -47,7 +47,7 @@ def test_the_contact_of_a_roller_stands_on_its_row():
 
 
 def test_two_rows_move_alike_in_both_formulations():
-    """Bodies that stand apart along the axle, against one body with their inertia: within 1.3e-14 m and 2.4e-12 N, while
+    """Bodies that stand apart along the axle, against one body with their inertia: within 1.3e-14 m and 2.4e-12 N, when
     the loads differ by 0.6 N from those on one row; the contacts of two wheels pass from row to row."""
     at_once = ["time.end=0.4", "time.output_interval=0.005"]
     reduced, multibody = (
