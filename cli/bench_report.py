@@ -132,7 +132,8 @@ def title(found: Precision) -> str:
 
 def machine() -> str:
     """Where and with what it was measured."""
-    engine, python = version("omnisim-engine"), platform.python_version()
+    engine = version("omnisim-engine")
+    python = platform.python_version()
     return f"omnisim {engine}, Python {python}, {platform.system()} {platform.machine()}, {os.cpu_count()} cores"
 
 
@@ -148,7 +149,8 @@ def as_json(measured: Sequence[Precision]) -> str:
 
 
 def scene_data(found: Precision) -> dict:
-    config, reference = found.scene.config, found.reference
+    config = found.scene.config
+    reference = found.reference
     return {
         "scene": found.scene.source,
         "title": config.title,

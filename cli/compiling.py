@@ -24,7 +24,9 @@ class Bar:
     """
 
     def __init__(self, expected: frozenset[Any]):
-        self.expected, self.begun, self.drawn = expected, time.perf_counter(), False
+        self.expected = expected
+        self.begun = time.perf_counter()
+        self.drawn = False
 
     def draw(self) -> None:
         if time.perf_counter() - self.begun < PATIENCE or not (sys.stderr and sys.stderr.isatty()):
@@ -73,7 +75,8 @@ def compilation_noted(scenes: Iterable[Scene], quiet: bool = False) -> Iterator[
             kinds = list(dict.fromkeys(map(kind_of, scenes)))
             if not self.noted:
                 screen.note(f"compiling kernels for {', then for '.join(map(str, kinds))}: once, about a minute")
-            self.noted, self.bar = True, Bar(frozenset().union(*map(kernels_of, kinds)))
+            self.noted = True
+            self.bar = Bar(frozenset().union(*map(kernels_of, kinds)))
 
     if quiet:
         yield

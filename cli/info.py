@@ -92,9 +92,11 @@ def run_facts(scene: Scene, parameters: Parameters) -> dict[str, str]:
 
     time, solver = scene.config.time, scene.config.solver
     if solver.error is None:
-        method, steps = explanation(scene.config, parameters), f"in {time.steps} steps of {time.step:g} s"
+        method = explanation(scene.config, parameters)
+        steps = f"in {time.steps} steps of {time.step:g} s"
     else:
-        method, steps = solver.method, f"in steps that are picked for errors below {solver.error:g} m or rad"
+        method = solver.method
+        steps = f"in steps that are picked for errors below {solver.error:g} m or rad"
     return {
         "scene": scene.config.title or "(no title)",
         "source": scene.source,
@@ -116,7 +118,8 @@ def estimate_table(config: Config) -> str:
 def machine_facts(parameters: Parameters) -> dict[str, str]:
     """What all bodies make up together."""
     machine = parameters.machine
-    (x, y), weight = machine.centre + 0.0, machine.mass * math.hypot(machine.gravity, *machine.downhill)
+    x, y = machine.centre + 0.0
+    weight = machine.mass * math.hypot(machine.gravity, *machine.downhill)
     return {
         "mass": f"{machine.mass:.6g} kg, chassis and wheels; weight {weight:.6g} N",
         "centre of mass": f"[{x:.6g}, {y:.6g}, {machine.height:.6g}] m in chassis axes, z above the floor",
@@ -132,7 +135,8 @@ def wheel_table(config: Config, parameters: Parameters) -> str:
     loads = static_loads(parameters, yaw=math.radians(config.initial.yaw_deg))
     for wheel, load in zip(config.wheels, loads, strict=True):
         x, y = wheel.position
-        place, turned = f"[{x:g}, {y:g}] m", f"{wheel.heading_deg:g} deg"
+        place = f"[{x:g}, {y:g}] m"
+        turned = f"{wheel.heading_deg:g} deg"
         mirrored = "yes" if wheel.mirrored else "no"
         rows.append((wheel.name, wheel.type, place, turned, mirrored, wheel.drive.kind, f"{load:.4g} N"))
     return columns(rows, indent="  ")
@@ -185,15 +189,19 @@ def motor_facts(drive: Drive) -> dict[str, str]:
     """What follows from the constants of a motor or from its data sheet: at the wheel, behind the gear."""
     from omnisim.scene.drives import data_sheet, drive_law, motor_of, sheet_constants
 
-    law, motor, gear = drive_law(drive), motor_of(drive), drive.gear_ratio
+    law = drive_law(drive)
+    motor = motor_of(drive)
+    gear = drive.gear_ratio
     facts = {
         "resistance": f"{motor.resistance:.6g} ohm",
         "torque constant": f"{motor.constant:.6g} N m/A or V s/rad; {motor.constant / gear:.6g} before its gear",
         "friction": f"{motor.friction_torque:.4g} N m, and {motor.viscosity:.4g} N m s by the spin rate",
     }
     if drive.nominal_voltage:
-        sheet, voltage = sheet_constants(drive), drive.nominal_voltage
-        speed, stall = data_sheet(drive).no_load_speed / gear, gear * sheet.stall_torque
+        sheet = sheet_constants(drive)
+        voltage = drive.nominal_voltage
+        speed = data_sheet(drive).no_load_speed / gear
+        stall = gear * sheet.stall_torque
         facts |= {"without load": f"{speed:.4g} rad/s at {voltage:g} V", "stalled": f"{stall:.4g} N m at {voltage:g} V"}
     if drive.inductance:
         facts["current"] = f"settles in {motor.inductance / motor.resistance:.3g} s (L / R)"

@@ -33,7 +33,8 @@ class Quantity(click.ParamType):
     """A number > 0 with or without a unit: 0.076, "76 mm", "3 in"; without one it is SI."""
 
     def __init__(self, unit: str):
-        self.unit, self.name = unit, unit or "number"
+        self.unit = unit
+        self.name = unit or "number"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         if isinstance(value, float):

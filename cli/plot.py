@@ -114,7 +114,8 @@ def encoded(figure: Figure, suffix: str) -> bytes:
     """The picture as a file, the same for the same data."""
     from matplotlib import rc_context
 
-    image, metadata = BytesIO(), {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+    image = BytesIO()
+    metadata = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
     with rc_context({"svg.hashsalt": "omnisim"}):
         figure.savefig(image, format=suffix[1:], dpi=150, metadata=metadata.get(suffix))
     return image.getvalue()

@@ -74,7 +74,8 @@ def result_path(text: str, source: str, force: bool) -> Path:
 
     from .output import output_path
 
-    path, suffix = output_path(text, source, force), Path(text).suffix.lower()
+    path = output_path(text, source, force)
+    suffix = Path(text).suffix.lower()
     if suffix in HDF5:
         return path
     if suffix not in FORMATS:
@@ -103,7 +104,8 @@ def simulate_and_save(scene: Scene, path: Path, force: bool, quiet: bool) -> tup
         try:
             save(trajectory, path, force)
         except (OSError, ValueError, MemoryError) as error:
-            problem, kept = unwritten(error, path), rescued(trajectory, path.stem)
+            problem = unwritten(error, path)
+            kept = rescued(trajectory, path.stem)
             if not kept:
                 raise Failure(f"{problem}; no other folder takes it: the run is lost") from None
             return trajectory, kept, problem
@@ -136,7 +138,8 @@ def report(trajectory: Trajectory, path: Path) -> str:
     """The summary of a run, for people."""
     from omnisim.results.report import accuracy, odometry, peaks
 
-    a, rows = trajectory.attributes, len(trajectory.time)
+    a = trajectory.attributes
+    rows = len(trajectory.time)
     kinds = Counter(trajectory["events/kind"].tolist())
     events = {"exchange": kinds.pop("exchange", 0)} | kinds
     return aligned({

@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 
 STATIONS = 17  # of the profile
 PACKAGE = "[A-Za-z][A-Za-z0-9_-]*"
-DRAWINGS, MESHES, MODELS = (".png", ".svg", ".pdf"), (".stl", ".obj"), (".xml", ".urdf")
+DRAWINGS = (".png", ".svg", ".pdf")
+MESHES = (".stl", ".obj")
+MODELS = (".xml", ".urdf")
 
 
 @click.command()
@@ -41,7 +43,8 @@ def wheel(scene: str, name: str | None, output: str | None, part: str | None, pa
     """
     from omnisim.scene.scene import load
 
-    loaded, suffix = load(scene), Path(output or "").suffix.lower()
+    loaded = load(scene)
+    suffix = Path(output or "").suffix.lower()
     if output is not None and suffix not in (*DRAWINGS, *MESHES, *MODELS):
         known = ", ".join((*DRAWINGS, *MESHES, *MODELS))
         raise Failure(f"{output}: the suffix says what to write, one of {known}", BAD_INPUT)
@@ -106,7 +109,8 @@ def dimensions(kind: WheelType, record: np.record) -> dict[str, str]:
     from omnisim.cad.geometry import solid
     from omnisim.contact.roller_profile import length, profile_radius, tip_radius
 
-    body, roller = solid(record, kind.roller.bore_radius), kind.roller
+    body = solid(record, kind.roller.bore_radius)
+    roller = kind.roller
     density = roller.mass / body.volume
     return {
         "rolling radius": f"{mm(kind.radius)}, for the controller: {kind.radius:g} m at every angle",
@@ -134,7 +138,8 @@ def profile_table(record: np.record) -> str:
 def room(record: np.record) -> dict[str, str]:
     from omnisim.cad.geometry import gap, hub_radius
 
-    margin, hub = record.radius * record.cos_alpha - record.roller_distance, hub_radius(record)
+    margin = record.radius * record.cos_alpha - record.roller_distance
+    hub = hub_radius(record)
     return {
         "tips": f"{mm(max(margin, 0.0))} until they are points (R cos alpha - R1)",
         "neighbours": told(gap(record)) or "they overlap: in one row the exact rollers do not fit",

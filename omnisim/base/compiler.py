@@ -92,7 +92,9 @@ class Part(JITCodeLibrary):
 
     def __init__(self, codegen, name, source, inlined):
         super().__init__(codegen, name)
-        self.source, self.inlined, self.calls = source, inlined, []
+        self.source = source
+        self.inlined = inlined
+        self.calls = []
 
     def finalize(self):
         self.calls = linked(self)
@@ -161,7 +163,8 @@ def absorbed(library, calls):
 
 def reached(parts, through=lambda _: True):
     """These Parts and all that they call, each once, but not beyond those that `through` denies."""
-    found, waiting = {}, list(parts)
+    found = {}
+    waiting = list(parts)
     while waiting:
         part = waiting.pop()
         if part not in found:
@@ -202,7 +205,8 @@ class PartLowering(KernelLowering):
     _name = "part_lowering"
 
     def lower(self, state, codegen, function):
-        flags, source = state.flags, Source(function.modname, function.func_qualname, tuple(state.args))
+        flags = state.flags
+        source = Source(function.modname, function.func_qualname, tuple(state.args))
         flags.no_compile = flags.no_cpython_wrapper = True
         state.library = library = Part(codegen, function.func_qualname, source, flags.forceinline)
         super(KernelLowering, self).run_pass(state)
@@ -266,7 +270,9 @@ class PartResults(CompileResultCacheImpl):
     def rebuild(self, target_context, payload):
         name, source, inlined, code, calls, descriptor, environment, signature = payload
         part = Part(target_context.codegen(), name, source, inlined)
-        part._final_module, part.calls, part._finalized = llvm.parse_bitcode(code), calls, True
+        part._final_module = llvm.parse_bitcode(code)
+        part.calls = calls
+        part._finalized = True
         return CompileResult(
             typing_context=target_context.typing_context,
             target_context=target_context,

@@ -50,7 +50,8 @@ def kernel_sources(package: Path) -> dict[Path, bytes]:
     imports = {path: imported(source, names[path], path.stem == "__init__") for path, source in sources.items()}
     home = dotted(Path(__file__), Path(__file__).parents[2])
     decorators = {f"{home}.kernel", f"{home}.outlined"}
-    reached, more = set(), {path for path in sources if not decorators.isdisjoint(imports[path])}
+    reached = set()
+    more = {path for path in sources if not decorators.isdisjoint(imports[path])}
     while more:
         reached |= more
         wanted = {name for path in more for name in imports[path]}

@@ -44,7 +44,8 @@ class Tableau:
         """Largest -z for which |R(z)| <= 1 all along the negative real axis."""
         inside, outside = 0.0, 1.0
         while abs(self.amplification(-outside)) <= 1.0:
-            inside, outside = outside, outside + 0.25
+            inside = outside
+            outside = outside + 0.25
         for _ in range(50):
             middle = 0.5 * (inside + outside)
             inside, outside = (middle, outside) if abs(self.amplification(-middle)) <= 1.0 else (inside, middle)

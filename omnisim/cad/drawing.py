@@ -30,7 +30,8 @@ AHEAD = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 
 def draw(path: Path, name: str, kind: WheelType) -> None:
     """Write a drawing by its suffix, .png, .svg or .pdf, whole or not at all. Raises OSError."""
-    wheel, figure = of_type(kind), Figure(figsize=PAPER, layout="constrained")
+    wheel = of_type(kind)
+    figure = Figure(figsize=PAPER, layout="constrained")
     grid = figure.add_gridspec(2, 3, width_ratios=(1.3, 0.8, 0.7), height_ratios=(1.3, 1.0))
     side, front, table = (figure.add_subplot(grid[0, column]) for column in range(3))
     roller = figure.add_subplot(grid[1, :])
@@ -46,7 +47,8 @@ def draw(path: Path, name: str, kind: WheelType) -> None:
     radius = f"rolling radius for the controller {kind.radius * MM:g} mm"
     what = f"{kind.roller_count} rollers at {kind.roller_angle_deg:g} deg"
     figure.suptitle(f"Wheel type '{name}': {what}, {radius}. Dimensions in mm.", fontsize=11)
-    image, suffix = BytesIO(), path.suffix.lower()
+    image = BytesIO()
+    suffix = path.suffix.lower()
     with rc_context({"svg.hashsalt": name}):
         figure.savefig(image, format=suffix[1:], dpi=160, metadata={"Date": None} if suffix == ".svg" else None)
     write_whole({path: image.getvalue()}, overwrite=True)
@@ -75,7 +77,8 @@ def side_view(axes: Axes, kind: WheelType, wheel: np.record) -> None:
 
 def front_view(axes: Axes, kind: WheelType, wheel: np.record) -> None:
     """From ahead, the left of the wheel to the right; farther rollers stand behind nearer ones."""
-    reach, half = kind.radius * MM, float(support(wheel, abs(wheel.sin_psi))) * MM
+    reach = kind.radius * MM
+    half = float(support(wheel, abs(wheel.sin_psi))) * MM
     hub, width = hub_radius(wheel) * MM, hub_half_width(kind) * MM
     if hub > 0.0:
         axes.add_patch(
@@ -90,7 +93,9 @@ def front_view(axes: Axes, kind: WheelType, wheel: np.record) -> None:
 def roller_view(axes: Axes, wheel: np.record) -> None:
     """A roller along its axis, lengths from its middle."""
     u, r = (MM * values for values in profile(wheel, np.linspace(-wheel.alpha, wheel.alpha, CURVE)))
-    half, middle, tip = u[-1], r[CURVE // 2], r[-1]
+    half = u[-1]
+    middle = r[CURVE // 2]
+    tip = r[-1]
     outline = np.column_stack([np.append(u, u[::-1]), np.append(r, -r[::-1])])
     axes.add_patch(Polygon(outline, facecolor=RUBBER, edgecolor=EDGE, linewidth=1.0))
     symmetry(axes, 1.12 * half, 1.15 * middle)
@@ -125,7 +130,8 @@ def outline(wheel: np.record, centre: np.ndarray, axis: np.ndarray, view: np.nda
         direction = np.array([math.cos(turn), math.sin(turn)]) @ view
         sine = direction @ axis
         across = direction - sine * axis
-        q, norm = support_parameter(wheel, -sine), np.linalg.norm(across)
+        q = support_parameter(wheel, -sine)
+        norm = np.linalg.norm(across)
         radius = profile_radius(wheel, q) / norm if norm > ROUNDING else 0.0
         points.append(view @ (centre + axial_coordinate(wheel, q) * axis + radius * across))
     return np.array(points)

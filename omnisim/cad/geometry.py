@@ -51,7 +51,9 @@ def roller_frames(kind: WheelType, mirrored: bool = False, phase: float = 0.0) -
     """Centre R1 d and axis a = c t + s k of every roller; phase: azimuth of roller 0, rad."""
     azimuths = phase + 2.0 * np.pi * np.arange(kind.roller_count) / kind.roller_count
     psi = math.radians(-kind.roller_angle_deg if mirrored else kind.roller_angle_deg)
-    sine, cosine, zero = np.sin(azimuths), np.cos(azimuths), np.zeros(kind.roller_count)
+    sine = np.sin(azimuths)
+    cosine = np.cos(azimuths)
+    zero = np.zeros(kind.roller_count)
     centres = kind.roller_distance * np.column_stack([sine, zero, -cosine])
     axes = np.column_stack([-math.cos(psi) * cosine, zero + math.sin(psi), -math.cos(psi) * sine])
     return list(zip(centres, axes, strict=True))
@@ -94,7 +96,8 @@ def shapes(wheel: np.record) -> dict[str, Callable[[np.ndarray], np.ndarray]]:
 
     Ellipse, capsule and cylinder are as long and, amid, as thick as the roller; spheres touch its profile from within.
     """
-    half, middle = 0.5 * length(wheel), profile_radius(wheel, 0.0)
+    half = 0.5 * length(wheel)
+    middle = profile_radius(wheel, 0.0)
     straight = max(half - middle, 0.0)
     places, radii = row_of_spheres(wheel, SPHERES)
     return {

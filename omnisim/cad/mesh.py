@@ -54,7 +54,8 @@ def whole(kind: WheelType) -> Mesh:
     """
     part = roller(kind)
     parts = [placed(part, *frame) for frame in roller_frames(kind)]
-    radius, half = hub_radius(of_type(kind)), hub_half_width(kind)
+    radius = hub_radius(of_type(kind))
+    half = hub_half_width(kind)
     if radius > 0.0:
         ends = np.array([-half, half])
         hub = revolved(ends, np.full(2, radius), ends, CORNERS)

@@ -98,7 +98,8 @@ def actuators(element: Element, config: Config) -> None:
 
 def start(key: Element, config: Config) -> None:
     """Pose and velocities in the order of the joints."""
-    initial, half = config.initial, 0.5 * math.radians(config.initial.yaw_deg)
+    initial = config.initial
+    half = 0.5 * math.radians(config.initial.yaw_deg)
     place, speed = [*initial.position, 0.0], [*initial.velocity, 0.0]
     if config.upright == "contacts":
         place += [math.cos(half), 0.0, 0.0, math.sin(half)]

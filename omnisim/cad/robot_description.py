@@ -57,7 +57,8 @@ def note(config: Config) -> str:
 def bodies(config: Config) -> Iterator[Body]:
     """Parents before what they carry."""
     if config.chassis is not None:
-        chassis, still = config.chassis, (0.0, 0.0, 0.0)
+        chassis = config.chassis
+        still = (0.0, 0.0, 0.0)
         box = ("box", chassis.size if chassis.size[0] > 0.0 else box_between(config))
         yield Body("chassis", None, "", still, still, chassis.mass, chassis.center_of_mass, chassis.inertia, box)
     for wheel in config.wheels:
@@ -72,8 +73,12 @@ def box_between(config: Config) -> tuple[float, float, float]:
 
 
 def wheel_bodies(config: Config, wheel: Wheel) -> Iterator[Body]:
-    kind, name, centre = config.type_of(wheel), f"{wheel.name}_wheel", (0.0, 0.0, 0.0)
-    disk, roller, across = kind.disk, kind.roller, kind.disk.inertia_diameter
+    kind = config.type_of(wheel)
+    name = f"{wheel.name}_wheel"
+    centre = (0.0, 0.0, 0.0)
+    disk = kind.disk
+    roller = kind.roller
+    across = kind.disk.inertia_diameter
     yield Body(
         name, "chassis" if config.chassis else None, "0 1 0",
         (*wheel.position, kind.radius), (0.0, 0.0, math.radians(wheel.heading_deg)),

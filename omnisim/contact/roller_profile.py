@@ -78,5 +78,6 @@ def support_point(wheel, axis):
     up = Vec3(-axis.z * axis.x, -axis.z * axis.y, 1.0 - axis.z * axis.z)
     norm = math.sqrt(dot(up, up))
     if norm == 0.0:
-        up, norm = Vec3(1.0, 0.0, 0.0), 1.0
+        up = Vec3(1.0, 0.0, 0.0)
+        norm = 1.0
     return combine(axial_coordinate(wheel, q), axis, -profile_radius(wheel, q) / norm, up, 0.0, up)

@@ -48,7 +48,9 @@ def slip_direction(a, b, limit):
     In the eigenvectors of S it is the secular equation sum b_i^2 / (s_i + kappa)^2 = 1; Newton on 1 / |u| = 1, which
     is nearly linear in kappa, from below.
     """
-    mean, half, off = 0.5 * limit * (a.hh + a.kk), 0.5 * limit * (a.hh - a.kk), limit * a.hk
+    mean = 0.5 * limit * (a.hh + a.kk)
+    half = 0.5 * limit * (a.hh - a.kk)
+    off = limit * a.hk
     spread = math.sqrt(half * half + off * off)
     angle = 0.5 * math.atan2(off, half)
     cos, sin = math.cos(angle), math.sin(angle)  # the eigenvector of the larger eigenvalue
@@ -108,10 +110,12 @@ def contact_forces(contacts, mobility):
             bias_h, bias_k = contact.bias[0], contact.bias[1]
             for d in range(len(contacts)):
                 if d != c:
-                    a, force = mobility[c, d], contacts[d].force
+                    a = mobility[c, d]
+                    force = contacts[d].force
                     bias_h += a[0, 0] * force[0] + a[0, 1] * force[1]
                     bias_k += a[1, 0] * force[0] + a[1, 1] * force[1]
-            a, force = mobility[c, c], contact.force
+            a = mobility[c, c]
+            force = contact.force
             solved = resting_force(Symmetric(a[0, 0], a[0, 1], a[1, 1]), Slip(bias_h, bias_k), contact.limit)
             change = max(change, max(abs(solved.h - force[0]), abs(solved.k - force[1])))
             size = max(size, max(abs(solved.h), abs(solved.k)))

@@ -28,7 +28,11 @@ def drive_input(parameters, piece, t, w):
 @kernel
 def actuate(parameters, stage, w, spin_rate):
     """The drive of wheel w: its demand (N m or V) and tau on the disk about k (N m). Writes the rates of its states."""
-    wheel, at, mode, y, dy = parameters.wheels[w], places(parameters), stage.mode[w], stage.y, stage.dy
+    wheel = parameters.wheels[w]
+    at = places(parameters)
+    mode = stage.mode[w]
+    y = stage.y
+    dy = stage.dy
     given_input = drive_input(parameters, stage.piece, stage.t, w)
     demand = wheel.drive_gain * given_input - wheel.drive_damping * y[at.spin_rate + w]
     if parameters.machine.integrals:
@@ -59,7 +63,9 @@ def turn_motor(parameters, drive, w, demand, spin_rate, y, dy):
 
     Writes the rates of its current and of the energies of motors; voltage and current into the workspace.
     """
-    wheel, at, part = parameters.wheels[w], places(parameters), parameters.workspace.parts[w]
+    wheel = parameters.wheels[w]
+    at = places(parameters)
+    part = parameters.workspace.parts[w]
     back = wheel.motor_constant * spin_rate
     voltage = demand
     if abs(drive) == BY_LIMIT:
@@ -115,7 +121,9 @@ def next_limit(wheel, drive, demand, spin_rate):
 @outlined
 def voltage_guard(wheel, drive, demand, spin_rate):
     """The same for the voltage of a motor, V."""
-    back, most, within = wheel.motor_constant * spin_rate, wheel.drive_limit, wheel.resistance * wheel.current_limit
+    back = wheel.motor_constant * spin_rate
+    most = wheel.drive_limit
+    within = wheel.resistance * wheel.current_limit
     if drive == FREE:
         return min(min(back + within - demand, demand - back + within), min(most - demand, most + demand))
     sense = 1 if drive > 0 else -1
@@ -128,9 +136,12 @@ def voltage_guard(wheel, drive, demand, spin_rate):
 @outlined
 def next_voltage_limit(wheel, drive, demand, spin_rate):
     """The same for the voltage of a motor: the limit that is passed by most."""
-    back, most, within = wheel.motor_constant * spin_rate, wheel.drive_limit, wheel.resistance * wheel.current_limit
+    back = wheel.motor_constant * spin_rate
+    most = wheel.drive_limit
+    within = wheel.resistance * wheel.current_limit
     if drive == FREE:
-        over_current, over_voltage = abs(demand - back) - within, abs(demand) - most
+        over_current = abs(demand - back) - within
+        over_voltage = abs(demand) - most
         if over_current > over_voltage:
             return BY_CURRENT if demand > back else -BY_CURRENT
         return BY_LIMIT if demand > 0.0 else -BY_LIMIT
@@ -154,7 +165,8 @@ def sample(parameters, mode, piece, t, w, y, again):
 
     again: at the instant of the last sample, since its input has changed.
     """
-    wheel, rate = parameters.wheels[w], y[places(parameters).spin_rate + w]
+    wheel = parameters.wheels[w]
+    rate = y[places(parameters).spin_rate + w]
     if not again:
         mode.integral += wheel.sample_time * mode.winding
         mode.past_rate = mode.read_rate if t > 0.0 else rate
@@ -162,6 +174,8 @@ def sample(parameters, mode, piece, t, w, y, again):
     error = drive_input(parameters, piece, t, w) - rate
     mode.held = wheel.drive_gain * error + wheel.drive_integral * mode.integral
     mode.held -= wheel.drive_derivative * (rate - mode.past_rate) / wheel.sample_time
-    back, most, within = wheel.motor_constant * rate, wheel.drive_limit, wheel.resistance * wheel.current_limit
+    back = wheel.motor_constant * rate
+    most = wheel.drive_limit
+    within = wheel.resistance * wheel.current_limit
     given = min(max(min(max(mode.held, back - within), back + within), -most), most)
     mode.winding = unwound(wheel, error, mode.held, given)

@@ -41,7 +41,9 @@ ROUNDING = 1e-11  # a change below which, if it no longer falls, is rounding
 @outlined
 def find_contact_forces(machine, wheels, workspace, load, equations, pushing):
     """Find the sought forces of an instant and all loads; returns what `solve` does."""
-    acceleration, regular, last = Acceleration(0.0, 0.0, 0.0), 1.0, math.inf
+    acceleration = Acceleration(0.0, 0.0, 0.0)
+    regular = 1.0
+    last = math.inf
     for _ in range(MOST_ROUNDS):
         acceleration, mobility, regular = solve(machine, workspace, load, equations, pushing)
         change = find_shared_forces(machine, wheels, workspace, mobility, acceleration)
@@ -71,7 +73,8 @@ def find_shared_forces(machine, wheels, workspace, mobility, acceleration):
         change, size, count = 0.0, TINY, 0
         for w in range(len(wheels)):
             part = workspace.parts[w]
-            ahead, behind = workspace.contacts[part.first], workspace.contacts[part.first + 1]
+            ahead = workspace.contacts[part.first]
+            behind = workspace.contacts[part.first + 1]
             if not (part.sought and part.contacts == 2):
                 continue
             count += 1
@@ -114,7 +117,8 @@ def set_resting(wheel, workspace, w, mobility, acceleration):
     """The contact equations of wheel w on two rollers into `resting` and `mobility` of the workspace; its spin is
     held."""
     for side in range(TOUCHING):
-        contact, resting = workspace.contacts[wheel.contacts + side], workspace.resting[side]
+        contact = workspace.contacts[wheel.contacts + side]
+        resting = workspace.resting[side]
         resting.rest = contact.rest
         resting.force[0], resting.force[1] = contact.force[0], contact.force[1]  # where the search begins
         resting.bias[0], resting.bias[1] = free_rate(contact, acceleration)
@@ -130,18 +134,23 @@ def set_resting(wheel, workspace, w, mobility, acceleration):
 @kernel
 def turn_creep(machine, wheel, workspace, w, mobility, acceleration):
     """Turn the direction of a creeping contact by one Newton correction: its size, rad."""
-    contact, limit = workspace.contacts[wheel.contacts], machine.friction * max(workspace.parts[w].normal_force, 0.0)
-    a, (rate_h, rate_k) = contact_mobility(wheel, contact, mobility), free_rate(contact, acceleration)
+    contact = workspace.contacts[wheel.contacts]
+    limit = machine.friction * max(workspace.parts[w].normal_force, 0.0)
+    a = contact_mobility(wheel, contact, mobility)
+    rate_h, rate_k = free_rate(contact, acceleration)
     if contact.creep[0] == 0.0 and contact.creep[1] == 0.0:
         u = slip_direction(a, Slip(rate_h, rate_k), limit)  # no force was in the balance yet
-        u_h, u_k, correction = u.h, u.k, 1.0
+        u_h = u.h
+        u_k = u.k
+        correction = 1.0
     else:
         u_h, u_k = contact.creep[0], contact.creep[1]
         spin = (contact.spin[0] * u_h + contact.spin[1] * u_k) * limit * wheel.spin_mobility
         roller = (contact.arm[0] * u_h + contact.arm[1] * u_k) * limit * wheel.axial_mobility
         rate_h -= contact.spin[0] * spin + contact.arm[0] * roller
         rate_k -= contact.spin[1] * spin + contact.arm[1] * roller
-        resisting, along = limit * across(a, u_h, u_k), rate_h * u_h + rate_k * u_k
+        resisting = limit * across(a, u_h, u_k)
+        along = rate_h * u_h + rate_k * u_k
         u_h, u_k, correction = turned(u_h, u_k, rate_h, rate_k, resisting, along, contact.turned)
         contact.turned = correction
     contact.creep[0], contact.creep[1] = u_h, u_k
@@ -200,7 +209,8 @@ def share_load(machine, wheel, workspace, w):
                 high, t_high = share, t
                 t_low *= 0.5 if side == -1 else 1.0
                 side = -1
-            last, share = share, (low * t_high - high * t_low) / (t_high - t_low)
+            last = share
+            share = (low * t_high - high * t_low) / (t_high - t_low)
             if t == 0.0 or abs(share - last) <= TOLERANCE:
                 break
     turning(machine, workspace, w, share)
@@ -233,11 +243,13 @@ def turning(machine, workspace, w, share):
 def find_resting_forces(machine, workspace, part, normal):
     """Forces of the contacts of a wheel that rest, beside those that slip."""
     for side in range(TOUCHING):
-        contact, resting = workspace.contacts[part.first + side], workspace.resting[side]
+        contact = workspace.contacts[part.first + side]
+        resting = workspace.resting[side]
         resting.limit = contact.share * machine.friction * normal
         if not resting.rest:
             resting.force[0], resting.force[1] = contact.force[0], contact.force[1]
     contact_forces(workspace.resting, workspace.loads.mobility)
     for side in range(TOUCHING):
-        contact, resting = workspace.contacts[part.first + side], workspace.resting[side]
+        contact = workspace.contacts[part.first + side]
+        resting = workspace.resting[side]
         contact.force[0], contact.force[1] = resting.force[0], resting.force[1]

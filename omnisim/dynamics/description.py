@@ -62,9 +62,13 @@ def describe(config: Config, parameters: Parameters) -> Model:
 
 def integrated(config: Config, parameters: Parameters) -> Iterator[Part]:
     """What has states, or would have."""
-    machine, at, (wheels, most) = parameters.machine, places_in(parameters), parameters.sector.shape[:2]
-    bearings, implicit = bool(machine.bearing_friction), config.solver.tracking == "implicit"
-    multibody, count = parameters.workspace.articulated is not None, at.integral - at.roller_rate
+    machine = parameters.machine
+    at = places_in(parameters)
+    wheels, most = parameters.sector.shape[:2]
+    bearings = bool(machine.bearing_friction)
+    implicit = config.solver.tracking == "implicit"
+    multibody = parameters.workspace.articulated is not None
+    count = at.integral - at.roller_rate
     every = bearings or multibody
     yield Part("plane motion", True, 6, motion_reason(config))
     yield Part("spin", True, 2 * wheels, wheels_reason(config))
@@ -78,7 +82,8 @@ def integrated(config: Config, parameters: Parameters) -> Iterator[Part]:
         why = "integrated errors of the spin rates" if machine.integrals else integral_reason(config.wheels)
         yield Part("drive integrals", bool(machine.integrals), at.current - at.integral, why)
     if machine.motors:
-        currents, settled = at.friction_loss - at.current, "currents follow their voltages at once"
+        currents = at.friction_loss - at.current
+        settled = "currents follow their voltages at once"
         why = inductance_reason(config.wheels) if machine.currents else settled
         yield Part("motor inductance", bool(machine.currents), currents, why)
     why = "losses, drive and wrench work, integrated for the energy balance"
@@ -96,7 +101,9 @@ def integrated(config: Config, parameters: Parameters) -> Iterator[Part]:
 
 def algebraic(config: Config, parameters: Parameters) -> Iterator[Part]:
     """What adds no state."""
-    chassis, carried, friction = config.chassis, parameters.machine.upright == CONTACTS, config.friction
+    chassis = config.chassis
+    carried = parameters.machine.upright == CONTACTS
+    friction = config.friction
     yield Part("normal forces" if chassis else "normal force", True, 0, load_reason(config, carried))
     yield Part("servo", not carried, 0, servo_reason(config, carried))
     yield Part("friction", friction.law != "none", 0, friction_reason(friction))
@@ -115,7 +122,8 @@ def algebraic(config: Config, parameters: Parameters) -> Iterator[Part]:
     )
     yield Part("heave, roll and pitch", False, 0, takes)
     yield Part("compliance", False, 0, "bodies and floor are rigid: no suspension, no rolling resistance")
-    loads, why = config.bearing_loads, "force and moment of every bearing, from the accelerations of a row"
+    loads = config.bearing_loads
+    why = "force and moment of every bearing, from the accelerations of a row"
     yield Part("bearing loads", loads, 0, why if loads else "output.bearing_loads = true writes them")
     yield Part("contact torque", friction.contact_torque != "none", 0, patch_reason(friction))
     yield Part("bearing friction", bool(parameters.machine.bearing_friction), 0, bearing_reason(config))
@@ -160,7 +168,8 @@ def contacts_reason(config: Config) -> str:
     shape = "exact profile, rigid contact"
     if config.chassis:
         return f"of each wheel one or, on an edge, two; {shape}"
-    wheel, kind = config.wheels[0], config.type_of(config.wheels[0])
+    wheel = config.wheels[0]
+    kind = config.type_of(config.wheels[0])
     psi = -kind.roller_angle_deg if wheel.mirrored else kind.roller_angle_deg
     return f"one of {kind.roller_count} or, on an edge, two; psi = {psi:g} deg: {shape}"
 
@@ -215,7 +224,8 @@ def bearing_law(roller: Roller) -> str:
 
 
 def friction_reason(friction: Friction) -> str:
-    mu, slip_speed = f"{friction.coefficient:g}", f"{friction.slip_speed:g} m/s"
+    mu = f"{friction.coefficient:g}"
+    slip_speed = f"{friction.slip_speed:g} m/s"
     return {
         "coulomb": f"F = -{mu} N v / |v| slipping, a multiplier sticking; every change is an event",
         "regularized": f"F = -{mu} N v / sqrt(|v|^2 + eps^2), eps = {slip_speed}",
@@ -290,7 +300,8 @@ def command_reason(config: Config) -> str:
 
 
 def slope_reason(config: Config) -> str:
-    floor, along = config.floor, config.world.gravity * sin(radians(config.floor.slope_deg))
+    floor = config.floor
+    along = config.world.gravity * sin(radians(config.floor.slope_deg))
     if not along:
         return "the floor is level" if config.world.gravity else "there is no gravity"
     uphill = f"{floor.slope_deg:g} deg, uphill at {floor.uphill_deg:g} deg from x"
@@ -309,5 +320,6 @@ def wrench_reason(config: Config) -> str:
 def chassis_reason(config: Config) -> str:
     if not config.chassis:
         return "the scene has none"
-    mass, inertia = f"{config.chassis.mass:g} kg", f"Izz = {config.chassis.inertia[2]:g} kg m^2"
+    mass = f"{config.chassis.mass:g} kg"
+    inertia = f"Izz = {config.chassis.inertia[2]:g} kg m^2"
     return f"{mass}, {inertia}; what drives a wheel acts back on it"

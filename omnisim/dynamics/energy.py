@@ -11,10 +11,13 @@ def kinetic_energy(parameters, at, y, rates):
 
     M V^2 / 2 + I_z theta'^2 / 2 + sum (J_k + J_r) phi'^2 / 2 + sum Ia p^2 / 2.
     """
-    machine, spins, rollers = parameters.machine, 0.0, 0.0
+    machine = parameters.machine
+    spins = 0.0
+    rollers = 0.0
     body = machine.mass * (y[at.velocity] ** 2 + y[at.velocity + 1] ** 2) + machine.yaw_inertia * y[at.yaw_rate] ** 2
     for w in range(len(parameters.wheels)):
-        wheel, squares = parameters.wheels[w], 0.0
+        wheel = parameters.wheels[w]
+        squares = 0.0
         for i in range(wheel.rollers):
             squares = squares + rates[w, i] ** 2
         spins = spins + (wheel.axle_inertia + wheel.rotor_inertia) * y[at.spin_rate + w] ** 2

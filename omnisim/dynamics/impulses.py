@@ -28,7 +28,10 @@ def align_slip(parameters, run):
 
     The equations of planar_body.py for sticking contacts, with that slip in the place of the slip acceleration.
     """
-    machine, workspace, y, at = parameters.machine, parameters.workspace, run.y, places(parameters)
+    machine = parameters.machine
+    workspace = parameters.workspace
+    y = run.y
+    at = places(parameters)
     body = body_motion(parameters, run.y)
     equations = free_equations(machine, 0.0, 0.0, 0.0)
     for w in range(len(run.mode)):
@@ -66,7 +69,11 @@ def align_slip(parameters, run):
 @outlined
 def change_slip(parameters, run, w, side, slip):
     """Change the speeds by the one impulse at a contact of wheel w that gives it the slip velocity `slip`."""
-    machine, wheel, mode, at, y = parameters.machine, parameters.wheels[w], run.mode[w], places(parameters), run.y
+    machine = parameters.machine
+    wheel = parameters.wheels[w]
+    mode = run.mode[w]
+    at = places(parameters)
+    y = run.y
     body = body_motion(parameters, y)
     state = contact_state(parameters, mode, w, side, body, y)
     mobility = inverse_mass(machine, wheel, state.axis, state.contact, mode.shared)

@@ -41,8 +41,10 @@ WRENCH = [FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE]
 
 def pack(config: Config) -> Parameters:
     """Parameters of a validated scene."""
-    types, rows = [config.type_of(wheel) for wheel in config.wheels], wheel_rows(config)
-    machine, twists = machine_values(config, types), None
+    types = [config.type_of(wheel) for wheel in config.wheels]
+    rows = wheel_rows(config)
+    machine = machine_values(config, types)
+    twists = None
     place = machine["centre"], config.time.step
     wheels = [wheel_values(*pair, *place) for pair in zip(types, config.wheels, strict=True)]
     if config.chassis is not None:
@@ -77,7 +79,8 @@ def pack(config: Config) -> Parameters:
 
 def workspace(config: Config, packed: np.recarray, rollers: int) -> Workspace:
     """A Workspace for a scene with these records WHEEL."""
-    wheels, parts = len(packed), blank(PART, len(packed))
+    wheels = len(packed)
+    parts = blank(PART, len(packed))
     parts.first = packed.contacts
     return Workspace(
         contacts=blank(CONTACT, TOUCHING * wheels),
@@ -114,7 +117,8 @@ def bodies(config: Config) -> Bodies:
 
 def machine_values(config: Config, types: list[WheelType]) -> dict:
     """Values of the MACHINE record, but those that take all wheels to know."""
-    friction, whole = config.friction, bodies(config)
+    friction = config.friction
+    whole = bodies(config)
     bearing_friction = any(kind.roller.has_bearing_friction for kind in types)
     every_rate = bearing_friction or config.solver.formulation == "multibody"
     along, normal = gravity(config)
@@ -160,7 +164,8 @@ def machine_values(config: Config, types: list[WheelType]) -> dict:
 
 def gravity(config: Config) -> tuple[tuple[float, float], float]:
     """What of gravity lies along the floor, world x and y, and what is normal to it, downwards; m/s^2."""
-    slope, size = math.radians(config.floor.slope_deg), config.world.gravity
+    slope = math.radians(config.floor.slope_deg)
+    size = config.world.gravity
     cos, sin = exact_cos_sin(config.floor.uphill_deg)
     downhill = size * math.sin(slope)
     return (-downhill * cos + 0.0, -downhill * sin + 0.0), size * math.cos(slope)
@@ -182,7 +187,8 @@ def wheel_values(kind: WheelType, wheel: Wheel, centre: np.ndarray, step: float 
     law = drive_law(wheel.drive)
     cos, sin = exact_cos_sin(wheel.heading_deg)
     psi = math.radians(-kind.roller_angle_deg if wheel.mirrored else kind.roller_angle_deg)
-    alpha, axle = math.pi / kind.roller_count, axle_inertia(kind, math.sin(psi))
+    alpha = math.pi / kind.roller_count
+    axle = axle_inertia(kind, math.sin(psi))
     from_centre = np.array(wheel.position) - centre
     return {
         "cos_heading": cos,
@@ -267,7 +273,9 @@ def slip_mobility_bound(machine: dict, wheel: dict) -> float:
     Each entry of the Jacobian is bounded by its largest magnitude on [-alpha, alpha].
     """
     radius, distance = wheel["radius"], wheel["roller_distance"]
-    h_0, c, s = radius - distance, wheel["cos_psi"], abs(wheel["sin_psi"])
+    h_0 = radius - distance
+    c = wheel["cos_psi"]
+    s = abs(wheel["sin_psi"])
     l = distance * math.tan(wheel["alpha"]) * abs(wheel["tan_psi"])
     spin = (radius + s * s * h_0) ** 2 + (s * c * h_0) ** 2
     e_h, e_k = map(abs, wheel["offset"])
@@ -330,6 +338,7 @@ def lines(times: np.ndarray, values: np.ndarray, starts: np.ndarray) -> tuple[np
     """Values of a table (K, C) at each of `starts` and slopes from there to its next knot (S, C); held outside."""
     after = times.searchsorted(starts, side="right")  # first knot beyond each start
     last, first = np.maximum(after - 1, 0), np.minimum(after, len(times) - 1)
-    rise, length = values[first] - values[last], (times[first] - times[last])[:, None]
+    rise = values[first] - values[last]
+    length = (times[first] - times[last])[:, None]
     slopes = np.divide(rise, length, out=np.zeros(rise.shape), where=length > 0.0)
     return values[last] + slopes * (starts - times[last])[:, None], slopes

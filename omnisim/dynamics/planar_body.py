@@ -48,7 +48,9 @@ def set_contact(contact, state, j, spin_held):
     """Kinematics of a contact from its ContactState and Jacobian."""
     axis, slip = state.axis, state.slip
     contact.axis[0], contact.axis[1], contact.axis[2] = axis.h, axis.k, axis.n
-    contact.l, contact.turn, contact.share = state.contact.l, state.turn, 0.5 if spin_held else 1.0
+    contact.l = state.contact.l
+    contact.turn = state.turn
+    contact.share = 0.5 if spin_held else 1.0
     contact.slip[0], contact.slip[1] = slip.h, slip.k
     contact.arm[0], contact.arm[1] = j.roller_h, j.roller_k
     contact.spin[0], contact.spin[1] = j.spin_h, j.spin_k
@@ -57,7 +59,8 @@ def set_contact(contact, state, j, spin_held):
 @kernel
 def set_lever(wheel, contact, axis, j):
     """The levers of a contact in the rows x, y and yaw."""
-    lever, (h, k, _) = contact.lever, axes(frame_on_chassis(wheel))
+    lever = contact.lever
+    h, k, _ = axes(frame_on_chassis(wheel))
     lever[0, 0], lever[0, 1], lever[1, 0], lever[1, 1] = h.x, k.x, h.y, k.y
     lever[2, 0], lever[2, 1] = j.yaw_h, j.yaw_k
     contact.twist[2] = 1.0 - axis.n * axis.n

@@ -48,7 +48,10 @@ def rhs(parameters, stage):
 @kernel
 def reduced_rhs(parameters, stage):
     """The same of the reduced formulation, without odometry and rho."""
-    machine, wheels, workspace, at = parameters.machine, parameters.wheels, parameters.workspace, places(parameters)
+    machine = parameters.machine
+    wheels = parameters.wheels
+    workspace = parameters.workspace
+    at = places(parameters)
     mode, y, dy = stage.mode, stage.y, stage.dy
     # Rates of positions first: the sine and cosine of the next stage can then start while the forces are computed.
     dy[X], dy[Y], dy[YAW] = y[at.velocity], y[at.velocity + 1], y[at.yaw_rate]
@@ -57,7 +60,9 @@ def reduced_rhs(parameters, stage):
     known = loads_known(machine)
     if not known:
         set_body_tilt(machine, workspace.loads, wrench, body.twist.yaw)
-    load, others, sought = machine.mass * machine.gravity - wrench.z, 0, 0
+    load = machine.mass * machine.gravity - wrench.z
+    others = 0
+    sought = 0
     equations = free_equations(machine, wrench.x, wrench.y, wrench.yaw)
     if machine.inclined:
         equations = inclined_equations(machine, body, equations)
@@ -81,7 +86,8 @@ def reduced_rhs(parameters, stage):
             part = workspace.parts[w]
             if not part.slides:
                 equations, work = observe_wheel(parameters, stage, w, body, share, equations)
-                power, sought = power + work, sought + part.sought
+                power = power + work
+                sought = sought + part.sought
                 pushing = pushing or mode[w].shared == 1
     if others or not known:
         regular = 1.0
@@ -110,7 +116,10 @@ def reduced_rhs(parameters, stage):
 @kernel
 def odometry_rates(parameters, y, dy):
     """Velocity of the chassis origin as the ideal wheels tell it, in a world that their own yaw tells."""
-    at, yaw, x_rate, y_rate = places(parameters), parameters.machine.odometry_yaw, 0.0, 0.0
+    at = places(parameters)
+    yaw = parameters.machine.odometry_yaw
+    x_rate = 0.0
+    y_rate = 0.0
     for w in range(len(parameters.wheels)):
         twist = parameters.wheels[w].odometry
         yaw += twist[2] * y[at.spin_angle + w]
@@ -126,7 +135,8 @@ def rho_rates(parameters, body, y, dy):
     at = places(parameters)
     for w in range(len(parameters.wheels)):
         wheel = parameters.wheels[w]
-        frame, twist = world_frame(wheel, body), wheel_twist(wheel, body.twist, y[at.spin_rate + w])
+        frame = world_frame(wheel, body)
+        twist = wheel_twist(wheel, body.twist, y[at.spin_rate + w])
         angle = wheel.phase - y[at.spin_angle + w]
         cos_0, sin_0 = math.cos(angle), math.sin(angle)
         for i in range(wheel.rollers):

@@ -33,9 +33,14 @@ def slide_wheel(parameters, stage, w, body, load, equations):
 
     If loads are not known yet, `load` is 1 N, and what that does goes into the workspace.
     """
-    machine, wheel, mode, dy = parameters.machine, parameters.wheels[w], stage.mode[w], stage.dy
+    machine = parameters.machine
+    wheel = parameters.wheels[w]
+    mode = stage.mode[w]
+    dy = stage.dy
     free = free_wheel(parameters, stage, w, body)
-    state, axis, slip = free.state, free.state.axis, free.state.slip
+    state = free.state
+    axis = free.state.axis
+    slip = free.state.slip
     j = slip_jacobian(wheel, axis, state.contact)
     factor, torque = friction(machine, mode.saturated[0], max(load, 0.0), slip, state.turn)
     force = Slip(-factor * slip.h, -factor * slip.k)
@@ -45,12 +50,17 @@ def slide_wheel(parameters, stage, w, body, load, equations):
         rolling, spin, loss = twist(axis, state.turn, torque, rolling, spin, loss)
         yaw += (1.0 - axis.n * axis.n) * torque
     if stage.monitoring:
-        contact, monitors = parameters.workspace.contacts[wheel.contacts], stage.monitors[w]
+        contact = parameters.workspace.contacts[wheel.contacts]
+        monitors = stage.monitors[w]
         monitor_wheel(free, load, monitors)
         set_contact(contact, state, j, False)
-        contact.force[0], contact.force[1], contact.torque, contact.factor = force.h, force.k, torque, factor
+        contact.force[0] = force.h
+        contact.force[1] = force.k
+        contact.torque = torque
+        contact.factor = factor
         monitors.slip_square[0], monitors.factor[0], monitors.margin[0] = slip.h * slip.h + slip.k * slip.k, factor, 0.0
-    power, push = free.drive * state.twist.spin, outward(frame_on_chassis(wheel), force)
+    power = free.drive * state.twist.spin
+    push = outward(frame_on_chassis(wheel), force)
     if not loads_known(machine):
         set_part(parameters, mode, w, free, body, load)
         part = parameters.workspace.parts[w]
@@ -71,13 +81,18 @@ def slide_wheel(parameters, stage, w, body, load, equations):
 @kernel
 def press_wheel(parameters, stage, w):
     """Rates of a wheel that slides under the load that has been found for it, and its heat, W."""
-    wheel, part, mode, dy = parameters.wheels[w], parameters.workspace.parts[w], stage.mode[w], stage.dy
+    wheel = parameters.wheels[w]
+    part = parameters.workspace.parts[w]
+    mode = stage.mode[w]
+    dy = stage.dy
     normal = max(part.normal_force, 0.0) if mode.loaded else 0.0
     dy[rate_place(parameters, mode, w, 0)] += part.rolling * normal * wheel.axial_mobility
     dy[places(parameters).spin_rate + w] = (part.free_spin + part.turning * normal) * wheel.spin_mobility
     if stage.monitoring:
-        contact, monitors = parameters.workspace.contacts[wheel.contacts], stage.monitors[w]
+        contact = parameters.workspace.contacts[wheel.contacts]
+        monitors = stage.monitors[w]
         contact.force[0], contact.force[1] = contact.force[0] * normal, contact.force[1] * normal
         contact.torque *= normal
-        monitors.factor[0], monitors.normal_force = contact.factor * normal, part.normal_force
+        monitors.factor[0] = contact.factor * normal
+        monitors.normal_force = part.normal_force
     return part.heat * normal

@@ -49,7 +49,8 @@ class Footing(NamedTuple):
 def steepest(config: Config, parameters: Parameters, uphill_deg: float) -> Slopes:
     """The steepest slopes whose uphill direction lies so many degrees to the left of the machine's x axis."""
     uphill = np.array([math.cos(math.radians(uphill_deg)), math.sin(math.radians(uphill_deg))])
-    found, torques = footing(parameters), np.array([driving_torque(wheel.drive) for wheel in config.wheels])
+    found = footing(parameters)
+    torques = np.array([driving_torque(wheel.drive) for wheel in config.wheels])
     friction = parameters.machine.friction if config.friction.law in RUBBING else 0.0
     locked, driven = (
         partial(stands, parameters, found, friction, most, uphill) for most in (np.full(len(torques), np.inf), torques)
@@ -76,7 +77,8 @@ def limit(stands: Callable[[float], bool]) -> float:
 
 
 def footing(parameters: Parameters) -> Footing:
-    wheels, (x, y) = parameters.wheels, centres(parameters)
+    wheels = parameters.wheels
+    x, y = centres(parameters)
     along, across = -wheels.cos_psi, wheels.sin_psi  # of a, along h and k
     a_x = along * wheels.cos_heading - across * wheels.sin_heading
     a_y = along * wheels.sin_heading + across * wheels.cos_heading

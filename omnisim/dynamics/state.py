@@ -84,7 +84,9 @@ class Contents(NamedTuple):
 def places_of(contents):
     """The Places of a state with such Contents."""
     wheels, slots, integrals, currents, bearing_friction, motors, odometry, rhos, bodies = contents
-    rates, rollers, integral = 3 + wheels, 6 + 2 * wheels, 6 + 2 * wheels + slots * wheels
+    rates = 3 + wheels
+    rollers = 6 + 2 * wheels
+    integral = 6 + 2 * wheels + slots * wheels
     current = integral + integrals * wheels
     works = current + currents * wheels
     energies = works + 3 + bearing_friction

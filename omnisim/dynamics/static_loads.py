@@ -10,7 +10,9 @@ from omnisim.dynamics.parameters import CONTACTS, Parameters
 def static_loads(parameters: Parameters, lift: float = 0.0, yaw: float = 0.0) -> np.ndarray:
     """Normal forces (W,) at standstill, N, under a force `lift` (N) away from the floor at the common centre of mass C;
     yaw (rad): of the machine, which tells its wheels uphill from those downhill."""
-    machine, cos, sin = parameters.machine, math.cos(yaw), math.sin(yaw)
+    machine = parameters.machine
+    cos = math.cos(yaw)
+    sin = math.sin(yaw)
     x, y = machine.mass * np.asarray(machine.downhill)
     return loads_under(parameters, machine.mass * machine.gravity - lift, (x * cos + y * sin, y * cos - x * sin))
 
@@ -26,7 +28,8 @@ def loads_under(parameters: Parameters, load: float, push: tuple[float, float]) 
     load = max(load, 0.0)
     if machine.upright != CONTACTS:
         return np.full(len(wheels), load / len(wheels))
-    places, loads = np.column_stack([np.ones(len(wheels)), *centres(parameters)]), np.zeros(len(wheels))
+    places = np.column_stack([np.ones(len(wheels)), *centres(parameters)])
+    loads = np.zeros(len(wheels))
     standing = np.arange(len(wheels))
     while True:
         on = places[standing]

@@ -72,7 +72,8 @@ def wheel_twist(wheel, twist, spin_rate):
 @kernel
 def wheel_motion(wheel, twist, acceleration, spin, roller):
     """The Motion of a wheel from the Acceleration of its machine, and those of its spin and its roller, rad/s^2."""
-    carried, turning = tangential(frame_on_chassis(wheel), acceleration), twist.yaw * twist.yaw
+    carried = tangential(frame_on_chassis(wheel), acceleration)
+    turning = twist.yaw * twist.yaw
     ahead, aside = wheel.offset[0], wheel.offset[1]
     return Motion(
         carried.h - acceleration.yaw * aside - turning * ahead,

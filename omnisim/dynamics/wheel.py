@@ -68,7 +68,9 @@ def external_wrench(parameters, piece, t, body):
     """The scene's wrench at time t on the current piece of the tables."""
     if not parameters.machine.pushed:
         return Wrench(0.0, 0.0, 0.0, 0.0)
-    elapsed, channels, lever = t - parameters.starts[piece], parameters.inputs[piece], parameters.machine.lever
+    elapsed = t - parameters.starts[piece]
+    channels = parameters.inputs[piece]
+    lever = parameters.machine.lever
     x = channels[FORCE_X, 0] + channels[FORCE_X, 1] * elapsed
     y = channels[FORCE_Y, 0] + channels[FORCE_Y, 1] * elapsed
     z = channels[FORCE_Z, 0] + channels[FORCE_Z, 1] * elapsed
@@ -100,8 +102,10 @@ def roller_end(wheel, roller, direction):
 @kernel
 def contact_state(parameters, mode, w, side, body, y):
     """Tracking and kinematics of a contact of wheel w: a ContactState."""
-    wheel, at = parameters.wheels[w], places(parameters)
-    row, roller = parameters.roller_rows[mode.row[side]], roller_of(mode, side)
+    wheel = parameters.wheels[w]
+    at = places(parameters)
+    row = parameters.roller_rows[mode.row[side]]
+    roller = roller_of(mode, side)
     roller_rate = y[rate_place(parameters, mode, w, side)]
     q = azimuth(wheel, row, roller, y[at.spin_angle + w])
     cos_q, sin_q = cos_sin(q)
@@ -127,16 +131,24 @@ def on_row(contact, row):
 @kernel
 def all_rollers(parameters, mode, w, state, y):
     """The Rollers of wheel w; state: the ContactState of contact 0."""
-    machine, wheel, cos_q, sin_q = parameters.machine, parameters.wheels[w], state.cos_q, state.sin_q
+    machine = parameters.machine
+    wheel = parameters.wheels[w]
+    cos_q = state.cos_q
+    sin_q = state.sin_q
     across = -wheel.cos_psi * wheel.axial_inertia
     along = wheel.axial_inertia * wheel.sin_psi
     if machine.bearing_friction:
         return bearing_rollers(parameters, mode, w, state, y)
     rate = y[rate_place(parameters, mode, w, 0)]
-    cos_sum, sin_sum, total = mode.air_cos + rate, mode.air_sin, mode.air_sum + rate
+    cos_sum = mode.air_cos + rate
+    sin_sum = mode.air_sin
+    total = mode.air_sum + rate
     if mode.shared:  # contact 1 stands 2 alpha behind
-        rate, angle = y[rate_place(parameters, mode, w, 1)], -2.0 * wheel.alpha
-        cos_sum, sin_sum, total = cos_sum + rate * math.cos(angle), sin_sum + rate * math.sin(angle), total + rate
+        rate = y[rate_place(parameters, mode, w, 1)]
+        angle = -2.0 * wheel.alpha
+        cos_sum = cos_sum + rate * math.cos(angle)
+        sin_sum = sin_sum + rate * math.sin(angle)
+        total = total + rate
     g_h = across * (cos_q * cos_sum - sin_q * sin_sum)
     g_n = across * (sin_q * cos_sum + cos_q * sin_sum)
     return Rollers(g_h, along * total, g_n, 0.0, 0.0, 0.0, 0.0)
@@ -145,7 +157,8 @@ def all_rollers(parameters, mode, w, state, y):
 @outlined
 def bearing_rollers(parameters, mode, w, state, y):
     """The same when every roller's rate is a state, with the friction of their bearings."""
-    wheel, here = parameters.wheels[w], roller_of(mode, 0)
+    wheel = parameters.wheels[w]
+    here = roller_of(mode, 0)
     cos_q, sin_q = state.cos_q, state.sin_q
     g_h, g_k, g_n, bearing_h, bearing_k, bearing_n, loss = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(wheel.rollers):

@@ -31,7 +31,11 @@ NEARLY = 0.99  # cosine between two directions of creeping
 @kernel
 def free_wheel(parameters, stage, w, body):
     """Wheel w without the forces at its contacts: a FreeWheel, and the rates that follow from it alone."""
-    machine, at, mode, y, dy = parameters.machine, places(parameters), stage.mode[w], stage.y, stage.dy
+    machine = parameters.machine
+    at = places(parameters)
+    mode = stage.mode[w]
+    y = stage.y
+    dy = stage.dy
     spin_rate = y[at.spin_rate + w]
     dy[at.spin_angle + w] = spin_rate  # first: the sine and cosine of the next stage wait for it
     state = contact_state(parameters, mode, w, 0, body, y)
@@ -50,9 +54,14 @@ def free_wheel(parameters, stage, w, body):
 @kernel
 def set_part(parameters, mode, w, free, body, load):
     """A FreeWheel into its part of the workspace."""
-    part, wheel, state, rollers = parameters.workspace.parts[w], parameters.wheels[w], free.state, free.rollers
+    part = parameters.workspace.parts[w]
+    wheel = parameters.wheels[w]
+    state = free.state
+    rollers = free.rollers
     part.drive_torque, part.free_spin = free.drive, free.spin
-    part.contacts, part.loaded, part.normal_force = contact_count(mode), mode.loaded, load
+    part.contacts = contact_count(mode)
+    part.loaded = mode.loaded
+    part.normal_force = load
     gyroscopic = wheel.axle_inertia * state.twist.spin * body.twist.yaw
     gyroscopic += body.twist.yaw * rollers.g_k - state.twist.spin * rollers.g_n
     about_k = rotor_part(wheel, mode.shared) * free.spin - free.drive
@@ -62,7 +71,9 @@ def set_part(parameters, mode, w, free, body, load):
 @kernel
 def monitor_wheel(free, load, monitors):
     """What events want to know of a wheel, unless its contacts tell more."""
-    monitors.demand, monitors.normal_force, monitors.regular = free.demand, load, 1.0
+    monitors.demand = free.demand
+    monitors.normal_force = load
+    monitors.regular = 1.0
     monitors.share, monitors.share_margin = 1.0, 0.0
 
 
@@ -73,7 +84,8 @@ def observe_wheel(parameters, stage, w, body, load, equations):
 
     load: of the wheel, N, unless the contacts carry roll and pitch.
     """
-    part, mode = parameters.workspace.parts[w], stage.mode[w]
+    part = parameters.workspace.parts[w]
+    mode = stage.mode[w]
     free = free_wheel(parameters, stage, w, body)
     set_part(parameters, mode, w, free, body, load)
     if stage.monitoring:
@@ -110,7 +122,8 @@ def twist(axis, turn, torque, rolling, spin, heat):
 @kernel
 def observe_contact(parameters, mode, w, side, body, state):
     """A contact of wheel w and its friction by the load, into the workspace; state: its ContactState."""
-    machine, wheel = parameters.machine, parameters.wheels[w]
+    machine = parameters.machine
+    wheel = parameters.wheels[w]
     contact = parameters.workspace.contacts[wheel.contacts + side]
     j = slip_jacobian(wheel, state.axis, state.contact)
     set_contact(contact, state, j, mode.shared)
@@ -124,7 +137,8 @@ def observe_contact(parameters, mode, w, side, body, state):
 def find_friction(parameters, mode, w, side, body, state, j):
     """Friction by the load at a contact of wheel w, and how it holds if it rests, into the workspace; j: its
     Jacobian."""
-    machine, wheel = parameters.machine, parameters.wheels[w]
+    machine = parameters.machine
+    wheel = parameters.wheels[w]
     contact = parameters.workspace.contacts[wheel.contacts + side]
     slip = state.slip
     contact.rest = parameters.workspace.resting is not None and mode.grip[side] != SLIP
@@ -156,9 +170,15 @@ def find_friction(parameters, mode, w, side, body, state, j):
 @kernel
 def move_wheel(parameters, stage, w, acceleration):
     """Forces on wheel w from the body's acceleration and the loads, and the rates that follow."""
-    machine, wheel, workspace, at = parameters.machine, parameters.wheels[w], parameters.workspace, places(parameters)
-    part, mode, dy = workspace.parts[w], stage.mode[w], stage.dy
-    spin, loss = part.free_spin, 0.0
+    machine = parameters.machine
+    wheel = parameters.wheels[w]
+    workspace = parameters.workspace
+    at = places(parameters)
+    part = workspace.parts[w]
+    mode = stage.mode[w]
+    dy = stage.dy
+    spin = part.free_spin
+    loss = 0.0
     for side in range(part.contacts):
         contact = workspace.contacts[part.first + side]
         react(parameters, stage, w, side, acceleration)
@@ -180,7 +200,9 @@ def move_wheel(parameters, stage, w, acceleration):
 def react(parameters, stage, w, side, acceleration):
     """Force at a contact of wheel w from the body's acceleration and the loads, into the workspace; if `monitoring`,
     what events want to know of it."""
-    machine, workspace, mode = parameters.machine, parameters.workspace, stage.mode[w]
+    machine = parameters.machine
+    workspace = parameters.workspace
+    mode = stage.mode[w]
     part = workspace.parts[w]
     contact = workspace.contacts[part.first + side]
     normal = load = max(part.normal_force, 0.0) if part.loaded else 0.0
@@ -197,7 +219,9 @@ def react(parameters, stage, w, side, acceleration):
             contact.torque = contact.unit_torque * normal
     if not stage.monitoring:
         return
-    force, slip, monitors = contact.force, contact.slip, stage.monitors[w]
+    force = contact.force
+    slip = contact.slip
+    monitors = stage.monitors[w]
     monitors.slip_square[side] = slip[0] * slip[0] + slip[1] * slip[1]
     monitors.factor[side] = contact.factor * (contact.share * part.loaded if machine.law == VISCOUS else load)
     monitors.margin[side] = 0.0
@@ -219,7 +243,8 @@ def monitor_loads(mode, part, contact, monitors):
 def air_rates(parameters, mode, w, state, y, dy):
     """p' of the rollers of wheel w as if all were in the air, where their bearings have friction."""
     wheel = parameters.wheels[w]
-    first, here = wheel.rates, roller_of(mode, 0)
+    first = wheel.rates
+    here = roller_of(mode, 0)
     for i in range(wheel.rollers):
         sector = sector_of(parameters, w, i, here)
         cos_i = state.cos_q * sector[0] - state.sin_q * sector[1]

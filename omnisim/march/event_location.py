@@ -100,9 +100,14 @@ def locate(parameters, method, run, t, h, which, value):
             low, g_low = s, g
         else:
             high, g_high = s, g
-    tolerance, slack, enough = resolution(h, t), 0.0, 0.0
-    s, s_last, g_last = low + (high - low) * g_low / (g_low - g_high), high, g_high
-    spin, direction = places(parameters).spin_rate + w, run.mode[w].direction
+    tolerance = resolution(h, t)
+    slack = 0.0
+    enough = 0.0
+    s = low + (high - low) * g_low / (g_low - g_high)
+    s_last = high
+    g_last = g_high
+    spin = places(parameters).spin_rate + w
+    direction = run.mode[w].direction
     if kind == EXIT:  # the angle and its rate are known at both ends
         enough = SLIDING * h
         if low == 0.0 and value >= -direction * run.trial[spin] * tolerance:  # the trial is that of the whole step

@@ -91,7 +91,10 @@ def resolution(h, t):
 def guard(parameters, run, which, at_end):
     """Value of a Guard at the start of a step, or `at_end`, at the end of its trial: >= 0 while it holds."""
     kind, w, side = which
-    machine, wheel, at, mode = parameters.machine, parameters.wheels[w], places(parameters), run.mode[w]
+    machine = parameters.machine
+    wheel = parameters.wheels[w]
+    at = places(parameters)
+    mode = run.mode[w]
     y = run.trial if at_end else run.y
     monitors = run.monitors_end[w] if at_end else run.monitors[w]
     direction = mode.direction
@@ -147,7 +150,9 @@ def all_hold(parameters, run, w):
 def transition(parameters, run, log, fired, time):
     """Change the mode after a Guard fired at `time`, and the derivative with it."""
     kind, w, side = fired
-    mode, clock, wheel = run.mode[w], run.clock, parameters.wheels[w]
+    mode = run.mode[w]
+    clock = run.clock
+    wheel = parameters.wheels[w]
     if kind == TURN:
         mode.direction = -mode.direction
         roller = mode.roller
@@ -168,7 +173,8 @@ def transition(parameters, run, log, fired, time):
     elif kind == LOAD:
         change_load(parameters, run, log, w, time)
     elif kind == JAM:
-        clock.status, clock.wheel = JAMMED, heaviest(run)
+        clock.status = JAMMED
+        clock.wheel = heaviest(run)
     elif kind == DRIVE:
         spin_rate = run.y[places(parameters).spin_rate + w]
         mode.drive = next_limit(parameters.wheels[w], mode.drive, run.monitors[w].demand, spin_rate)
@@ -183,7 +189,8 @@ def transition(parameters, run, log, fired, time):
 @kernel
 def change_grip(parameters, run, log, kind, w, side, time):
     """A contact of set-valued friction lets go, comes to its end, or slips in a direction of its own."""
-    mode, clock = run.mode[w], run.clock
+    mode = run.mode[w]
+    clock = run.clock
     if kind == GRIP and mode.grip[side] == STICK:
         record(clock, log, time, SLIPS, w, -1, -1)
         start_creep(parameters, run, w, time)
@@ -198,7 +205,8 @@ def change_grip(parameters, run, log, kind, w, side, time):
 @kernel
 def change_load(parameters, run, log, w, time):
     """A wheel leaves the floor or touches down; of fewer than three that the machine stands on it falls."""
-    mode, clock = run.mode[w], run.clock
+    mode = run.mode[w]
+    clock = run.clock
     record(clock, log, time, LIFT if mode.loaded else LANDING, w, -1, -1)
     if parameters.machine.upright != CONTACTS:
         clock.status, clock.wheel = LIFT_OFF, w
@@ -218,7 +226,9 @@ def carried(parameters, run):
     for w in range(len(run.mode)):
         if run.mode[w].loaded:
             point = parameters.workspace.parts[w].point
-            count, x, y = count + 1, x + point[0], y + point[1]
+            count = count + 1
+            x = x + point[0]
+            y = y + point[1]
             xx, xy, yy = xx + point[0] * point[0], xy + point[0] * point[1], yy + point[1] * point[1]
     if count < 3:
         return False
@@ -244,7 +254,8 @@ def restore_consistency(parameters, run, log, time):
     long as events are resolved: rollers that change together by symmetry do so in one event, and no state in between,
     which only rounding makes, enters the extremes.
     """
-    instant, spins = resolution(run.clock.dt, time), places(parameters).spin_rate
+    instant = resolution(run.clock.dt, time)
+    spins = places(parameters).spin_rate
     for _ in range(MOST_CHANGES):
         changed = -1
         for kind in (EXIT, DRIVE, GRIP, LOAD):
@@ -260,14 +271,16 @@ def restore_consistency(parameters, run, log, time):
             return
     # what else does not come to an end is found out by the step that tries to go on
     if changed == LOAD and not find_loads(parameters, run, log, time):
-        run.clock.status, run.clock.wheel = JAMMED, heaviest(run)
+        run.clock.status = JAMMED
+        run.clock.wheel = heaviest(run)
 
 
 @kernel
 def find_loads(parameters, run, log, time):
     """Try all sets of wheels on the floor for one that agrees with its loads, where one change calls for the next
     without end; whether there is one."""
-    count, before = len(run.mode), 0
+    count = len(run.mode)
+    before = 0
     for w in range(count):
         before += run.mode[w].loaded << w
     if count > MOST_TRIED:

@@ -70,9 +70,11 @@ def widen(pair, value):
 @kernel
 def follow(parameters, run, rows, row):
     """Take in the state as it is into the interval that ends with `row`; the workspace has its forces."""
-    workspace, spin_rate = parameters.workspace, places(parameters).spin_rate
+    workspace = parameters.workspace
+    spin_rate = places(parameters).spin_rate
     for w in range(len(run.mode)):
-        part, seen = workspace.parts[w], rows.extremes[row, w]
+        part = workspace.parts[w]
+        seen = rows.extremes[row, w]
         widen(seen.normal_force, max(part.normal_force, 0.0) if part.loaded else 0.0)
         widen(seen.drive_torque, part.drive_torque)
         widen(seen.drive_power, part.drive_torque * run.y[spin_rate + w])
@@ -99,7 +101,8 @@ def follow_again(parameters, run, rows, row):
 @kernel
 def follow_odometry(parameters, y, found):
     """The error of the pose that the wheels report: found (3,), its length squared and its least and most yaw."""
-    machine, at = parameters.machine, places(parameters)
+    machine = parameters.machine
+    at = places(parameters)
     cos, sin = cos_sin(y[YAW])
     x = y[X] - machine.centre[0] * cos + machine.centre[1] * sin - y[at.odometry]
     y_error = y[Y] - machine.centre[0] * sin - machine.centre[1] * cos - y[at.odometry + 1]
@@ -113,7 +116,9 @@ def follow_odometry(parameters, y, found):
 @outlined
 def follow_bearings(parameters, run, found):
     """The loads of every bearing into found (W, N + 1, 4): across its axis and along it, N, and tilting, N m."""
-    joints, y, at = parameters.workspace.joints, run.y, places(parameters)
+    joints = parameters.workspace.joints
+    y = run.y
+    at = places(parameters)
     for w in range(len(run.mode)):
         wheel = parameters.wheels[w]
         if parameters.workspace.articulated is None:
@@ -140,7 +145,8 @@ def follow_joint(joint, axis, found):
 
 def wheel_extremes(extremes: np.ndarray, motor: bool) -> dict[str, np.ndarray]:
     """Datasets of one wheel, by path with {} for its name, from its extremes (T,); motor: whether it has one."""
-    extremes, found = np.asarray(extremes), {}  # quicker than as records
+    extremes = np.asarray(extremes)
+    found = {}  # quicker than as records
     for name in OF_WHEELS + OF_MOTORS * motor:
         found[f"interval_max/wheels/{{}}/{name}"] = extremes[name][:, MOST]
         found[f"interval_min/wheels/{{}}/{name}"] = extremes[name][:, LEAST]

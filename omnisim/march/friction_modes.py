@@ -47,7 +47,10 @@ CONE = 1e-12  # of mu times load and weight, by which a sticking force may pass 
 @kernel
 def slip_rate(parameters, run, w, side):
     """v' (Slip, m/s^2) at a contact of wheel w as the motion goes, v (Slip, m/s), and A, 1/kg."""
-    wheel, at, slope, body = parameters.wheels[w], places(parameters), run.slopes[0], body_motion(parameters, run.y)
+    wheel = parameters.wheels[w]
+    at = places(parameters)
+    slope = run.slopes[0]
+    body = body_motion(parameters, run.y)
     state = contact_state(parameters, run.mode[w], w, side, body, run.y)
     acceleration = acceleration_of(parameters, body, slope)
     roller = slope[rate_place(parameters, run.mode[w], w, side)]
@@ -82,7 +85,9 @@ def unseen(clock, stopping, speed):
 @kernel
 def rests(parameters, run, w, side):
     """Whether a contact of wheel w slips so slowly that it is at rest; in the air nothing holds it there."""
-    mode, monitors, limit = run.mode[w], run.monitors[w], parameters.machine.friction * run.monitors[w].normal_force
+    mode = run.mode[w]
+    monitors = run.monitors[w]
+    limit = parameters.machine.friction * run.monitors[w].normal_force
     if mode.loaded == 0 or limit <= 0.0:
         return False
     if mode.grip[side] == CREEP and mode.stopping:  # together with another one whose end has been found
@@ -108,7 +113,9 @@ def stops(parameters, run, w):
     if mode.freed_step == run.clock.step and mode.freed >= MOST_FREED:
         return False
     rate, slip, mobility = slip_rate(parameters, run, w, 0)
-    along, turn, square = slip.h * rate.h + slip.k * rate.k, slip.h * rate.k - slip.k * rate.h, monitors.slip_square[0]
+    along = slip.h * rate.h + slip.k * rate.k
+    turn = slip.h * rate.k - slip.k * rate.h
+    square = monitors.slip_square[0]
     attraction = monitors.factor[0] * across(mobility, slip.h, slip.k) + along
     soon = square < -along * run.clock.dt and stiffness(parameters, run.clock, monitors) > LEAST_STIFF
     speed = math.sqrt(square)
@@ -142,7 +149,8 @@ def youth(parameters, clock, mode, monitors):
 @kernel
 def rest_speed(parameters, mode, w, side, y):
     """Slip of a contact that no longer matters, m/s: it follows the speeds whose rounding the slip inherits."""
-    wheel, at = parameters.wheels[w], places(parameters)
+    wheel = parameters.wheels[w]
+    at = places(parameters)
     spin = wheel.radius * abs(y[at.spin_rate + w])
     yaw = (abs(wheel.offset[0]) + abs(wheel.offset[1])) * abs(y[at.yaw_rate])
     rate = y[rate_place(parameters, mode, w, side)]
@@ -197,8 +205,11 @@ def begin_to_stop(parameters, run, t):
     """Let slips that are about to stop go on in the direction of the contact equation, in which they will."""
     for w in range(len(run.mode)):
         if stops(parameters, run, w):
-            mode, slip = run.mode[w], parameters.workspace.contacts[parameters.wheels[w].contacts].slip
-            mode.grip[0], mode.stopping, speed = CREEP, 1, math.sqrt(run.monitors[w].slip_square[0])
+            mode = run.mode[w]
+            slip = parameters.workspace.contacts[parameters.wheels[w].contacts].slip
+            mode.grip[0] = CREEP
+            mode.stopping = 1
+            speed = math.sqrt(run.monitors[w].slip_square[0])
             mode.creep[0], mode.creep[1] = slip[0] / speed, slip[1] / speed
     refresh(parameters, run, t)
     for w in range(len(run.mode)):
@@ -211,7 +222,8 @@ def begin_to_stop(parameters, run, t):
 @kernel
 def keep_creep(parameters, run, w):
     """Remember the direction of creeping slip that the last right-hand side found."""
-    mode, creep = run.mode[w], parameters.workspace.contacts[parameters.wheels[w].contacts].creep
+    mode = run.mode[w]
+    creep = parameters.workspace.contacts[parameters.wheels[w].contacts].creep
     mode.creep[0], mode.creep[1] = creep[0], creep[1]
 
 

@@ -16,10 +16,12 @@ from omnisim.scene.schema import Config, Time
 
 def begin(config: Config, parameters: Parameters) -> Run:
     """A Run at t = 0; the march itself finds the rollers in contact."""
-    machine, choice = plain(parameters.machine), resolve(config, parameters)
+    machine = plain(parameters.machine)
+    choice = resolve(config, parameters)
     parameters = parameters._replace(machine=machine)
     y, rates = initial_state(config, parameters)
-    count, tableau = len(parameters.wheels), METHODS[config.solver.method].tableau
+    count = len(parameters.wheels)
+    tableau = METHODS[config.solver.method].tableau
     return Run(
         y=y,
         trial=np.empty_like(y),
@@ -86,12 +88,19 @@ def blank_rows(run: Run, count: int, bearing_loads: bool = False, odometry: bool
 
 def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, np.ndarray]:
     """State y (n,) without the rates of the rollers in contact, and rates (W, N) of all rollers, rad/s."""
-    machine, wheels, at = parameters.machine, np.asarray(parameters.wheels), places_in(parameters)
+    machine = parameters.machine
+    wheels = np.asarray(parameters.wheels)
+    at = places_in(parameters)
     count, rollers = parameters.sector.shape[:2]
     states = at.drift + 2 if parameters.workspace.articulated is not None else at.bodies
-    y, rates = np.zeros(states), np.zeros((count, rollers))
-    yaw, yaw_rate, velocity = math.radians(config.initial.yaw_deg), config.initial.yaw_rate, config.initial.velocity
-    cos, sin, (x, y_centre) = math.cos(yaw), math.sin(yaw), machine.centre
+    y = np.zeros(states)
+    rates = np.zeros((count, rollers))
+    yaw = math.radians(config.initial.yaw_deg)
+    yaw_rate = config.initial.yaw_rate
+    velocity = config.initial.velocity
+    cos = math.cos(yaw)
+    sin = math.sin(yaw)
+    x, y_centre = machine.centre
     to_centre = (x * cos - y_centre * sin, x * sin + y_centre * cos)  # C from the chassis origin, world axes
     y[YAW], y[at.yaw_rate] = yaw, yaw_rate
     y[X], y[Y] = np.add(config.initial.position, to_centre)

@@ -60,7 +60,8 @@ def march(parameters, method, run, rows, log):
             begin_interval(parameters, run, rows, 0)
             write_row(parameters, run, rows)
         if run.newton is None and max(bearings, currents) * clock.dt > clock.stability_limit:
-            clock.status, clock.rate = STIFF_BEARING if bearings > currents else STIFF_CURRENT, max(bearings, currents)
+            clock.status = STIFF_BEARING if bearings > currents else STIFF_CURRENT
+            clock.rate = max(bearings, currents)
     elif clock.status == RUNNING and clock.piece + 1 < len(parameters.starts):
         enter_piece(parameters, run, rows, log)
     while clock.status == RUNNING and clock.step < clock.goal and clock.rhs < clock.pause:
@@ -90,7 +91,8 @@ def march(parameters, method, run, rows, log):
 @outlined
 def sampled(parameters, run, again):
     """Whether it is time for some controller to read its rate; all that it is time for have done so."""
-    clock, due = run.clock, False
+    clock = run.clock
+    due = False
     for w in range(len(run.mode)):
         steps = parameters.wheels[w].sample_steps
         if steps > 0 and clock.step % steps == 0:
@@ -138,7 +140,11 @@ def write_row(parameters, run, rows):
 def grid_step(parameters, method, run, rows, log):
     """One dt, with all its events and knots; what it passes through enters the extremes of its interval."""
     clock = run.clock
-    start, first_event, turns, others, slips = clock.step * clock.dt, clock.events, 0, 0, 0
+    start = clock.step * clock.dt
+    first_event = clock.events
+    turns = 0
+    others = 0
+    slips = 0
     clock.elapsed = 0.0
     while clock.elapsed < clock.dt:
         t = start + clock.elapsed
@@ -177,7 +183,8 @@ def grid_step(parameters, method, run, rows, log):
         elif others > CUTS_PER_STEP and parameters.workspace.resting is None:
             too_stiff(parameters, run, w)
         elif slips > SLIPS_PER_STEP:
-            clock.status, clock.wheel = SLOW_SLIP, max(w, 0)
+            clock.status = SLOW_SLIP
+            clock.wheel = max(w, 0)
         elif others > CUTS_PER_STEP:
             clock.status, clock.wheel = RESTLESS, w
         elif clock.events - first_event > EVENTS_PER_STEP:

@@ -62,25 +62,32 @@ class Observed(NamedTuple):
 @kernel
 def observe(parameters, rows, times, monitors, observed):
     """Evaluate every row."""
-    at, workspace = places(parameters), parameters.workspace
+    at = places(parameters)
+    workspace = parameters.workspace
     for row in range(len(times)):
         y, mode, slopes = rows.y[row], rows.mode[row], observed.slopes[row]
         evaluate(parameters, mode, rows.piece[row], times[row], y, slopes, monitors)
         body = body_motion(parameters, y)
-        wrench, turning = external_wrench(parameters, rows.piece[row], times[row], body), slopes[at.yaw_rate]
+        wrench = external_wrench(parameters, rows.piece[row], times[row], body)
+        turning = slopes[at.yaw_rate]
         if loads_known(parameters.machine):
             if workspace.articulated is None:  # else the right-hand side has found it
                 set_all_tilt(parameters.machine, parameters.wheels, workspace, wrench, body.twist.yaw)
                 find_servo(parameters.machine, workspace, Acceleration(0.0, 0.0, turning))
             observed.servo[row, 0], observed.servo[row, 1] = workspace.loads.servo[0], workspace.loads.servo[1]
         for w in range(len(parameters.wheels)):
-            wheel, seen, part = parameters.wheels[w], observed.wheels[row, w], workspace.parts[w]
-            contact, frame = workspace.contacts[part.first], world_frame(wheel, body)
+            wheel = parameters.wheels[w]
+            seen = observed.wheels[row, w]
+            part = workspace.parts[w]
+            contact = workspace.contacts[part.first]
+            frame = world_frame(wheel, body)
             seen.normal_force = max(part.normal_force, 0.0) if part.loaded else 0.0
             seen.drive_torque, seen.share, seen.contact_torque = part.drive_torque, contact.share, contact.torque
             seen.voltage, seen.current = part.voltage, part.current
             seen.angle = contact_angle(parameters, mode[w], w, frame, y)
-            along, across, (h, k, _) = wheel.offset[0], wheel.offset[1] + contact.l, axes(frame)
+            along = wheel.offset[0]
+            across = wheel.offset[1] + contact.l
+            h, k, _ = axes(frame)
             seen.point[0] = y[X] + along * h.x + across * k.x
             seen.point[1] = y[Y] + along * h.y + across * k.y
             for i in range(2):
@@ -95,7 +102,8 @@ def observe(parameters, rows, times, monitors, observed):
 @kernel
 def contact_angle(parameters, mode, w, frame, y):
     """q of the roller in contact, rad: from the spin angle, or from the rho that the implicit tracking integrated."""
-    wheel, at = parameters.wheels[w], places(parameters)
+    wheel = parameters.wheels[w]
+    at = places(parameters)
     if parameters.machine.implicit_tracking:
         rho = rho_of(parameters, y, w, roller_index(wheel, mode.roller))
         return math.atan2(-tangential(frame, rho).h, rho.z)
@@ -105,10 +113,15 @@ def contact_angle(parameters, mode, w, frame, y):
 @kernel
 def observe_rollers(parameters, rows, row, w, body, observed):
     """Joint rates of the rollers of wheel w, and the rigid motion of their centres O + R1 d with the wheel."""
-    wheel, y, dy, at = parameters.wheels[w], rows.y[row], observed.slopes[row], places(parameters)
-    frame, twist = world_frame(wheel, body), wheel_twist(wheel, body.twist, y[at.spin_rate + w])
+    wheel = parameters.wheels[w]
+    y = rows.y[row]
+    dy = observed.slopes[row]
+    at = places(parameters)
+    frame = world_frame(wheel, body)
+    twist = wheel_twist(wheel, body.twist, y[at.spin_rate + w])
     motion = wheel_motion(wheel, body.twist, acceleration_of(parameters, body, dy), dy[at.spin_rate + w], 0.0)
-    (h, k, up), rate = axes(frame), rate_vector(frame, twist)
+    h, k, up = axes(frame)
+    rate = rate_vector(frame, twist)
     rate_rate = rate_change(frame, twist, motion)
     centre = combine(wheel.offset[0], h, wheel.offset[1], k, 1.0, Vec3(y[X], y[Y], wheel.radius))
     velocity, acceleration = combine(twist.h, h, twist.k, k, 0.0, up), combine(motion.h, h, motion.k, k, 0.0, up)

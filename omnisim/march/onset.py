@@ -53,7 +53,8 @@ def take_first(parameters, run):
     for w in range(len(run.mode)):
         mode = run.mode[w]
         ahead, behind = touching(parameters, w, run.y)
-        mode.direction, mode.loaded = -1 if run.y[at.spin_rate + w] < 0.0 else 1, 1
+        mode.direction = -1 if run.y[at.spin_rate + w] < 0.0 else 1
+        mode.loaded = 1
         take_rollers(parameters, run, w, behind if mode.direction < 0 else ahead, False)
     refresh(parameters, run, 0.0)
     for w in range(len(run.mode)):
@@ -74,7 +75,8 @@ def on_edge(parameters, run, w):
 @outlined
 def find_friction(parameters, run, log):
     """What sticks, is loaded and at its limit with the rollers as they are, all of it anew, and the events of that."""
-    clock, slip_speed = run.clock, parameters.machine.slip_speed
+    clock = run.clock
+    slip_speed = parameters.machine.slip_speed
     clock.events, clock.status, clock.wheel = 0, RUNNING, -1
     for w in range(len(run.mode)):
         mode, wheel = run.mode[w], parameters.wheels[w]

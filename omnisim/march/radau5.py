@@ -34,8 +34,14 @@ def implicit_step(parameters, method, run, t, h):
 
     Whether the iteration converged; if not, the trial means nothing and a shorter step is to be taken.
     """
-    radau, newton, mode, piece = method.radau, run.newton, run.mode, run.clock.piece
-    n, y, z, slopes = len(run.y), run.y, newton.stages[:3], newton.stages[3:6]
+    radau = method.radau
+    newton = run.newton
+    mode = run.mode
+    piece = run.clock.piece
+    n = len(run.y)
+    y = run.y
+    z = newton.stages[:3]
+    slopes = newton.stages[3:6]
     converged = h == 0.0
     for i in range(3):
         for m in range(n):
@@ -73,8 +79,10 @@ def differentiate(parameters, run, t):
 
     Friction changes over a slip of |v| + slip_speed: the shifts stay far below it, as far as rounding allows.
     """
-    newton, speed = run.newton, 1.0
-    shifted, jacobian = newton.stages[6], newton.real[: len(newton.active)]
+    newton = run.newton
+    speed = 1.0
+    shifted = newton.stages[6]
+    jacobian = newton.real[: len(newton.active)]
     for w in range(len(run.monitors)):
         for side in range(contact_count(run.mode[w])):
             speed = min(speed, math.sqrt(run.monitors[w].slip_square[side]) + parameters.machine.slip_floor)
@@ -96,7 +104,9 @@ def differentiate(parameters, run, t):
 def factorize_all(radau, newton, h):
     """LU factors of lambda / h - J for the real and the complex eigenvalue."""
     k = len(newton.active)
-    jacobian, real, cplx = newton.real[:k], newton.real[k : 2 * k], newton.complex[:k]
+    jacobian = newton.real[:k]
+    real = newton.real[k : 2 * k]
+    cplx = newton.complex[:k]
     for i in range(k):
         for j in range(k):
             real[i, j] = -jacobian[i, j]
@@ -110,8 +120,12 @@ def factorize_all(radau, newton, h):
 @kernel
 def correct(radau, newton, y, h):
     """One Newton correction of the increments z: its largest entry relative to 1 + |y|."""
-    z, slopes, active, k = newton.stages[:3], newton.stages[3:6], newton.active, len(newton.active)
-    real_side, complex_side = newton.real[2 * k], newton.complex[k]
+    z = newton.stages[:3]
+    slopes = newton.stages[3:6]
+    active = newton.active
+    k = len(newton.active)
+    real_side = newton.real[2 * k]
+    complex_side = newton.complex[k]
     largest, a = 0.0, 0
     for m in range(len(y)):
         real, cplx = 0.0, 0.0j

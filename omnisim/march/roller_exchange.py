@@ -26,14 +26,17 @@ def comes_to_rest_between(parameters, run, w, t):
 
     Its swings about the edge have become too short to follow, and the neighbour would push it back as well, or not on.
     """
-    wheel, mode, at = parameters.wheels[w], run.mode[w], places(parameters)
+    wheel = parameters.wheels[w]
+    mode = run.mode[w]
+    at = places(parameters)
     edge = roller_end(wheel, mode.roller, mode.direction)
     depth = mode.direction * (edge - run.y[at.spin_angle + w])
     push = mode.direction * run.slopes[0, at.spin_rate + w]
     swing = SWING * run.clock.dt
     if depth > max(TURNING * push * swing * swing, ON_EDGE * (1.0 + abs(edge))):
         return False
-    here, neighbour = mode.roller, mode.roller + mode.direction
+    here = mode.roller
+    neighbour = mode.roller + mode.direction
     release_rollers(parameters, run, w)
     stand_on(parameters, run, w, neighbour, False, t)
     if edge_torque(parameters, run, w, t) > 0.0:  # what nothing turns rests on both as well
@@ -51,7 +54,10 @@ def edge_torque(parameters, run, w, t):
     with which each pushes back. Where that is lost in rounding, it is what it will be some moments later: the first is
     seen of a torque that grows from nothing, the next of the slip that follows, and of smooth friction. Else 0.
     """
-    clock, trial, slope, monitors = run.clock, run.trial, run.slopes[1], run.monitors_end[w]
+    clock = run.clock
+    trial = run.trial
+    slope = run.slopes[1]
+    monitors = run.monitors_end[w]
     rounding = edge_rounding(parameters, run.mode[w], w, run.y, run.monitors[w])
     torque = edge_torque_of(parameters, run.mode[w], w, run.slopes[0], run.monitors[w])
     if abs(torque) > rounding:
@@ -93,7 +99,8 @@ def edge_rounding(parameters, mode, w, y, monitors):
 @kernel
 def rest_on_both(parameters, run, w, ahead, t):
     """Wheel w carried by the roller `ahead` and the one behind it, from time t on; it stands on their edge."""
-    at, mode = places(parameters), run.mode[w]
+    at = places(parameters)
+    mode = run.mode[w]
     mode.direction = 1
     run.y[at.spin_angle + w] = roller_end(parameters.wheels[w], ahead, -1)
     run.y[at.spin_rate + w] = 0.0
@@ -123,7 +130,8 @@ def stand_on(parameters, run, w, roller, shared, t):
 @kernel
 def renew_friction(parameters, run, w, t):
     """Mode of the friction at the contacts of wheel w as their slip is, and the derivative."""
-    mode, slip_speed = run.mode[w], parameters.machine.slip_speed
+    mode = run.mode[w]
+    slip_speed = parameters.machine.slip_speed
     for side in range(TOUCHING):
         mode.grip[side] = SLIP
     refresh(parameters, run, t)
@@ -142,7 +150,11 @@ def touching(parameters, w, y):
 
     Twice the same one, or at a common edge the one at q = +alpha, which positive spin takes, and the one at -alpha.
     """
-    wheel, at, found, ahead, behind = parameters.wheels[w], places(parameters), False, 0, 0
+    wheel = parameters.wheels[w]
+    at = places(parameters)
+    found = False
+    ahead = 0
+    behind = 0
     for i in range(wheel.rollers):
         q = azimuth_of(parameters, w, i, y[at.spin_angle + w])
         cos_q, sin_q = math.cos(q), math.sin(q)
@@ -170,7 +182,8 @@ def take_rollers(parameters, run, w, roller, shared):
         mode.row[side] = row_index(wheel, roller_of(mode, side))
     mode.air_cos, mode.air_sin, mode.air_sum = 0.0, 0.0, 0.0
     for i in range(wheel.rollers):
-        rate, place = run.rates[w, i], -1
+        rate = run.rates[w, i]
+        place = -1
         if parameters.machine.every_rate:
             place = wheel.rates + i
         elif carries(wheel, mode, 0, i):

@@ -15,7 +15,8 @@ def explicit_step(parameters, method, run, t, h):
     for i in range(1, stages + 1):
         last = i == stages
         if not last:
-            point, time = stage, t + c[i] * h
+            point = stage
+            time = t + c[i] * h
             if first[i] == i - 1:
                 for m in range(len(y)):
                     stage[m] = y[m] + h * (a[i, i - 1] * slopes[i - 1, m])
@@ -25,7 +26,8 @@ def explicit_step(parameters, method, run, t, h):
                     rate = stage[m] + (a[i, i - 2] * slopes[i - 2, m] + a[i, i - 1] * slopes[i - 1, m])
                     stage[m] = y[m] + h * rate
         else:
-            point, time = trial, t + h
+            point = trial
+            time = t + h
             lead(b, 0, stages, slopes, increment)
             for m in range(len(y)):
                 rate = increment[m] + (b[i - 2] * slopes[i - 2, m] + b[i - 1] * slopes[i - 1, m])

@@ -57,10 +57,12 @@ def explanation(config: Config, parameters: Parameters) -> str:
 
 def _of_currents(config: Config, parameters: Parameters) -> str:
     """How fast currents with an inductance settle, and whether explicit steps can follow; empty if there are none."""
-    method, rate = METHODS[config.solver.method], parameters.machine.current_relaxation
+    method = METHODS[config.solver.method]
+    rate = parameters.machine.current_relaxation
     if rate == 0.0:
         return ""
-    told, limit = f"; currents of motors settle at up to {rate:.2g} 1/s", method.tableau.stability_limit
+    told = f"; currents of motors settle at up to {rate:.2g} 1/s"
+    limit = method.tableau.stability_limit
     if resolve(config, parameters) != EXPLICIT or rate * (config.time.step or 0.0) <= limit:
         return told
     return f"{told}, too fast for this step: time.step < {SAFE_STEP * limit / rate:.2g} s or method = 'auto' would do"
@@ -68,16 +70,20 @@ def _of_currents(config: Config, parameters: Parameters) -> str:
 
 def _of_friction(config: Config, parameters: Parameters) -> str:
     """The same for friction, of the floor and of bearings."""
-    method, step, rate = METHODS[config.solver.method], config.time.step, relaxation_rate(config, parameters)
+    method = METHODS[config.solver.method]
+    step = config.time.step
+    rate = relaxation_rate(config, parameters)
     assert step is not None, "of a scene whose step is picked there is nothing to say yet"
-    choice, limit = resolve(config, parameters), method.tableau.stability_limit / step
+    choice = resolve(config, parameters)
+    limit = method.tableau.stability_limit / step
     used = method_used(method.name, choice)
     bearings = parameters.machine.bearing_relaxation
     if max(rate, bearings) == 0.0:
         return used
     slip = f"friction relaxes slip at up to {rate:.2g} 1/s"
     if bearings > rate:
-        slip, rate = f"bearings stop rollers at up to {bearings:.2g} 1/s", bearings
+        slip = f"bearings stop rollers at up to {bearings:.2g} 1/s"
+        rate = bearings
     elif config.friction.law == "coulomb":
         slip = "coulomb friction turns slow slip at mu N A / |v|"
     if method.name == "radau5":

@@ -33,9 +33,13 @@ def step_length(parameters, run, t, h):
     An explicit step of coulomb friction also follows the turning of the slip's direction; method "auto" leaves that to
     an implicit step.
     """
-    machine, clock, floor = parameters.machine, run.clock, parameters.machine.slip_floor
+    machine = parameters.machine
+    clock = run.clock
+    floor = parameters.machine.slip_floor
     # rates at which friction relaxes slip or a roller's rate, or a current settles; at which slip turns; changes, 1/s
-    relaxation, turning, pace = max(machine.bearing_relaxation, machine.current_relaxation, TINY), TINY, TINY
+    relaxation = max(machine.bearing_relaxation, machine.current_relaxation, TINY)
+    turning = TINY
+    pace = TINY
     for w in range(len(run.mode)):
         for side in range(contact_count(run.mode[w])):
             factor, grip = run.monitors[w].factor[side], run.mode[w].grip[side]
@@ -54,9 +58,12 @@ def step_length(parameters, run, t, h):
     if run.newton is None:
         clock.implicit = False
         fraction = slip_fraction(SLIP_FRACTION, pace, clock)
-        stable, turn = TURN_FRACTION * clock.stability_limit, fraction / SLIP_FRACTION
+        stable = TURN_FRACTION * clock.stability_limit
+        turn = fraction / SLIP_FRACTION
         return min(h, min(fraction / pace, min(stable / relaxation, turn * stable / turning)))
-    h_explicit, fraction, stiffness = h, LAYER_FRACTION, clock.dt * relaxation
+    h_explicit = h
+    fraction = LAYER_FRACTION
+    stiffness = clock.dt * relaxation
     if parameters.workspace.resting is not None:
         fraction = slip_fraction(FINE_FRACTION, pace, clock)
         h_explicit = min(h, fraction / pace)

@@ -65,8 +65,12 @@ def check_energy(parameters, run):
 
     Needs the rates of all rollers as they are now: at an output row.
     """
-    machine, clock, y, at = parameters.machine, run.clock, run.y, places(parameters)
-    kinetic, potential = kinetic_energy(parameters, at, y, run.rates), potential_energy(machine, y)
+    machine = parameters.machine
+    clock = run.clock
+    y = run.y
+    at = places(parameters)
+    kinetic = kinetic_energy(parameters, at, y, run.rates)
+    potential = potential_energy(machine, y)
     if clock.row == 0:
         clock.energy, clock.potential = kinetic, potential
     fall = clock.potential - potential  # work of the weight
@@ -82,8 +86,10 @@ def check_energy(parameters, run):
 @kernel
 def fastest(parameters, run):
     """The largest speed at which anything moves: the body, or a wheel or a roller at its circumference, m/s."""
-    y, at = run.y, places(parameters)
-    speed, turning = max(abs(y[at.velocity]), abs(y[at.velocity + 1])), abs(y[at.yaw_rate])
+    y = run.y
+    at = places(parameters)
+    speed = max(abs(y[at.velocity]), abs(y[at.velocity + 1]))
+    turning = abs(y[at.yaw_rate])
     for w in range(len(run.mode)):
         wheel = parameters.wheels[w]
         reach = abs(wheel.offset[0]) + abs(wheel.offset[1]) + wheel.radius
@@ -96,7 +102,9 @@ def fastest(parameters, run):
 @kernel
 def too_fast(parameters, run, w):
     """Whether friction at wheel w relaxes slip faster than explicit steps can follow."""
-    clock, machine, factor = run.clock, parameters.machine, run.monitors[w].factor[0]
+    clock = run.clock
+    machine = parameters.machine
+    factor = run.monitors[w].factor[0]
     if parameters.workspace.resting is not None or run.newton is not None:
         return False
     if factor * machine.slip_mobility * clock.dt <= clock.stability_limit:
@@ -129,5 +137,6 @@ def slip_mobility(parameters, w):
     """Largest eigenvalue of the inverse mass of wheel w's contact, 1/kg: with the factor g, the rate of its slip."""
     wheel = parameters.wheels[w]
     seen = parameters.workspace.contacts[wheel.contacts]
-    axis, contact = Axis(seen.axis[0], seen.axis[1], seen.axis[2]), Contact(seen.l, seen.arm[0], seen.arm[1])
+    axis = Axis(seen.axis[0], seen.axis[1], seen.axis[2])
+    contact = Contact(seen.l, seen.arm[0], seen.arm[1])
     return largest(inverse_mass(parameters.machine, wheel, axis, contact))

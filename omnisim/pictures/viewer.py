@@ -60,7 +60,8 @@ def show_page(trajectory: Trajectory, path: str | PathLike[str] | None, overwrit
     """Write the page, without a path to a new file among the temporary ones, and show it if wanted; its path."""
     text = page(trajectory)
     if path is None:
-        path, overwrite = Path(tempfile.mkdtemp(prefix="omnisim-")) / "view.html", True
+        path = Path(tempfile.mkdtemp(prefix="omnisim-")) / "view.html"
+        overwrite = True
     path = Path(path_text("view", path))
     if path.exists() and not overwrite:
         raise FileExistsError(EEXIST, "exists already; overwrite=True replaces it", str(path))

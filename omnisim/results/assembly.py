@@ -26,7 +26,8 @@ def collect(
     scene: Scene, parameters: Parameters, run: Run, rows: Recording, log: np.ndarray, wall_time: float
 ) -> Trajectory:
     """The Trajectory of a march as far as it has come; the Run may go on."""
-    config, names = scene.config, [wheel.name for wheel in scene.config.wheels]
+    config = scene.config
+    names = [wheel.name for wheel in scene.config.wheels]
     interval = config.time.output_interval
     sampled = datasets(parameters, so_far(rows, run.clock), interval, config)
     kept = finite_rows(sampled)
@@ -74,9 +75,12 @@ def ending(config: Config, run: Run, kept: int) -> Ending:
         clock.status = status.ENDED
     stop_time = clock.step * clock.dt + clock.elapsed
     if kept < clock.row:
-        clock.status, clock.wheel, stop_time = status.NOT_FINITE, -1, kept * config.time.output_interval
+        clock.status = status.NOT_FINITE
+        clock.wheel = -1
+        stop_time = kept * config.time.output_interval
     if clock.status == status.COMPLETE:
-        stop_time, clock.wheel = config.time.end, -1
+        stop_time = config.time.end
+        clock.wheel = -1
     wheel = config.wheels[clock.wheel].name if clock.wheel >= 0 else ""
     method = method_used(config.solver.method, clock.choice)
     return Ending(clock, float(stop_time), wheel, method, status.sentence(clock, stop_time, wheel, method))
@@ -86,7 +90,8 @@ def ending(config: Config, run: Run, kept: int) -> Ending:
 def outcome(config: Config, parameters: Parameters, run: Run, rows: Recording) -> str:
     """How a march has ended, in the sentence that `collect` would give it, from as little as that takes."""
     known = so_far(rows, run.clock)
-    energies, kept = energy(parameters, known), len(known.y)
+    energies = energy(parameters, known)
+    kept = len(known.y)
     if kept and not moderate(energies):
         kept = finite_rows(datasets(parameters, known, config.time.output_interval, config))
     return ending(config, run, kept).sentence

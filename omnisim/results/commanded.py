@@ -71,7 +71,8 @@ def integral(twists: Table, start: Sequence[float], times: np.ndarray) -> np.nda
     turned = np.diff(edges) * np.abs(twists.values[:, 2]).max()
     parts = max(1, int(np.ceil(turned.max(initial=0.0) / (2.0 * np.pi))))
     edges = np.interp(np.arange((len(edges) - 1) * parts + 1) / parts, np.arange(len(edges)), edges)
-    first, rise = twists.after(edges[:-1]), twists.before(edges[1:]) - twists.after(edges[:-1])
+    first = twists.after(edges[:-1])
+    rise = twists.before(edges[1:]) - twists.after(edges[:-1])
     length = np.diff(edges)[:, None]
     yaw = start[2] + _sums(length[:, 0] * (first + 0.5 * rise)[:, 2])
     s = 0.5 * (NODES + 1.0)  # within each piece, from 0 to 1

@@ -125,7 +125,8 @@ class Divergence:
 
 def divergence(a: Trajectory, b: Trajectory, pieces: int = 5) -> list[Divergence]:
     """How two trajectories of one scene part: until each of so many equal parts of the time that both have."""
-    rows, found = min(len(a.time), len(b.time)), []
+    rows = min(len(a.time), len(b.time))
+    found = []
     angles = ["body/yaw", *(f"wheels/{wheel}/spin_angle" for wheel in a.wheels)]
     groups = (["body/position"], angles, ["body/velocity"], [f"wheels/{wheel}/normal_force" for wheel in a.wheels])
     for end in dict.fromkeys(np.linspace(0, rows, pieces + 1).round().astype(int)[1:].tolist()):

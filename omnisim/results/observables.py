@@ -50,7 +50,8 @@ def datasets(parameters: Parameters, rows: Recording, interval: float, config: C
 
 def body(parameters: Parameters, y: np.ndarray, slopes: np.ndarray, bare: bool) -> dict[str, np.ndarray]:
     """Motion of the centre of a bare wheel at the constant height R, or of the chassis origin on the floor."""
-    at, (ahead, left) = places_in(parameters), parameters.machine.centre
+    at = places_in(parameters)
+    ahead, left = parameters.machine.centre
     height = parameters.wheels[0].radius if bare else 0.0
     cos, sin = np.cos(y[:, YAW]), np.sin(y[:, YAW])
     x_arm, y_arm = ahead * cos - left * sin, ahead * sin + left * cos  # C from the origin
@@ -72,9 +73,11 @@ def body(parameters: Parameters, y: np.ndarray, slopes: np.ndarray, bare: bool) 
 
 def odometry(parameters: Parameters, y: np.ndarray, position: np.ndarray) -> dict[str, np.ndarray]:
     """The pose that the ideal wheels report, and its error."""
-    at, columns = places_in(parameters), parameters.wheels.odometry
+    at = places_in(parameters)
+    columns = parameters.wheels.odometry
     spin_angles = y[:, at.spin_angle : at.spin_angle + len(columns)]
-    reported, yaw = y[:, at.odometry : at.odometry + 2], parameters.machine.odometry_yaw + spin_angles @ columns[:, 2]
+    reported = y[:, at.odometry : at.odometry + 2]
+    yaw = parameters.machine.odometry_yaw + spin_angles @ columns[:, 2]
     return {
         "odometry/position": reported,
         "odometry/yaw": yaw,
@@ -85,7 +88,9 @@ def odometry(parameters: Parameters, y: np.ndarray, position: np.ndarray) -> dic
 
 def energy(parameters: Parameters, rows: Recording) -> dict[str, np.ndarray]:
     """Kinetic energy, the works since t = 0, and what is missing between them."""
-    machine, y, at = parameters.machine, rows.y, places_in(parameters)
+    machine = parameters.machine
+    y = rows.y
+    at = places_in(parameters)
     kinetic = by_columns(kinetic_energy, parameters, at, y.T, rows.rates.transpose(1, 2, 0))
     loss, drive, wrench = y[:, at.friction_loss], y[:, at.drive_work], y[:, at.wrench_work]
     bearing_loss = y[:, at.bearing_loss] if machine.bearing_friction else np.zeros(len(y))
@@ -103,7 +108,8 @@ def energy(parameters: Parameters, rows: Recording) -> dict[str, np.ndarray]:
 
 def motor_energies(parameters: Parameters, y: np.ndarray, mechanical: np.ndarray) -> dict[str, np.ndarray]:
     """What motors take from their supply and where it goes; the balance with it, `mechanical` without."""
-    at, count = places_in(parameters), len(parameters.wheels)
+    at = places_in(parameters)
+    count = len(parameters.wheels)
     currents = y[:, at.current : at.current + count] if parameters.machine.currents else np.zeros((len(y), count))
     magnetic = 0.5 * currents**2 @ parameters.wheels.inductance
     electrical, heat, loss, work = y[:, at.electrical : at.electrical + 4].T

@@ -45,7 +45,8 @@ def extremes(trajectory: Recorded) -> str:
 
 def _range(trajectory: Recorded, path: str) -> str:
     """The least and the largest value in the march, or the largest of what has no sign."""
-    most, least = largest(trajectory, path), f"interval_min/{path}"
+    most = largest(trajectory, path)
+    least = f"interval_min/{path}"
     return f"{trajectory[least].min():.4g} to {most:.4g}" if least in trajectory else f"{most:.4g}"
 
 
@@ -209,7 +210,8 @@ def dataset_rows(trajectory: Recorded) -> list[tuple[str, str, str, str]]:
 
 def in_short(trajectory: Recorded) -> str:
     """What a run shows of itself in Python: a few facts, and how to reach its datasets."""
-    facts, count = _facts(trajectory), len(trajectory.quantities)
+    facts = _facts(trajectory)
+    count = len(trajectory.quantities)
     lines = [f"  {name:9} {facts[name]}" for name in ("duration", "wheels", "events", "method")]
     lines.append(f"  datasets  {count}, as run['wheels/{trajectory.wheels[0]}/slip_velocity']; list(run) names all")
     return "\n".join([f"{facts['title']!r}: {facts['status']}", *lines])

@@ -55,7 +55,8 @@ def longest_way(angle: np.ndarray) -> tuple[int, int]:
     if not direction.any():
         return 0, 0
     turns = np.flatnonzero(np.diff(direction)) + 1
-    starts, ends = np.array([0, *turns]), np.array([*turns, len(direction)])
+    starts = np.array([0, *turns])
+    ends = np.array([*turns, len(direction)])
     longest = np.argmax(np.abs(angle[ends] - angle[starts]))
     return int(starts[longest]), int(ends[longest])
 

@@ -38,7 +38,8 @@ def hold_inputs(
         if piece < pieces:
             starts[piece + 1 : pieces + 1] = starts[piece:pieces].copy()
             inputs[piece + 1 : pieces + 1] = inputs[piece:pieces].copy()
-        starts[piece], inputs[piece] = here, inputs[piece - 1]
+        starts[piece] = here
+        inputs[piece] = inputs[piece - 1]
         inputs[piece, :, 0] += inputs[piece, :, 1] * (here - starts[piece - 1])
         pieces += 1
     for channel, value in values.items():
@@ -61,7 +62,8 @@ def with_tables(scene: Scene, parameters: Parameters, held: Held) -> Scene:
     """The scene with all that was set as tables, so that loading it repeats the run."""
     if not held.channels:
         return scene
-    data, edits = tomllib.loads(scene.text), list(table_edits(scene.config, parameters, held).items())
+    data = tomllib.loads(scene.text)
+    edits = list(table_edits(scene.config, parameters, held).items())
     for path, value in edits:
         assign(data, path, value)
     return replace(scene, text=rewrite(scene.text, edits, data))
@@ -88,7 +90,8 @@ def table_edits(config: Config, parameters: Parameters, held: Held) -> dict[KeyP
 def table(parameters: Parameters, held: Held, channels: Sequence[int]) -> tuple[list[float], list[list[float]]]:
     """Times and values of these channels, so far and as they would go on: two values at a jump, one where a line bends,
     none where nothing happens to them."""
-    starts, lines = parameters.starts[: held.pieces], parameters.inputs[: held.pieces, channels]
+    starts = parameters.starts[: held.pieces]
+    lines = parameters.inputs[: held.pieces, channels]
     values, slopes = lines[..., 0], lines[..., 1]
     ends = values[:-1] + slopes[:-1] * np.diff(starts)[:, None]
     jumps = np.any(ends != values[1:], axis=1)

@@ -60,13 +60,15 @@ class Loop(Sensors):
         self.parameters = pack(scene.config)
         self.run = begin(scene.config, self.parameters)
         try:
-            count, machine = scene.config.time.outputs + 1, self.parameters.machine
+            count = scene.config.time.outputs + 1
+            machine = self.parameters.machine
             self.rows = blank_rows(self.run, count, scene.config.bearing_loads, bool(machine.odometry))
         except MemoryError as error:
             raise SceneError(f"{scene.source}: time.output_interval: too many rows for the memory: {error}") from None
         self.log = blank(EVENT, 4 * EVENTS_PER_STEP)
         self.names = MappingProxyType({wheel.name: w for w, wheel in enumerate(scene.config.wheels)})
-        self._at, self._dt = places_in(self.parameters), float(self.run.clock.dt)
+        self._at = places_in(self.parameters)
+        self._dt = float(self.run.clock.dt)
         self._held = Held(len(self.parameters.starts))
         self.wall_time = 0.0
         self.march(0)  # finds the rollers in contact; the first call loads or compiles the kernels
@@ -74,7 +76,8 @@ class Loop(Sensors):
 
     def march(self, work: int = FOR_EVER) -> int:
         """March up to the goal, or for about so many right-hand sides; the status."""
-        clock, self._seen = self.run.clock, None
+        clock = self.run.clock
+        self._seen = None
         clock["pause"] = FOR_EVER if work == FOR_EVER else min(int(clock["rhs"]) + work, FOR_EVER)
         begun = time.perf_counter()
         result = direct(march, self.parameters, self.stages, self.run, self.rows, self.log)
@@ -135,7 +138,8 @@ class Loop(Sensors):
 
     def copy(self) -> "Loop":
         """Another Loop in the same state, to the last bit; what either does from now on, the other does not see."""
-        twin, clock = copy(self), self.run.clock
+        twin = copy(self)
+        clock = self.run.clock
         twin.parameters, twin.run = copied(self.parameters), copied(self.run)
         twin.rows = copied(self.rows, int(clock["row"]) + 1)  # the one under way too
         twin.log = copied(self.log, int(clock["events"]))
@@ -166,7 +170,8 @@ class Loop(Sensors):
 
     def trajectory(self) -> Trajectory:
         """The run so far, at the output times it has passed; the Loop may go on."""
-        here, piece = self, int(self.run.clock["piece"]) + 1
+        here = self
+        piece = int(self.run.clock["piece"]) + 1
         if piece < self._held.pieces and self.parameters.starts[piece] <= self.time:
             here = self.copy()
             here.march(0)  # the row of this instant is renewed by what was set last
@@ -199,6 +204,7 @@ def stepped(scene: Scene) -> Scene:
         return scene
     if config.time.step is None:
         raise SceneError(f"{scene.source}: time.step: missing; a Loop marches with it, and picks none for solver.error")
-    data, error = tomllib.loads(scene.text), ("solver", "error")
+    data = tomllib.loads(scene.text)
+    error = ("solver", "error")
     assign(data, error, MISSING)
     return replace(scene, config=config.at_step(config.time.step), text=rewrite(scene.text, [(error, MISSING)], data))

@@ -135,7 +135,8 @@ class Sensors:
 
     def _to_centre(self) -> Vector:
         """C from the chassis origin, world axes, m."""
-        (x, y), yaw = self.parameters.machine.centre, self.run.y[YAW]
+        x, y = self.parameters.machine.centre
+        yaw = self.run.y[YAW]
         return np.array([x * np.cos(yaw) - y * np.sin(yaw), x * np.sin(yaw) + y * np.cos(yaw)])
 
     def _contacts(self, field: str) -> Vector:
@@ -146,7 +147,8 @@ class Sensors:
         """Of a row that holds this instant; `workspace` is a copy, since searches in it begin where the last one
         ended."""
         if self._seen is None:
-            rows, run = blank_rows(self.run, 1), self.run
+            rows = blank_rows(self.run, 1)
+            run = self.run
             rows.y[0], rows.rates[0], rows.piece[0] = run.y, run.rates, run.clock.piece
             np.asarray(rows.mode)[0] = np.asarray(run.mode)  # quicker than as records
             parameters = self.parameters._replace(workspace=copied(self.parameters.workspace))

@@ -37,7 +37,9 @@ def simulate(scene: Scene | str | PathLike[str], progress: Callable[[float], obj
 def march_through(scene: Scene, progress: Callable[[float], object] | None) -> Loop:
     """The Loop of a scene where it ends: at its own end, where something stops it, or where `progress` does."""
     loop = Loop(scene)
-    clock, chunk, running = loop.run.clock, FIRST_CHUNK, loop.run.clock.status == status.RUNNING
+    clock = loop.run.clock
+    chunk = FIRST_CHUNK
+    running = loop.run.clock.status == status.RUNNING
     interrupted = progress is not None and progress(0.0)
     while running and not interrupted:
         begun = time.perf_counter()

@@ -12,7 +12,8 @@ from omnisim.results.trajectory import Trajectory
 from omnisim.run.loop import Loop
 from omnisim.scene.scene import Scene
 
-FEWEST_STEPS, MOST_STEPS = 100, 10**8  # of the first run and of any run
+FEWEST_STEPS = 100
+MOST_STEPS = 10**8  # of the first run and of any run
 ROUNDING = 1e-12  # m, rad: differences below it tell nothing
 SLOWEST = 0.9  # differences that hardly fall, or grow, count as if they fell by so much
 LEAST = 10.0 * ROUNDING  # m, rad: an estimate that no shorter step makes smaller
@@ -27,20 +28,24 @@ def search(scene: Scene, run: Callable[[Scene], Loop]) -> Trajectory:
     says so. `error_target` and, if there is one, `error_estimate` are added to its attributes.
     """
     solver = scene.config.solver
-    order, enough = METHODS[solver.method].tableau.order, max(solver.error or 0.0, LEAST)
+    order = METHODS[solver.method].tableau.order
+    enough = max(solver.error or 0.0, LEAST)
     gaps: list[float] = []
     best: Trajectory | None = None
-    code, error = RUNNING, math.inf
+    code = RUNNING
+    error = math.inf
     for candidate in candidates(scene):
         loop = run(candidate)
-        before, code = code, int(loop.run.clock.status)
+        before = code
+        code = int(loop.run.clock.status)
         if code == INTERRUPTED:
             break
         if code in CURABLE:
             continue
         latest = loop.trajectory()
         gaps = [*gaps, distance(best, latest)] if best is not None and code == before else []
-        best, error = latest, estimate(gaps, order)
+        best = latest
+        error = estimate(gaps, order)
         if error <= enough and loop.run.clock.choice == AUTO:
             other = run(by_radau5(candidate))
             checked = int(other.run.clock.status)

@@ -34,7 +34,8 @@ def track(parameters, states, slopes, rounds):
 
 @kernel
 def track_explicitly(parameters, y):
-    at, total = places(parameters), 0.0
+    at = places(parameters)
+    total = 0.0
     for w in range(len(parameters.wheels)):
         wheel = parameters.wheels[w]
         q = azimuth(wheel, parameters.roller_rows[wheel.row], 0, y[at.spin_angle + w])
@@ -45,7 +46,9 @@ def track_explicitly(parameters, y):
 
 @kernel
 def track_implicitly(parameters, y, slopes):
-    at, body, total = places(parameters), body_motion(parameters, y), 0.0
+    at = places(parameters)
+    body = body_motion(parameters, y)
+    total = 0.0
     for w in range(len(parameters.wheels)):
         wheel = parameters.wheels[w]
         q = azimuth(wheel, parameters.roller_rows[wheel.row], 0, y[at.spin_angle + w])

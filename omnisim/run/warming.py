@@ -78,8 +78,10 @@ def warm(
     Raises RuntimeError if one of them fails.
     """
     found = kinds() if scenes is None else dict.fromkeys(kind_of(as_scene("warm", scene)) for scene in scenes)
-    wanted, running = list(found), dict[subprocess.Popen[bytes], Kind]()
-    waiting, most = list(wanted), processes or os.cpu_count() or 1
+    wanted = list(found)
+    running = dict[subprocess.Popen[bytes], Kind]()
+    waiting = list(wanted)
+    most = processes or os.cpu_count() or 1
     while waiting or running:
         while waiting and len(running) < most:
             kind = waiting.pop(0)
@@ -128,7 +130,8 @@ class Names(ast.NodeVisitor):
     """The names in a source but for those in branches that are never taken; there: by member whether it is not None."""
 
     def __init__(self, there: dict[str, bool]):
-        self.there, self.names = there, set[str]()
+        self.there = there
+        self.names = set[str]()
 
     def visit_Name(self, node: ast.Name) -> None:
         self.names.add(node.id)
@@ -143,7 +146,8 @@ class Names(ast.NodeVisitor):
     def decided(self, test: ast.expr) -> bool | None:
         """Whether a condition holds, None if that is not known from what is there."""
         if isinstance(test, ast.BoolOp):
-            parts, ending = [self.decided(part) for part in test.values], isinstance(test.op, ast.Or)
+            parts = [self.decided(part) for part in test.values]
+            ending = isinstance(test.op, ast.Or)
             if ending in parts:
                 return ending
             return None if None in parts else not ending

@@ -114,7 +114,8 @@ def measure(
     Unconverged if the scene has no reference.
     """
     reference = converged(scene, min(setting.step for setting in settings) / FINER, lambda _: progress(0.0))
-    rows, running = [], {}
+    rows = []
+    running = {}
     share = 1.0 / (1 + repeats)
     for done, setting in enumerate(settings):
         contestant = varied(scene, setting)
@@ -157,7 +158,8 @@ def converged(scene: Scene, step: float, progress: Callable[[float], object]) ->
 
 def untimed(setting: Setting, run: Trajectory, reference: Trajectory) -> Row:
     """What one run says."""
-    error, said = distance(run, reference) if run.complete else None, run.attributes
+    error = distance(run, reference) if run.complete else None
+    said = run.attributes
     events = len(run["events/time"]) - (not run.complete)  # the last event of a run that stops is the stop
     work = said["steps"], said["rhs_evaluations"], events
     return Row(*setting, error, None, None, None, *work, False, said["status"])

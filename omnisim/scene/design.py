@@ -160,12 +160,15 @@ def _around(name: str, distance: float, angle: float) -> Wheel:
 
 def part(robot: Robot) -> Part:
     """The wheel of a robot, or DesignError if its rollers do not fit or weigh too much."""
-    kind, radius = KINDS[robot.kind], robot.wheel_radius
+    kind = KINDS[robot.kind]
+    radius = robot.wheel_radius
     if radius > LARGEST_WHEEL:
         raise DesignError(f"a wheel of {radius:g} m; a number without a unit is in metres: {radius:g}mm?")
     count = robot.rollers or kind.rollers
     shape = _outline(radius, kind, count, _distance(robot, kind, count))
-    bore, hub, width = BORE * (radius - shape.roller_distance), HUB * hub_radius(shape), 2.0 * half_width(shape)
+    bore = BORE * (radius - shape.roller_distance)
+    hub = HUB * hub_radius(shape)
+    width = 2.0 * half_width(shape)
     roller = ROLLER_DENSITY * solid(shape, bore).volume
     disk = DISK_DENSITY * math.pi * hub**2 * width if robot.wheel_mass is None else robot.wheel_mass - count * roller
     if disk <= 0.0:

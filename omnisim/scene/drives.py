@@ -75,7 +75,8 @@ def voltage_limit(drive: Drive) -> float:
 
 
 def motor_of(drive: Drive) -> Motor:
-    gear, sheet = drive.gear_ratio, sheet_constants(drive) if drive.nominal_voltage else None
+    gear = drive.gear_ratio
+    sheet = sheet_constants(drive) if drive.nominal_voltage else None
     return Motor(
         constant=gear * (sheet.torque_constant if sheet else drive.torque_constant),
         resistance=sheet.resistance if sheet else drive.resistance,

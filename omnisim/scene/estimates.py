@@ -64,7 +64,9 @@ def complete(config: Config) -> Config:
 def estimates(config: Config) -> Iterator[Estimate]:
     """What `complete` found for this scene, which is complete."""
     for name, kind in config.wheel_types.items():
-        path, roller, disk = ("wheel_types", name), kind.roller, kind.disk
+        path = ("wheel_types", name)
+        roller = kind.roller
+        disk = kind.disk
         bore = f" with a bore of radius {roller.bore_radius:g} m" if roller.bore_radius else ""
         for key in _left_out(roller, "mass", "inertia_axial", "inertia_transverse"):
             unit, much = ("kg", f"{roller.density:g} kg/m^3") if key == "mass" else ("kg m^2", f"{roller.mass:.4g} kg")

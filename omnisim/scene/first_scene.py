@@ -62,7 +62,8 @@ coefficient = {friction:g} {_marked(robot.friction)}of rollers on the floor
 
 
 def _wheel_type(robot: Robot, wheel: Part) -> str:
-    kind, shape = KINDS[robot.kind], wheel.shape
+    kind = KINDS[robot.kind]
+    shape = wheel.shape
     rows = "" if kind.rows == 1 else ", in two rows, which a scene has as one"
     known = "" if robot.wheel_mass is None else f"{robot.wheel_mass:g} kg less the rollers; "
     disk = f"mass = {short(wheel.disk_mass)}, hub_radius = {short(wheel.hub)}, width = {short(wheel.width)}"
@@ -102,7 +103,8 @@ def _size(robot: Robot) -> tuple[float, float, float]:
 
 def _wheels(robot: Robot, places: list[Wheel]) -> str:
     inertia = robot.mass / len(places) * robot.wheel_radius**2  # of the machine, at one wheel
-    drive, blocks = robot.motor.drive(inertia), [f"{ESTIMATED}: the gains of the controllers, by the mass."]
+    drive = robot.motor.drive(inertia)
+    blocks = [f"{ESTIMATED}: the gains of the controllers, by the mass."]
     for place in places:
         lines = [f'name = "{place.name}"', f'type = "{KINDS[robot.kind].wheel}"']
         lines += [f"position = [{short(place.x)}, {short(place.y)}]"]
@@ -116,7 +118,8 @@ def _command(robot: Robot, motion: Square) -> str:
     """Forward, to the left, back and to the right, without a turn."""
     times, twists = [0.0], ["[0.0, 0.0, 0.0]"]
     for leg, (x, y) in enumerate(((1, 0), (0, 1), (-1, 0), (0, -1))):
-        speed, start = f"[{short(x * motion.speed)}, {short(y * motion.speed)}, 0.0]", leg * motion.leg
+        speed = f"[{short(x * motion.speed)}, {short(y * motion.speed)}, 0.0]"
+        start = leg * motion.leg
         times += [start + motion.ramp, start + motion.side, start + motion.leg]
         twists += [speed, speed, "[0.0, 0.0, 0.0]"]
     return f"""\

@@ -21,9 +21,13 @@ PARALLEL = 1e-3  # sine between headings
 
 def wheel_rows(config: Config) -> np.ndarray:
     """Rows (W, 3) of the ideal machine: phi' = rows @ twist, rad/s."""
-    wheels, kinds = config.wheels, [config.type_of(wheel) for wheel in config.wheels]
-    heading, tan = np.radians([wheel.heading_deg for wheel in wheels]), _tangents(config)
-    cos, sin, (x, y) = np.cos(heading), np.sin(heading), np.array([wheel.position for wheel in wheels]).T
+    wheels = config.wheels
+    kinds = [config.type_of(wheel) for wheel in config.wheels]
+    heading = np.radians([wheel.heading_deg for wheel in wheels])
+    tan = _tangents(config)
+    cos = np.cos(heading)
+    sin = np.sin(heading)
+    x, y = np.array([wheel.position for wheel in wheels]).T
     along_x, along_y = cos + tan * sin, sin - tan * cos  # h - tan(psi) k in chassis axes
     return np.array([along_x, along_y, x * along_y - y * along_x]).T / [[kind.radius] for kind in kinds]
 
@@ -82,17 +86,20 @@ def handedness(config: Config) -> Handedness | None:
     middle, along and across the headings, turns the machine by a lever |a tan(psi) + b|: of an O the sum of two
     lengths, of an X their difference, which is 0 in a square.
     """
-    wheels, tan = config.wheels, _tangents(config)
+    wheels = config.wheels
+    tan = _tangents(config)
     heading = np.radians([wheel.heading_deg for wheel in wheels])
     if len(wheels) != 4 or np.abs(tan).min() < math.tan(MECANUM) or np.ptp(np.sin(heading - heading[0])) > PARALLEL:
         return None
-    places, (cos, sin) = np.array([wheel.position for wheel in wheels]), (math.cos(heading[0]), math.sin(heading[0]))
+    places = np.array([wheel.position for wheel in wheels])
+    cos, sin = (math.cos(heading[0]), math.sin(heading[0]))
     a, b = ((places - places.mean(axis=0)) @ [[cos, -sin], [sin, cos]]).T
     wrong = a * b * tan < 0.0
     if not wrong.any() or len(set(zip(a > 0.0, b > 0.0, strict=True))) != 4:
         return None
     names = tuple(wheel.name for wheel, is_wrong in zip(wheels, wrong, strict=True) if is_wrong)
-    lever, best = np.abs(a * tan + b).max(), (np.abs(a * tan) + np.abs(b)).max()
+    lever = np.abs(a * tan + b).max()
+    best = (np.abs(a * tan) + np.abs(b)).max()
     able = f"turns by a lever of {lever:.3g} m, not {best:.3g} m" if lever > RANK_TOLERANCE * best else "cannot turn"
     told = f"the axes of rollers on the floor, seen from above, form an X for an O, so that the machine {able}"
     if not wrong.all():

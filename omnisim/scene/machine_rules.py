@@ -21,7 +21,8 @@ Points = list[tuple[float, float]]
 def _inertia_rules(config: Config) -> Iterator[Problem]:
     """Moments of inertia that a mass distribution can have: flat discs are the limit of rollers, plates of chassis."""
     for name, wheel_type in config.wheel_types.items():
-        path, roller = ("wheel_types", name, "roller"), wheel_type.roller
+        path = ("wheel_types", name, "roller")
+        roller = wheel_type.roller
         limit = 2 * roller.inertia_transverse
         if roller.inertia_axial <= limit * (1 + DECIMAL_TOLERANCE):
             continue
@@ -87,7 +88,8 @@ def _command_rules(config: Config) -> Iterator[Problem]:
     from omnisim.scene import ideal_kinematics  # here: NumPy is slow to import, and few scenes need it
 
     follows = [wheel.drive.follows_command for wheel in config.wheels]
-    rows, distance = ideal_kinematics.wheel_rows(config)[follows], ideal_kinematics.rms_distance(config)
+    rows = ideal_kinematics.wheel_rows(config)[follows]
+    distance = ideal_kinematics.rms_distance(config)
     motions = ideal_kinematics.undetermined(rows, distance)
     if motions:
         names = ", ".join(wheel.name for wheel in config.wheels if wheel.drive.follows_command)

@@ -46,7 +46,8 @@ def doubts(config: Config) -> list[Problem]:
 def crowded_rollers(config: Config) -> Iterator[Problem]:
     """Rollers that overlap: the neighbour in a single row, the next but one where there are two."""
     for name, kind in config.wheel_types.items():
-        rows, shape = 1 if abs(kind.roller_angle_deg) >= ONE_ROW_DEG else 2, outline(kind)
+        rows = 1 if abs(kind.roller_angle_deg) >= ONE_ROW_DEG else 2
+        shape = outline(kind)
         overlap = -gap(shape, rows)
         if overlap > ROUNDING * kind.radius and hub_radius(shape) > 0.0:  # else crowded_hub says what is wrong
             whom = "their neighbours" if rows == 1 else "the next but one, so that not even two rows hold them,"
@@ -62,13 +63,16 @@ def _room(kind: WheelType, rows: int) -> str:
         return distance <= kind.radius * math.cos(shape.alpha) and gap(shape, rows) >= 0.0
 
     pointed = math.pi / math.acos(kind.roller_distance / kind.radius)  # so many have pointed tips; fewer have none
-    ways, fewest, most = [], max(3, math.ceil(pointed)), kind.roller_count
+    ways = []
+    fewest = max(3, math.ceil(pointed))
+    most = kind.roller_count
     if fits(fewest, kind.roller_distance):
         while most - fewest > 1:
             middle = (fewest + most) // 2
             fewest, most = (middle, most) if fits(middle, kind.roller_distance) else (fewest, middle)
         ways.append(f"at most {fewest} rollers at this distance")
-    near, far = kind.roller_distance, kind.radius * math.cos(math.pi / kind.roller_count)
+    near = kind.roller_distance
+    far = kind.radius * math.cos(math.pi / kind.roller_count)
     if fits(kind.roller_count, far):
         for _ in range(HALVINGS):
             between = 0.5 * (near + far)
@@ -80,7 +84,8 @@ def _room(kind: WheelType, rows: int) -> str:
 def crowded_hub(config: Config) -> Iterator[Problem]:
     """Rollers that reach into the hub, or to the axle."""
     for name, kind in config.wheel_types.items():
-        free, hub = hub_radius(outline(kind)), kind.disk.hub_radius
+        free = hub_radius(outline(kind))
+        hub = kind.disk.hub_radius
         if free <= 0.0:
             message = f"rollers reach the axle; expected more than half the radius, {0.5 * kind.radius:.4g} m"
             yield Problem(("wheel_types", name, "roller_distance"), message)
@@ -97,7 +102,9 @@ def densities(config: Config) -> Iterator[Problem]:
     """Masses that no material makes of the volume of a roller, a disk (that of its whole wheel, at most), a chassis."""
     foam, osmium = DENSITIES if config.chassis else (0.0, DENSITIES[1])
     for name, kind in config.wheel_types.items():
-        path, shape, disk = ("wheel_types", name), outline(kind), kind.disk
+        path = ("wheel_types", name)
+        shape = outline(kind)
+        disk = kind.disk
         volume = solid(shape, kind.roller.bore_radius).volume
         key = "mass" if "mass" in kind.roller.model_fields_set else "density"
         yield from _density((*path, "roller", key), kind.roller.mass, volume, "the profile", (foam, osmium))
@@ -130,7 +137,8 @@ def large_lengths(config: Config) -> Iterator[Problem]:
 def _lengths(config: Config) -> Iterator[tuple[KeyPath, float, float, str]]:
     """Key, value, the most that is expected, unit."""
     kinds = [config.type_of(wheel) for wheel in config.wheels]
-    largest, thinnest = max(kind.radius for kind in kinds), min(kind.radius - kind.roller_distance for kind in kinds)
+    largest = max(kind.radius for kind in kinds)
+    thinnest = min(kind.radius - kind.roller_distance for kind in kinds)
     for name, kind in config.wheel_types.items():
         yield ("wheel_types", name, "radius"), kind.radius, LARGEST_WHEEL, "m"
         yield ("wheel_types", name, "disk", "width"), kind.disk.width, WIDE * kind.radius, "m"
@@ -153,9 +161,13 @@ def gyrations(config: Config) -> Iterator[Problem]:
     """Inertias far from those of any body of that mass and size, where the mass can be believed."""
     massive = {doubt.path[:-1] for doubt in densities(config)}
     for name, kind in config.wheel_types.items():
-        path, shape, roller, disk = ("wheel_types", name), outline(kind), kind.roller, kind.disk
+        path = ("wheel_types", name)
+        shape = outline(kind)
+        roller = kind.roller
+        disk = kind.disk
         thick = kind.radius - kind.roller_distance
-        half, wide = float(profile(shape, np.array(shape.alpha))[0]), 0.5 * disk.width or half_width(shape)
+        half = float(profile(shape, np.array(shape.alpha))[0])
+        wide = 0.5 * disk.width or half_width(shape)
         for part, key, mass, size in (
             ("roller", "inertia_axial", roller.mass, thick),
             ("roller", "inertia_transverse", roller.mass, math.hypot(thick, half)),
@@ -178,7 +190,8 @@ def gyrations(config: Config) -> Iterator[Problem]:
 def _gyration(
     path: KeyPath, inertia: float, mass: float, size: float, bounds: tuple[float, float]
 ) -> Iterator[Problem]:
-    radius, (low, high) = math.sqrt(inertia / mass), bounds
+    radius = math.sqrt(inertia / mass)
+    low, high = bounds
     if not low * size <= radius <= high * size:
         limits = f"{mass * (low * size) ** 2:.3g} to {mass * (high * size) ** 2:.3g} kg m^2"
         what = f"its radius of gyration is {radius:.3g} m, of a body that reaches {size:.3g} m"
@@ -202,8 +215,10 @@ def wheels_in_one_place(config: Config) -> Iterator[Problem]:
 
 def _rectangle(wheel: Wheel, kind: WheelType, height: float) -> tuple[np.ndarray, np.ndarray]:
     """Centre, and the half sides as rows (heading, axle), m: as long as rollers' axes reach at this height."""
-    heading, chord = math.radians(wheel.heading_deg), math.sqrt(kind.radius**2 - (kind.radius - height) ** 2)
-    along, across = chord * kind.roller_distance / kind.radius, half_width(outline(kind))
+    heading = math.radians(wheel.heading_deg)
+    chord = math.sqrt(kind.radius**2 - (kind.radius - height) ** 2)
+    along = chord * kind.roller_distance / kind.radius
+    across = half_width(outline(kind))
     h = np.array([math.cos(heading), math.sin(heading)])
     return np.array(wheel.position), np.array([along * h, across * np.array([-h[1], h[0]])])
 
@@ -240,7 +255,8 @@ def beyond_the_wheels(config: Config) -> Iterator[Problem]:
 def weak_motors(config: Config) -> Iterator[Problem]:
     """A motor that its own friction holds."""
     for index, wheel in enumerate(config.wheels):
-        drive, most = wheel.drive, most_torque(wheel.drive)
+        drive = wheel.drive
+        most = most_torque(wheel.drive)
         friction = friction_torque(drive)
         if 0.0 < most <= friction:
             message = f"at most {most:.3g} N m at the wheel, where friction of {friction:.3g} N m holds it"
@@ -253,12 +269,14 @@ def weak_drives(config: Config) -> Iterator[Problem]:
     By powers of the ideal machine in each of its motions: of drives sum T |phi'|, of friction in motors and in bearings
     of rollers sum T_f |phi'| + T_b |chi'|, chi' = V_k / ((R - R1) cos psi).
     """
-    wheels, kinds = config.wheels, [config.type_of(wheel) for wheel in config.wheels]
+    wheels = config.wheels
+    kinds = [config.type_of(wheel) for wheel in config.wheels]
     torques = np.array([most_torque(wheel.drive) for wheel in wheels])
     if config.chassis is None or not np.isfinite(torques).all() or not torques.any():
         return
     mass = config.chassis.mass + sum(kind.disk.mass + kind.roller_count * kind.roller.mass for kind in kinds)
-    spins, first = np.abs(wheel_rows(config)), int(np.argmax(torques > 0.0))
+    spins = np.abs(wheel_rows(config))
+    first = int(np.argmax(torques > 0.0))
     spins[spins < ROUNDING * spins.max()] = 0.0
     pushes = torques @ spins
     drags = np.array([friction_torque(wheel.drive) for wheel in wheels]) @ spins
@@ -277,7 +295,8 @@ def weak_drives(config: Config) -> Iterator[Problem]:
 
 def _bearing_drag(wheel: Wheel, kind: WheelType) -> np.ndarray:
     """What the bearing of the roller in contact takes in the unit motions of the chassis, N, N, N m."""
-    heading, (x, y) = math.radians(wheel.heading_deg), wheel.position
+    heading = math.radians(wheel.heading_deg)
+    x, y = wheel.position
     sin, cos = math.sin(heading), math.cos(heading)
     lever = (kind.radius - kind.roller_distance) * math.cos(math.radians(kind.roller_angle_deg))  # V_k / chi'
     return kind.roller.bearing_torque * np.abs([-sin, cos, y * sin + x * cos]) / lever

@@ -59,11 +59,14 @@ def _place(location: KeyPath) -> _Place:
     path: KeyPath = ()
     rest = location
     while rest and nested:
-        table, path, rest = nested, (*path, rest[0]), rest[1:]
+        table = nested
+        path = (*path, rest[0])
+        rest = rest[1:]
         field = _fields(table).get(str(path[-1]))
         nested, many = _nested(field.annotation) if field else (None, False)
         if many and rest:
-            path, rest = (*path, rest[0]), rest[1:]
+            path = (*path, rest[0])
+            rest = rest[1:]
         elif many:
             nested = None
     return _Place(path, table, field, nested, rest)
@@ -131,7 +134,8 @@ def _wrong_value(data: Any, place: _Place) -> Problem:
     for index in (part for part in place.rest if isinstance(part, int)):
         if value_at(data, (*path, index)) is not MISSING:
             path = (*path, index)
-    value, hint = value_at(data, path), ""
+    value = value_at(data, path)
+    hint = ""
     if isinstance(value, str):
         annotation = place.field.annotation if place.field else None
         if get_origin(annotation) is Literal:

@@ -86,7 +86,8 @@ def _wheel_rules(config: Config) -> Iterator[Problem]:
             hint = did_you_mean(wheel.type, config.wheel_types)
             yield Problem((*path, "type"), f"no such wheel type{hint or '.'} Wheel types: {known}")
         elif isinstance(wheel.roller_rates, tuple):
-            count, given = config.type_of(wheel).roller_count, len(wheel.roller_rates)
+            count = config.type_of(wheel).roller_count
+            given = len(wheel.roller_rates)
             if given != count:
                 allowed = f"one finite number, or a list of roller_count = {count} finite numbers"
                 yield Problem((*path, "roller_rates"), f"must be {allowed}, not {given}")
@@ -117,7 +118,8 @@ def _bare_wheel_rules(wheel: Wheel) -> Iterator[Problem]:
 
 
 def _drive_rules(path: KeyPath, drive: Drive) -> Iterator[Problem]:
-    keys, present = DRIVE_KEYS[drive.kind], drive.model_fields_set - {"kind"}
+    keys = DRIVE_KEYS[drive.kind]
+    present = drive.model_fields_set - {"kind"}
     for key in sorted(present - keys.all):
         yield Problem((*path, key), f"not a key of a drive with kind = '{drive.kind}'")
     if drive.kind == "dc_motor":
@@ -165,7 +167,8 @@ def _sheet_rules(path: KeyPath, drive: Drive) -> Iterator[Problem]:
     if sheet.no_load_current >= sheet.stall_current:
         yield Problem((*path, "no_load_current"), f"must be below stall_current = {sheet.stall_current:g}")
         return
-    motor, torque = sheet_constants(drive), sheet.stall_torque
+    motor = sheet_constants(drive)
+    torque = sheet.stall_torque
     low, high = motor.least_stall, motor.most_stall
     if not low * (1.0 - SHEET_TOLERANCE) <= torque <= high * (1.0 + SHEET_TOLERANCE):
         rest = f"nominal_voltage, no_load_speed and the currents (torque constant {motor.torque_constant:.4g} N m/A)"
@@ -176,7 +179,8 @@ def _sheet_rules(path: KeyPath, drive: Drive) -> Iterator[Problem]:
 
 def _sample_rules(config: Config) -> Iterator[Problem]:
     """Controllers read their rates at the ends of steps."""
-    time, error = config.time, config.solver.error
+    time = config.time
+    error = config.solver.error
     unit = time.output_interval / 1000 if error is not None else time.step
     for index, wheel in enumerate(config.wheels):
         sample_time = wheel.drive.sample_time

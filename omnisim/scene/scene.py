@@ -71,7 +71,9 @@ class Scene:
         return tuple(_report(doubts(self.config), self._written).splitlines())
 
     def __repr__(self) -> str:
-        config, time, friction = self.config, self.config.time, self.config.friction
+        config = self.config
+        time = self.config.time
+        friction = self.config.friction
         step = f"step {time.step:g} s" if config.solver.error is None else f"error {config.solver.error:g}"
         kinds = ", ".join(
             f"{name}: {kind.roller_count} rollers at {kind.roller_angle_deg:g} deg, radius {kind.radius:g} m"
@@ -348,7 +350,8 @@ def _topmost_new(data: dict[str, Any], path: KeyPath, origin: str) -> KeyPath:
 
 def _report(problems: Iterable[Problem], written: _Written) -> str:
     """One line for each problem in the order of the file, those of overrides first."""
-    problems, data = list(problems), written.data
+    problems = list(problems)
+    data = written.data
     if not problems:
         return ""  # the text is not scanned in vain
     places = {path: (line, f"{written.source}:{line}") for path, line in locate(written.text).items()}
@@ -373,7 +376,8 @@ def _nearest(places: dict[KeyPath, tuple[int, str]], path: KeyPath) -> tuple[int
 
 
 def _key_and_value(path: KeyPath, data: dict[str, Any]) -> str:
-    name, value = show_path(_by_name(path, data)), value_at(data, path)
+    name = show_path(_by_name(path, data))
+    value = value_at(data, path)
     return name if value is MISSING else f"{name} = {show_value(value)}"
 
 

@@ -39,7 +39,8 @@ def outline(kind: WheelType) -> Outline:
 
 def profile(wheel: Shape, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """u(q) and r(q), m, of roller_profile.py at every profile parameter q (rad)."""
-    h, c = wheel.radius - wheel.roller_distance / np.cos(q), wheel.cos_psi
+    h = wheel.radius - wheel.roller_distance / np.cos(q)
+    c = wheel.cos_psi
     u = wheel.roller_distance * np.tan(q) / c + h * c * np.sin(q)
     return u, np.maximum(h, 0.0) * np.sqrt(1.0 - (c * np.sin(q)) ** 2)
 
@@ -61,7 +62,8 @@ def solid(wheel: Shape, bore: float = 0.0) -> Solid:
     du/dq = R1 (1 / c - c sin^2 q) / cos^2 q + h_q c cos q.
     """
     nodes, weights = np.polynomial.legendre.leggauss(NODES)
-    end, c = bored_end(wheel, bore), wheel.cos_psi
+    end = bored_end(wheel, bore)
+    c = wheel.cos_psi
     q = end * nodes
     u, r = profile(wheel, q)
     h = wheel.radius - wheel.roller_distance / np.cos(q)
@@ -101,7 +103,8 @@ def gap(wheel: Shape, pitches: int = 1) -> float:
 
         distance = 2 max_b [cos b R1 sin g - reach(cos b c cos g + sin b s)],    g = pitches * alpha
     """
-    g, b = pitches * wheel.alpha, np.linspace(-0.5 * np.pi, 0.5 * np.pi, DIRECTIONS)
+    g = pitches * wheel.alpha
+    b = np.linspace(-0.5 * np.pi, 0.5 * np.pi, DIRECTIONS)
     along = np.cos(b) * wheel.cos_psi * math.cos(g) + np.sin(b) * wheel.sin_psi
     room = np.cos(b) * wheel.roller_distance * math.sin(g) - support(wheel, np.clip(along, -1.0, 1.0))
     return 2.0 * float(room.max())

@@ -52,7 +52,8 @@ class Balance(NamedTuple):
 @kernel
 def chassis_of(parameters, y):
     """The Carrier in state y."""
-    machine, body = parameters.machine, rigid_body(y, body_place(parameters, -1, 0))
+    machine = parameters.machine
+    body = rigid_body(y, body_place(parameters, -1, 0))
     x, y_axis, z = first_axis(body.rotation), second_axis(body.rotation), third_axis(body.rotation)
     lever = machine.lever
     arm = plus(plus(times(lever[0], x), times(lever[1], y_axis)), times(lever[2], z))
@@ -63,7 +64,9 @@ def chassis_of(parameters, y):
 @kernel
 def chassis_balance(machine, carrier, wrench):
     """The Balance of the chassis without its wheels; wrench: the external one."""
-    mass, inertia, rate = machine.chassis_mass, machine.chassis_inertia, carrier.body.rate
+    mass = machine.chassis_mass
+    inertia = machine.chassis_inertia
+    rate = carrier.body.rate
     a, b, c = inertia[0], inertia[1], inertia[2]
     about_n = plus(
         plus(times(a * carrier.x.z, carrier.x), times(b * carrier.y.z, carrier.y)), times(c * carrier.z.z, carrier.z)
@@ -72,7 +75,8 @@ def chassis_balance(machine, carrier, wrench):
         plus(times(a * dot(rate, carrier.x), carrier.x), times(b * dot(rate, carrier.y), carrier.y)),
         times(c * dot(rate, carrier.z), carrier.z),
     )
-    nothing, arm = Vec3(0.0, 0.0, 0.0), carrier.arm
+    nothing = Vec3(0.0, 0.0, 0.0)
+    arm = carrier.arm
     x = resisting(carrier, arm, Wrench3(nothing, times(mass, carrier.x)))
     y = resisting(carrier, arm, Wrench3(nothing, times(mass, carrier.y)))
     yaw = resisting(carrier, arm, Wrench3(about_n, times(mass, cross(UP, arm))))
@@ -88,7 +92,8 @@ def chassis_balance(machine, carrier, wrench):
 @kernel
 def resisting(carrier, arm, wrench):
     """The GeneralizedForce of a wrench that the chassis gives at `arm` from C: on itself it has the other sign."""
-    moment, force = plus(wrench.moment, cross(arm, wrench.force)), wrench.force
+    moment = plus(wrench.moment, cross(arm, wrench.force))
+    force = wrench.force
     about_x, about_y = dot(moment, carrier.x), dot(moment, carrier.y)
     return GeneralizedForce(-dot(force, carrier.x), -dot(force, carrier.y), -moment.z, about_y, -about_x, -force.z)
 

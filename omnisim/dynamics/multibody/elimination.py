@@ -112,14 +112,21 @@ def across_axis(v, axis):
 @kernel
 def articulate(parameters, w, y):
     """Wheel w with its rollers eliminated: Articulated, and what their bearings lose, W."""
-    wheel, lifted = parameters.wheels[w], against_gravity(parameters.machine)
-    disk, loss = rigid_body(y, body_place(parameters, w, 0)), 0.0
-    axle, (across, along) = second_axis(disk.rotation), (wheel.disk_inertia[0], wheel.disk_inertia[1])
-    inertia, mass, lift = axial(across, along, axle), wheel.disk_mass, Vec3(0.0, 0.0, 0.0)
-    torque, force = gyroscopic(across, along, axle, disk.rate), times(wheel.disk_mass, lifted)
+    wheel = parameters.wheels[w]
+    lifted = against_gravity(parameters.machine)
+    disk = rigid_body(y, body_place(parameters, w, 0))
+    loss = 0.0
+    axle = second_axis(disk.rotation)
+    across, along = (wheel.disk_inertia[0], wheel.disk_inertia[1])
+    inertia = axial(across, along, axle)
+    mass = wheel.disk_mass
+    lift = Vec3(0.0, 0.0, 0.0)
+    torque = gyroscopic(across, along, axle, disk.rate)
+    force = times(wheel.disk_mass, lifted)
     for i in range(wheel.rollers):
         roller = rigid_body(y, body_place(parameters, w, i + 1))
-        axis, rho = third_axis(roller.rotation), minus(roller.position, disk.position)
+        axis = third_axis(roller.rotation)
+        rho = minus(roller.position, disk.position)
         joint = dot(minus(roller.rate, disk.rate), axis)
         friction = bearing_torque(wheel, joint)
         loss -= friction * joint
@@ -130,7 +137,8 @@ def articulate(parameters, w, y):
             gyroscopic(wheel.transverse_inertia, wheel.axial_inertia, axis, roller.rate),
         )
         torque = plus(torque, plus(plus(moment, times(friction, axis)), cross(rho, pull)))
-        force, lift = plus(force, pull), plus(lift, times(wheel.roller_mass, rho))
+        force = plus(force, pull)
+        lift = plus(lift, times(wheel.roller_mass, rho))
         inertia = added(inertia, added(axial(wheel.transverse_inertia, 0.0, axis), at_point(wheel.roller_mass, rho)))
         mass += wheel.roller_mass
     spin_inertia = dot(axle, turned_by(inertia, axle)) + wheel.rotor_inertia

@@ -34,7 +34,8 @@ class RollerMotion(NamedTuple):
 def mounting(wheel, frame, q):
     """Directions d, a x d and a of the roller at azimuth q (Vec3, world)."""
     cos_q, sin_q = cos_sin(q)
-    d, (_, k, _) = spoke(frame, cos_q, sin_q), axes(frame)
+    d = spoke(frame, cos_q, sin_q)
+    _, k, _ = axes(frame)
     axis = plus(times(wheel.cos_psi, cross(k, d)), times(wheel.sin_psi, k))
     return d, cross(axis, d), axis
 
@@ -43,19 +44,26 @@ def mounting(wheel, frame, q):
 def recover(parameters, mode, w, y, dy, rates):
     """Force and moment of the joints of wheel w, from its motion and the floor's forces, into the workspace; rates
     (N,): absolute axial rates of its rollers, rad/s."""
-    machine, wheel, workspace, at = parameters.machine, parameters.wheels[w], parameters.workspace, places(parameters)
-    body, part = body_motion(parameters, y), parameters.workspace.parts[w]
-    frame, twist = world_frame(wheel, body), wheel_twist(wheel, body.twist, y[at.spin_rate + w])
+    machine = parameters.machine
+    wheel = parameters.wheels[w]
+    workspace = parameters.workspace
+    at = places(parameters)
+    body = body_motion(parameters, y)
+    part = parameters.workspace.parts[w]
+    frame = world_frame(wheel, body)
+    twist = wheel_twist(wheel, body.twist, y[at.spin_rate + w])
     h, k, up = axes(frame)
     motion = wheel_motion(wheel, body.twist, acceleration_of(parameters, body, dy), dy[at.spin_rate + w], 0.0)
-    rate, bent = rate_vector(frame, twist), rate_change(frame, twist, motion)
+    rate = rate_vector(frame, twist)
+    bent = rate_change(frame, twist, motion)
     centre = plus(plus(times(motion.h, h), times(motion.k, k)), against_gravity(machine))  # with the weight
     across, axle = wheel.disk_inertia[0], wheel.disk_inertia[1]
     force, moment = needed_wrench(wheel.disk_mass, across, axle, k, rate, centre, bent)
     for i in range(wheel.rollers):
         d, _, axis = mounting(wheel, frame, azimuth_of(parameters, w, i, y[at.spin_angle + w]))
         rho = plus(times(wheel.roller_distance, d), times(parameters.roller_rows[row_index(wheel, i)].offset, k))
-        joint, rolling = rates[i] - dot(rate, axis), dy[wheel.rates + i] if machine.every_rate else 0.0
+        joint = rates[i] - dot(rate, axis)
+        rolling = dy[wheel.rates + i] if machine.every_rate else 0.0
         floor = Wrench3(Vec3(0.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.0))
         for side in range(part.contacts):
             if carries(wheel, mode, side, i):
@@ -66,7 +74,8 @@ def recover(parameters, mode, w, y, dy, rates):
                     rolling = dy[wheel.rates + side]
         moved = roller_motion(centre, bent, rate, axis, rho, joint, rolling)
         given = load_joint(workspace.joints[w, i + 1], wheel, axis, plus(rate, times(joint, axis)), moved, floor)
-        force, moment = plus(force, given.force), plus(moment, plus(given.moment, cross(rho, given.force)))
+        force = plus(force, given.force)
+        moment = plus(moment, plus(given.moment, cross(rho, given.force)))
     keep_joint(workspace.joints[w, 0], moment, force)
 
 
@@ -116,7 +125,9 @@ def keep_joint(record, moment, force):
 @kernel
 def resolve_joints(parameters, w, y, found):
     """The joints of wheel w in the workspace along their own axes: found (N + 1, 2, 3), force (N) and moment (N m)."""
-    wheel, at, joints = parameters.wheels[w], places(parameters), parameters.workspace.joints
+    wheel = parameters.wheels[w]
+    at = places(parameters)
+    joints = parameters.workspace.joints
     frame = world_frame(wheel, body_motion(parameters, y))
     h, k, up = axes(frame)
     resolve(joints[w, 0], h, k, up, found[0])

@@ -53,16 +53,21 @@ def length(a):
 @outlined
 def project_bodies(parameters, run, counted):
     """Put every body of run.y where its joints hold it; if `counted`, how far it was from there enters the drift."""
-    machine, wheels, y, at = parameters.machine, parameters.wheels, run.y, places(parameters)
+    machine = parameters.machine
+    wheels = parameters.wheels
+    y = run.y
+    at = places(parameters)
     body = body_motion(parameters, y)
     _, _, up = axes(body.frame)
     turning = times(body.twist.yaw, up)
     c = axis_vector(body.frame, Axis(machine.lever[0], machine.lever[1], machine.lever[2]))
-    centre, velocity = Vec3(y[X], y[Y], machine.height), Vec3(y[at.velocity], y[at.velocity + 1], 0.0)
+    centre = Vec3(y[X], y[Y], machine.height)
+    velocity = Vec3(y[at.velocity], y[at.velocity + 1], 0.0)
     chassis = RigidBody(plus(centre, c), about_z(y[YAW]), plus(velocity, cross(turning, c)), turning)
     drift = project_body(run, body_place(parameters, -1, 0), chassis, True)
     for w in range(len(wheels)):
-        wheel, frame = wheels[w], world_frame(wheels[w], body)
+        wheel = wheels[w]
+        frame = world_frame(wheels[w], body)
         spin_angle, spin_rate = y[at.spin_angle + w], y[at.spin_rate + w]
         h, k, _ = axes(frame)
         e = plus(times(wheel.offset[0], h), times(wheel.offset[1], k))
@@ -108,8 +113,11 @@ def project_body(run, first, held, whole):
 
     whole: all of its rotation is held, not its z axis alone. A body that has not been placed yet has no rotation.
     """
-    y, now, rotation = run.y, rigid_body(run.y, first), held.rotation
-    gap, turned = length(minus(now.position, held.position)), 0.0
+    y = run.y
+    now = rigid_body(run.y, first)
+    rotation = held.rotation
+    gap = length(minus(now.position, held.position))
+    turned = 0.0
     if whole:
         q = now.rotation
         along = q.w * rotation.w + q.x * rotation.x + q.y * rotation.y + q.z * rotation.z

@@ -35,16 +35,20 @@ def residuals(parameters: Parameters, y: np.ndarray) -> dict[str, np.ndarray]:
     Of positions: distances between the two points that a joint holds together (m), sines of the angles between its two
     axes, height and tilt of the chassis, and norms of the quaternions less 1; of velocities their rates (m/s, rad/s).
     """
-    at, machine = places_in(parameters), parameters.machine
+    at = places_in(parameters)
+    machine = parameters.machine
     wheels, most = parameters.sector.shape[:2]
     states = y[:, at.bodies : at.drift].reshape(len(y), 1 + wheels * (most + 1), BODY_STATES)
     position, quaternion, velocity, rate = np.split(states, (3, 7, 10), axis=-1)  # as in rigid_body.py
     bodies = Bodies(position, matrices(quaternion), velocity, rate)
-    chassis, up = bodies.rotation[:, 0], np.array([0.0, 0.0, 1.0])
+    chassis = bodies.rotation[:, 0]
+    up = np.array([0.0, 0.0, 1.0])
     arm = chassis @ machine.lever
     height = position[:, 0, 2] - arm[:, 2] - machine.height
     rise = velocity[:, 0, 2] - np.cross(rate[:, 0], arm)[:, 2]
-    gaps, speeds, joints = [height, *(chassis[..., 2] - up).T], [rise, *rate[:, 0, :2].T], []
+    gaps = [height, *(chassis[..., 2] - up).T]
+    speeds = [rise, *rate[:, 0, :2].T]
+    joints = []
     for w, wheel in enumerate(parameters.wheels):
         disk = 1 + w * (most + 1)
         heading = np.array([[wheel.cos_heading, -wheel.sin_heading], [wheel.sin_heading, wheel.cos_heading]])

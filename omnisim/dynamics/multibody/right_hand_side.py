@@ -77,7 +77,10 @@ class Place(NamedTuple):
 @outlined
 def multibody_rhs(parameters, stage):
     """Write y' of a Stage, and if `monitoring` what events and observers want to know, as `rhs` does."""
-    machine, wheels, workspace, at = parameters.machine, parameters.wheels, parameters.workspace, places(parameters)
+    machine = parameters.machine
+    wheels = parameters.wheels
+    workspace = parameters.workspace
+    at = places(parameters)
     mode, y, dy = stage.mode, stage.y, stage.dy
     carrier = chassis_of(parameters, y)
     rate = carrier.body.rate
@@ -91,8 +94,11 @@ def multibody_rhs(parameters, stage):
     heat, power, sought, bearing_loss = 0.0, 0.0, 0, 0.0
     for w in range(len(wheels)):
         own, work, loss = join_wheel(parameters, stage, w, carrier)
-        balance, power, bearing_loss = joined(balance, own), power + work, bearing_loss + loss
-    load, equations = -balance.known.z, equations_of(balance)
+        balance = joined(balance, own)
+        power = power + work
+        bearing_loss = bearing_loss + loss
+    load = -balance.known.z
+    equations = equations_of(balance)
     set_tilt_rows(balance, workspace.loads.tilt)
     pushing = loads_known(machine) or machine.law == VISCOUS
     for w in range(len(wheels)):
@@ -120,7 +126,8 @@ def multibody_rhs(parameters, stage):
             heat -= contact.torque * contact.turn
         if stage.monitoring:
             monitors = stage.monitors[w]
-            monitors.regular, monitors.demand = regular, part.demand
+            monitors.regular = regular
+            monitors.demand = part.demand
             monitors.share, monitors.share_margin = 1.0, 0.0
             monitor_loads(mode[w], part, workspace.contacts[part.first], monitors)
         move_bodies(parameters, stage, w, carrier, linear, angular)
@@ -140,10 +147,15 @@ def multibody_rhs(parameters, stage):
 def join_wheel(parameters, stage, w, carrier):
     """A wheel eliminated onto the chassis, without its contacts: the Balance that the chassis feels of it, power of its
     drive and loss of its bearings (W)."""
-    workspace, at, mode, y, dy = parameters.workspace, places(parameters), stage.mode[w], stage.y, stage.dy
+    workspace = parameters.workspace
+    at = places(parameters)
+    mode = stage.mode[w]
+    y = stage.y
+    dy = stage.dy
     art, loss = articulate(parameters, w, y)
     disk = rigid_body(y, body_place(parameters, w, 0))
-    arm, held = minus(disk.position, carrier.centre), mode.shared == 1
+    arm = minus(disk.position, carrier.centre)
+    held = mode.shared == 1
     spin_rate = dot(minus(disk.rate, carrier.body.rate), art.axle)
     demand, drive = actuate(parameters, stage, w, spin_rate)
     dy[at.spin_angle + w] = spin_rate
@@ -154,9 +166,13 @@ def join_wheel(parameters, stage, w, carrier):
     needed = moving(art, carrier.body.rate, spin_rate, arm, nothing, nothing)
     _, free = transmitted(art, needed, drive, held)
     part = workspace.parts[w]
-    part.slides, part.contacts, part.loaded = 0, contact_count(mode), mode.loaded
+    part.slides = 0
+    part.contacts = contact_count(mode)
+    part.loaded = mode.loaded
     part.sought = mode.loaded and (mode.shared or mode.grip[0] == CREEP)
-    part.demand, part.drive_torque, part.free_spin = demand, drive, drive - dot(art.axle, needed.moment)
+    part.demand = demand
+    part.drive_torque = drive
+    part.free_spin = drive - dot(art.axle, needed.moment)
     part.tilt[0], part.tilt[1] = 0.0, 0.0  # it is in the rows of all
     keep_articulated(workspace.articulated[w], art, drive)
     balance = Balance(
@@ -188,7 +204,9 @@ def keep_articulated(record, art, drive):
     inertia, tensor = record.inertia, art.inertia
     inertia[0], inertia[1], inertia[2] = tensor.xx, tensor.xy, tensor.xz
     inertia[3], inertia[4], inertia[5] = tensor.yy, tensor.yz, tensor.zz
-    record.mass, record.spin_inertia, record.drive = art.mass, art.spin_inertia, drive
+    record.mass = art.mass
+    record.spin_inertia = art.spin_inertia
+    record.drive = drive
 
 
 @kernel
@@ -214,7 +232,8 @@ def place_of(parameters, mode, w, side, y, l):
     disk = rigid_body(y, body_place(parameters, w, 0))
     roller = rigid_body(y, body_place(parameters, w, index + 1))
     k = second_axis(disk.rotation)
-    rho, h = minus(roller.position, disk.position), cross(k, UP)
+    rho = minus(roller.position, disk.position)
+    h = cross(k, UP)
     arm = minus(plus(times(l, k), times(-wheel.radius, UP)), rho)
     return Place(third_axis(roller.rotation), rho, arm, h, k)
 
@@ -222,7 +241,8 @@ def place_of(parameters, mode, w, side, y, l):
 @kernel
 def meet(parameters, mode, w, side, carrier, body, y):
     """A contact of wheel w from the bodies as they stand, and its friction by the load, into the workspace."""
-    wheel, workspace = parameters.wheels[w], parameters.workspace
+    wheel = parameters.wheels[w]
+    workspace = parameters.workspace
     index = roller_index(wheel, roller_of(mode, side))
     disk = rigid_body(y, body_place(parameters, w, 0))
     roller = rigid_body(y, body_place(parameters, w, index + 1))
@@ -237,7 +257,8 @@ def meet(parameters, mode, w, side, carrier, body, y):
     touch = on_row(touch, parameters.roller_rows[mode.row[side]])
     point = place_of(parameters, mode, w, side, y, touch.l)
     moved = plus(roller.velocity, cross(roller.rate, point.arm))
-    joint, spin_rate = dot(minus(roller.rate, disk.rate), a), dot(minus(disk.rate, carrier.body.rate), k)
+    joint = dot(minus(roller.rate, disk.rate), a)
+    spin_rate = dot(minus(disk.rate, carrier.body.rate), k)
     state = ContactState(
         axis,
         touch,
@@ -248,7 +269,9 @@ def meet(parameters, mode, w, side, carrier, body, y):
         Slip(dot(moved, h), dot(moved, k)),
         roller.rate.z,
     )
-    art, held, nothing = kept_articulated(workspace.articulated[w]), mode.shared == 1, Vec3(0.0, 0.0, 0.0)
+    art = kept_articulated(workspace.articulated[w])
+    held = mode.shared == 1
+    nothing = Vec3(0.0, 0.0, 0.0)
     arm = minus(disk.position, carrier.centre)
     by_h = handed_on(a, rho, point.arm, h, nothing)
     by_k = handed_on(a, rho, point.arm, k, nothing)
@@ -261,7 +284,8 @@ def meet(parameters, mode, w, side, carrier, body, y):
     set_contact(contact, state, j, mode.shared)
     set_lever_column(contact.lever, 0, felt_from_floor(carrier, arm, art, by_h, held))
     set_lever_column(contact.lever, 1, felt_from_floor(carrier, arm, art, by_k, held))
-    rows, twist = felt_from_floor(carrier, arm, art, by_n, held), contact.twist
+    rows = felt_from_floor(carrier, arm, art, by_n, held)
+    twist = contact.twist
     twist[2], twist[TILT_Y], twist[TILT_X] = rows.yaw, rows.tilt_y, rows.tilt_x
     find_friction(parameters, mode, w, side, body, state, j)
 
@@ -282,11 +306,19 @@ def felt_from_floor(carrier, arm, art, given, held):
 @kernel
 def move_bodies(parameters, stage, w, carrier, linear, angular):
     """Accelerations of the bodies of a wheel, and what its joints carry, from those of the chassis (of C)."""
-    machine, wheel, workspace, at = parameters.machine, parameters.wheels[w], parameters.workspace, places(parameters)
-    mode, y, dy = stage.mode[w], stage.y, stage.dy
-    part, art, rate = workspace.parts[w], kept_articulated(workspace.articulated[w]), carrier.body.rate
+    machine = parameters.machine
+    wheel = parameters.wheels[w]
+    workspace = parameters.workspace
+    at = places(parameters)
+    mode = stage.mode[w]
+    y = stage.y
+    dy = stage.dy
+    part = workspace.parts[w]
+    art = kept_articulated(workspace.articulated[w])
+    rate = carrier.body.rate
     disk = rigid_body(y, body_place(parameters, w, 0))
-    arm, spin_rate = minus(disk.position, carrier.centre), dot(minus(disk.rate, rate), art.axle)
+    arm = minus(disk.position, carrier.centre)
+    spin_rate = dot(minus(disk.rate, rate), art.axle)
     needed = moving(art, rate, spin_rate, arm, angular, linear)
     for side in range(part.contacts):
         contact = workspace.contacts[part.first + side]
@@ -303,7 +335,8 @@ def move_bodies(parameters, stage, w, carrier, linear, angular):
     for i in range(wheel.rollers):
         first = body_place(parameters, w, i + 1)
         roller = rigid_body(y, first)
-        axis, rho = third_axis(roller.rotation), minus(roller.position, disk.position)
+        axis = third_axis(roller.rotation)
+        rho = minus(roller.position, disk.position)
         joint = dot(minus(roller.rate, disk.rate), axis)
         floor = Wrench3(Vec3(0.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.0))
         for side in range(part.contacts):

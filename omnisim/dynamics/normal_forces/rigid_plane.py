@@ -71,7 +71,9 @@ def share_out(machine, workspace, load, mobility, motion):
     by_1 = yielding(mobility, pushes.x.x, pushes.y.x, pushes.yaw.x)
     by_2 = yielding(mobility, pushes.x.y, pushes.y.y, pushes.yaw.y)
     share = 1.0 / places.count
-    x, y, mean = places.x * share, places.y * share, load * share
+    x = places.x * share
+    y = places.y * share
+    mean = load * share
     a_1, a_2, a = reduced(about_y, (by_0, by_1, by_2), motion, x, y, mean)
     c_1, c_2, c = reduced(about_x, (by_0, by_1, by_2), motion, x, y, mean)
     determinant = a_1 * c_2 - a_2 * c_1
@@ -108,7 +110,8 @@ def reduced(row, by, motion, x, y, mean):
 @kernel
 def carry(machine, workspace):
     """What the loads do to the body: Pushes, the rows of Tilt about -y and about x, and the LoadedPlaces."""
-    nothing, tilt = ByLoad(0.0, 0.0, 0.0), workspace.loads.tilt
+    nothing = ByLoad(0.0, 0.0, 0.0)
+    tilt = workspace.loads.tilt
     push_x, push_y, push_yaw = nothing, nothing, nothing
     about_y = Tilt(tilt[0, 0], tilt[0, 1], tilt[0, 2], nothing, tilt[0, 3])
     about_x = Tilt(tilt[1, 0], tilt[1, 1], tilt[1, 2], nothing, tilt[1, 3])
@@ -133,7 +136,9 @@ def carry(machine, workspace):
                 by_y, by_x = tilt_of(machine, contact, contact.force[0], contact.force[1], contact.torque)
                 about_y, about_x = resisted(about_y, by_y), resisted(about_x, by_x)
             elif workspace.resting is None or not holds(part, contact):
-                force_h, force_k, torque = contact.unit[0], contact.unit[1], contact.unit_torque
+                force_h = contact.unit[0]
+                force_k = contact.unit[1]
+                torque = contact.unit_torque
                 along_x, along_y, turn = push_of(machine, contact, force_h, force_k, torque)
                 by_y, by_x = tilt_of(machine, contact, force_h, force_k, torque)
                 push_x, push_y = loaded(push_x, along_x, x, y), loaded(push_y, along_y, x, y)

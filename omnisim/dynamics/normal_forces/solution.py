@@ -51,7 +51,10 @@ def solve(machine, workspace, load, equations, pushing):
 @kernel
 def balanced_equations(machine, workspace, equations):
     """BodyEquations with what contacts push that do not stick, by their loads where they are known."""
-    known, x, y, yaw = loads_known(machine), equations.x, equations.y, equations.yaw
+    known = loads_known(machine)
+    x = equations.x
+    y = equations.y
+    yaw = equations.yaw
     for w in range(len(workspace.parts)):
         part = workspace.parts[w]
         if part.slides or not part.loaded:
@@ -61,7 +64,9 @@ def balanced_equations(machine, workspace, equations):
             if workspace.resting is not None and holds(part, contact):
                 continue
             if part.contacts == 2:
-                force_h, force_k, torque = contact.force[0], contact.force[1], contact.torque
+                force_h = contact.force[0]
+                force_k = contact.force[1]
+                torque = contact.torque
             else:
                 normal = part.normal_force if known else 0.0
                 force_h = contact.constant[0] + contact.unit[0] * normal

@@ -19,7 +19,8 @@ def set_tilt(machine, wheel, contact, spin_held):
     axis_h, axis_k, axis_n = contact.axis[0], contact.axis[1], contact.axis[2]
     arm, spin = contact.arm, contact.spin
     rotor = rotor_part(wheel, spin_held)
-    above, height = wheel.radius - machine.height, machine.height
+    above = wheel.radius - machine.height
+    height = machine.height
     h_h, h_k = -axis_h * arm[0], height - axis_h * arm[1]  # about h by F_h and F_k, and about k
     k_h, k_k = above + rotor * spin[0], rotor * spin[1]
     lever, twist = contact.lever, contact.twist
@@ -45,7 +46,8 @@ def rotor_part(wheel, spin_held):
 @kernel
 def place_load(wheel, workspace, w):
     """Where the load of wheel w acts: between its contacts as they share it."""
-    part, along = workspace.parts[w], 0.0
+    part = workspace.parts[w]
+    along = 0.0
     for c in range(part.first, part.first + part.contacts):
         along += workspace.contacts[c].share * workspace.contacts[c].l
     set_point(wheel, part, along)
@@ -70,7 +72,9 @@ def set_body_tilt(machine, loads, wrench, yaw_rate):
 @kernel
 def external_tilt(machine, wrench, yaw_rate):
     """The wrench and the turning of S in the rows of tilt: about -y and about x."""
-    lever, moment, turning = machine.lever, machine.moment, yaw_rate * yaw_rate
+    lever = machine.lever
+    moment = machine.moment
+    turning = yaw_rate * yaw_rate
     about_y = lever[2] * wrench.x - lever[0] * wrench.z + turning * moment[0]
     return -about_y, lever[1] * wrench.z - lever[2] * wrench.y - turning * moment[1]
 
@@ -78,7 +82,9 @@ def external_tilt(machine, wrench, yaw_rate):
 @kernel
 def tilt_holding(row, contact, i):
     """A row of tilt with a sticking contact; i: its row of the levers."""
-    by_h, by_k, holding = contact.lever[i, 0], contact.lever[i, 1], contact.holding
+    by_h = contact.lever[i, 0]
+    by_k = contact.lever[i, 1]
+    holding = contact.holding
     for j in range(3):
         row[j] += by_h * holding[0, j] + by_k * holding[1, j]
     row[3] -= by_h * holding[0, 3] + by_k * holding[1, 3]

@@ -22,7 +22,8 @@ RING: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 9, "ma
 
 def deviations(run: Trajectory) -> dict[str, np.ndarray]:
     """Distances (m): of the body from where it was commanded to be, of the odometry from the body."""
-    found, commanded = {}, commanded_path(run)
+    found = {}
+    commanded = commanded_path(run)
     if commanded is not None:
         found["machine from command"] = size(run["body/position"][:, :2] - commanded[:, :2])
     if "odometry/position_error" in run:
@@ -96,7 +97,8 @@ def count(run: Trajectory, kind: str) -> int:
 
 def draw_others(axes: Axes, run: Trajectory, number: int, runs: int) -> dict[str, Line2D]:
     """The commanded path and the odometry's, those that there are; handles for a legend by name."""
-    lines, commanded = {}, commanded_path(run)
+    lines = {}
+    commanded = commanded_path(run)
     if commanded is not None:
         colour = INK if runs == 1 else look(number, 0, runs)["color"]
         axes.plot(*commanded[:, :2].T, color=colour, **TARGET, label="commanded")

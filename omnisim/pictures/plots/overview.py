@@ -16,7 +16,8 @@ WIDTH, HEIGHT = 14.0, 8.0  # inches
 def story(runs: Runs) -> Figure:
     """Path and energy at the left; speed, yaw rate, drives, normal forces, slip and events over time at the right."""
     drives = [SPIN_RATE, TORQUE] if any(driven(run) for run in runs.values()) else []
-    panels, kinds = [SPEED, YAW_RATE, *drives, NORMAL_FORCE, SLIP_SPEED], len(kinds_of(runs))
+    panels = [SPEED, YAW_RATE, *drives, NORMAL_FORCE, SLIP_SPEED]
+    kinds = len(kinds_of(runs))
     height = HEIGHT + 0.7 * len(drives)
     figure = figure_of(runs, WIDTH, height)
     left, right = figure.subfigures(1, 2, squeeze=False, width_ratios=(0.85, 1.0))[0]

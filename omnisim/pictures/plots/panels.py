@@ -157,7 +157,9 @@ def draw(axes: Axes, panel: Panel, runs: Runs) -> tuple[list[str], dict[str, Art
 
 def draw_events(axes: Axes, runs: Runs) -> None:
     """A row of ticks for each kind of events, those of exchanges fine, with lanes within it; thinned where many."""
-    kinds, events, names = kinds_of(runs), lanes(runs), []
+    kinds = kinds_of(runs)
+    events = lanes(runs)
+    names = []
     height = 0.8 / len(events)
     most = max(((kind_of != "exchange").sum() for *_, kind_of in events), default=0)
     for row, kind in enumerate(kinds):

@@ -37,7 +37,8 @@ def rates(run: Trajectory, wheel: str) -> np.ndarray:
 
 def draw_map(axes: Axes, run: Trajectory, wheel: str, limit: float) -> AxesImage:
     """The map of one wheel; returned for the colour bar."""
-    time, count = run.time, len(run[ROLLER.format(wheel=wheel)])
+    time = run.time
+    count = len(run[ROLLER.format(wheel=wheel)])
     half = 0.5 * (time[1] if len(time) > 1 else 1.0)  # a row is shown about its time
     extent = time[0] - half, time[-1] + half, -0.5, count - 0.5
     image = axes.imshow(rates(run, wheel).T, origin="lower", aspect="auto", interpolation="nearest", extent=extent,

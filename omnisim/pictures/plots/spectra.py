@@ -46,7 +46,8 @@ def forward_speed(run: Trajectory) -> np.ndarray:
 
 def of_normal_forces(name: str, run: Trajectory) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Orders and amplitudes (N) by wheel, of those that have a spectrum; PlotError if none has."""
-    found, reasons = {}, []
+    found = {}
+    reasons = []
     for wheel in run.wheels:
         try:
             found[wheel] = of_wheel(run, wheel, run[f"wheels/{wheel}/normal_force"])
