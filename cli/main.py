@@ -15,6 +15,7 @@ from .new import new
 from .plot import plot
 from .run import run
 from .screen import BAD_INPUT, ENDING, Failure, leave_at_once, shown, warn
+from .sweep import sweep
 from .view import view
 from .warmup import warmup
 from .wheel import wheel
@@ -43,9 +44,9 @@ class Commands(click.Group):
 
 def explained(error: Exception) -> Failure:
     """The message and exit code for an exception that no command expects."""
-    from omnisim.scene.scene import SceneError  # here: --help answers without it
+    from omnisim.scene.document import InputError  # here: --help answers without it
 
-    if isinstance(error, SceneError):
+    if isinstance(error, InputError):
         return Failure(str(error), BAD_INPUT)
     if isinstance(error, MemoryError):
         return Failure(f"not enough memory: {error}")
@@ -78,7 +79,7 @@ def cli() -> None:
     """
 
 
-for command in (new, run, info, plot, view, export, compare, bench, wheel, warmup):
+for command in (new, run, sweep, info, plot, view, export, compare, bench, wheel, warmup):
     cli.add_command(command)
 
 

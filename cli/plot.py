@@ -17,11 +17,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from omnisim.results.trajectory import Trajectory
+    from omnisim.studies.result import StudyResult
 
 VIEWS = (
     "story", "path", "drives", "contact", "slip", "forces", "rollers", "ripple", "odometry", "energy", "bearings",
     "trackings",
 )  # fmt: skip
+STUDY = "omnisim-study"
 FORMATS = (".png", ".svg", ".pdf")
 NO_WINDOW = "no display to open a window on; -o FILE writes the picture to a file"
 
@@ -32,7 +34,8 @@ NO_WINDOW = "no display to open a window on; -o FILE writes the picture to a fil
 @click.option("-o", "output", metavar="OUT", help=f"Picture to write, {', '.join(FORMATS)}; else a window opens.")
 @click.option("--force", is_flag=True, help="Replace a picture that exists.")
 def plot(files: tuple[str, ...], view: str, output: str | None, force: bool) -> None:
-    """Show the trajectory in FILE: by default its story on one page, or a single view.
+    """Show the trajectory in FILE: by default its story on one page, or a single view. Of the file of a study, what its
+    runs have measured, over the keys that it varies.
 
     Several files are laid over each other. `trackings` compares two, as the paper's figures 5 to 7 do; `bearings`
     needs a run with output.bearing_loads = true, `odometry` a machine.
@@ -43,7 +46,12 @@ def plot(files: tuple[str, ...], view: str, output: str | None, force: bool) -> 
     omnisim plot implicit.h5 explicit.h5 --view trackings -o trackings.png
     """
     path = None if output is None else picture_path(output, files, force)
-    figure = drawn(view, read_all(dict.fromkeys(files)), interactive=path is None)
+    study = study_in(files)
+    if study is None:
+        figure = drawn(view, read_all(dict.fromkeys(files)), interactive=path is None)
+    else:
+        view = "study"
+        figure = drawn(view, study, interactive=path is None)
     if path is None:
         from matplotlib import pyplot
 
@@ -78,7 +86,20 @@ def read_all(files: Collection[str]) -> dict[str, Trajectory]:
     return dict(zip(names, found, strict=True))
 
 
-def drawn(view: str, trajectories: dict[str, Trajectory], interactive: bool) -> Figure:
+def study_in(files: tuple[str, ...]) -> StudyResult | None:
+    """The study that the only file holds; None if it is none. Failure where a study is one of several files."""
+    from omnisim.base.trajectory_file import format_of
+
+    if STUDY not in map(format_of, files):
+        return None
+    if len(files) > 1:
+        raise Failure("a study is shown by itself: one file", BAD_INPUT)
+    from omnisim.studies.result import open_study
+
+    return open_study(files[0])
+
+
+def drawn(view: str, shown: dict[str, Trajectory] | StudyResult, interactive: bool) -> Figure:
     """The figure; Failure without matplotlib, without a display if there must be one, or without data for the view."""
     try:
         import matplotlib
@@ -93,7 +114,7 @@ def drawn(view: str, trajectories: dict[str, Trajectory], interactive: bool) -> 
     if interactive and not has_window():
         raise Failure(NO_WINDOW, BAD_INPUT)
     try:
-        return plots.VIEWS[view](trajectories)
+        return plots.VIEWS[view](shown) if isinstance(shown, dict) else plots.study(shown)
     except plots.PlotError as error:
         raise Failure(str(error), BAD_INPUT) from None
 

@@ -12,6 +12,8 @@
     while loop.advance(0.01):
         loop.command(0.3, 0.0, 0.5 * (0.2 - loop.yaw))
 
+    found = omnisim.sweep("study.toml", "study.h5")       many runs, keys of the scene varied, on all cores
+
 `omnisim --help` and a mistyped scene wait for no compiler: names are found on first use. __init__.pyi has their types.
 """
 
@@ -34,7 +36,10 @@ _HOMES = {
     "load": ("scene.scene", "load"),
     "load_text": ("scene.scene", "load_text"),
     "open_trajectory": ("results.trajectory", "open_trajectory"),
+    "open_study": ("studies.result", "open_study"),
     "simulate": ("run.simulation", "simulate"),
+    "simulate_many": ("studies.many", "simulate_many"),
+    "sweep": ("studies.sweep", "sweep"),
 }
 __all__ = sorted([*_MODULES, *_HOMES])
 

@@ -14,6 +14,9 @@ from omnisim.scene.scene import Scene as Scene
 from omnisim.scene.scene import SceneError as SceneError
 from omnisim.scene.scene import load as load
 from omnisim.scene.scene import load_text as load_text
+from omnisim.studies.many import simulate_many as simulate_many
+from omnisim.studies.result import open_study as open_study
+from omnisim.studies.sweep import sweep as sweep
 
 __version__: str
 __all__ = [
@@ -27,9 +30,12 @@ __all__ = [
     "export",
     "load",
     "load_text",
+    "open_study",
     "open_trajectory",
     "plots",
     "report",
     "simulate",
+    "simulate_many",
+    "sweep",
     "viewer",
 ]

@@ -14,16 +14,25 @@ import omnisim
 pytestmark = pytest.mark.short
 PACKAGE = Path(omnisim.__file__).parent
 # A room imports from itself and from rooms above it in this list: data flows down, from the scene file to the pictures.
-ROOMS = ("base", "scene", "contact", "dynamics", "march", "results", "run", "cad", "pictures")
+ROOMS = ("base", "scene", "contact", "dynamics", "march", "results", "run", "studies", "cad", "pictures")
 ONLY = {
-    "h5py": {"results.hdf5", "base.trajectory_file"},
-    "pydantic": {"scene.schema", "scene.problems", "scene.validation", "scene.values"},
+    "h5py": {"results.hdf5", "base.trajectory_file", "studies.result"},
+    "pydantic": {
+        "scene.schema",
+        "scene.problems",
+        "scene.validation",
+        "scene.values",
+        "studies.schema",
+        "studies.factors",
+        "studies.study",
+    },
     "numba": {"base.kernel", "base.compiler", "base.calls"},
     "tomlkit": {"scene.toml_text"},
     "pandas": {"results.trajectory", "results.tables"},
-    "xarray": {"results.trajectory", "results.tables"},
+    "xarray": {"results.trajectory", "results.tables", "studies.result"},
     "pyarrow": {"results.tables"},
-    "scipy": {"results.tables"},
+    "scipy": {"results.tables", "studies.study"},
+    "distributed": {"studies.cluster"},
     "matplotlib": {"results.trajectory", "cad.drawing"}
     | {
         f"pictures.plots.{name}"
@@ -39,6 +48,7 @@ ONLY = {
             "spectra",
             "paper",
             "overview",
+            "studies",
         )
     },
 }

@@ -58,6 +58,17 @@ def opened(path: str | PathLike[str], get: Callable[[h5py.File], T]) -> T:
         raise TrajectoryError(f"{name}: truncated or damaged ({reason})") from error
 
 
+def format_of(path: str | PathLike[str]) -> str:
+    """What an HDF5 file says that it is; empty for a file that says nothing or is none."""
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            return str(file.attrs.get("format", ""))
+    except OSError:
+        return ""
+
+
 def _check_format(file: h5py.File, path: str) -> None:
     name = file.attrs.get("format")
     if not isinstance(name, str) or name != FORMAT:

@@ -14,7 +14,7 @@ from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.state import Recording, Run
 from omnisim.march.events import STOP
 from omnisim.march.stiffness import method_used
-from omnisim.results.observables import datasets, energy
+from omnisim.results.observables import Observables
 from omnisim.results.trajectory import Trajectory
 from omnisim.scene.scene import Scene
 from omnisim.scene.schema import Config
@@ -29,7 +29,7 @@ def collect(
     config = scene.config
     names = [wheel.name for wheel in scene.config.wheels]
     interval = config.time.output_interval
-    sampled = datasets(parameters, so_far(rows, run.clock), interval, config)
+    sampled = Observables(parameters, so_far(rows, run.clock), interval, config).everything()
     kept = finite_rows(sampled)
     if kept < run.clock.row:  # a state that overflows only when it is squared, say
         sampled = {path: values[:kept] for path, values in sampled.items()}
@@ -86,15 +86,15 @@ def ending(config: Config, run: Run, kept: int) -> Ending:
     return Ending(clock, float(stop_time), wheel, method, status.sentence(clock, stop_time, wheel, method))
 
 
-@np.errstate(over="ignore", invalid="ignore")
-def outcome(config: Config, parameters: Parameters, run: Run, rows: Recording) -> str:
-    """How a march has ended, in the sentence that `collect` would give it, from as little as that takes."""
-    known = so_far(rows, run.clock)
-    energies = energy(parameters, known)
-    kept = len(known.y)
-    if kept and not moderate(energies):
-        kept = finite_rows(datasets(parameters, known, config.time.output_interval, config))
-    return ending(config, run, kept).sentence
+def outcome(config: Config, run: Run, found: Observables) -> Ending:
+    """How a march has ended, as `collect` would tell it, from as little as that takes; found: its rows so far."""
+    return ending(config, run, finite_count(found))
+
+
+def finite_count(found: Observables) -> int:
+    """Number of rows before the first that holds NaN or infinity in any dataset; computes all only in doubt."""
+    count = len(found.times)
+    return count if count == 0 or moderate(found) else finite_rows(found.everything())
 
 
 def so_far(rows: Recording, clock: np.record) -> Recording:
@@ -113,7 +113,7 @@ def finite_rows(sampled: dict[str, np.ndarray]) -> int:
     return rows[0] if rows else count
 
 
-def moderate(energies: dict[str, np.ndarray]) -> bool:
+def moderate(energies: dict[str, np.ndarray] | Observables) -> bool:
     """Whether energies are. If so nothing is infinite: every dataset is a product of few speeds."""
     return bool(np.all(np.abs(energies["energy/balance"]) + energies["energy/kinetic"] < MODERATE))
 

@@ -1,5 +1,7 @@
 """From recorded rows to the datasets of a trajectory: every quantity that the march itself does not need."""
 
+from functools import cached_property
+
 import numpy as np
 
 from omnisim.base.calls import by_columns
@@ -12,53 +14,111 @@ from omnisim.march.extremes import bearing_extremes, odometry_extremes, wheel_ex
 from omnisim.march.observation import Observed, observed_rows
 from omnisim.scene.schema import Config
 
+EXTREMES = "extremes"  # a group for each wheel
 
-@np.errstate(over="ignore", invalid="ignore")  # the caller drops rows that are not finite
-def datasets(parameters: Parameters, rows: Recording, interval: float, config: Config) -> dict[str, np.ndarray]:
-    """All datasets of T rows, `interval` seconds apart, but the events: by path in the trajectory file."""
-    times = np.arange(len(rows.y)) * interval
-    observed = observed_rows(parameters, rows, times, config.bearing_loads)
-    parameters = parameters._replace(machine=plain(parameters.machine))
-    data = {"time": times} | body(parameters, rows.y, observed.slopes, config.chassis is None)
-    data |= energy(parameters, rows)
-    if parameters.machine.motors:
-        data |= motor_energies(parameters, rows.y, data["energy/balance"])
-    if parameters.machine.odometry:
-        data |= odometry(parameters, rows.y, data["body/position"])
-        data |= odometry_extremes(rows.odometry_extremes)
-    if config.chassis is not None and parameters.machine.upright == SERVO:
-        data["body/servo_torque"] = observed.servo
-    if parameters.workspace.articulated is not None:
-        data |= residuals(parameters, rows.y)
-    for w, (wheel, number) in enumerate(zip(config.wheels, parameters.wheels.rollers.tolist(), strict=True)):
-        group = wheel_datasets(places_in(parameters), w, number, rows, observed)
-        if wheel.drive.controlled:
-            group["target_rate"] = targets(parameters, w, rows.piece, times)
-        if parameters.wheels[w].motor:
-            group |= motor_datasets(observed.wheels[:, w], parameters.wheels[w].resistance)
-        if config.chassis is None:
-            group["servo_torque"] = observed.servo[:, 0]
+
+class Observables:
+    """All datasets of T rows, `interval` seconds apart, but the events: by path in the trajectory file.
+
+    They come in groups, a wheel's or those of energy, each computed when somebody asks for one of it. What overflows is
+    infinite, or NaN.
+    """
+
+    def __init__(self, parameters: Parameters, rows: Recording, interval: float, config: Config):
+        self.parameters = parameters
+        self.plain = parameters._replace(machine=plain(parameters.machine))  # quicker than a record
+        self.rows = rows
+        self.config = config
+        self.times = np.arange(len(rows.y)) * interval
+        self.names = {wheel.name: w for w, wheel in enumerate(config.wheels)}
+        self._groups: dict[str, dict[str, np.ndarray]] = {}
+
+    def __getitem__(self, path: str) -> np.ndarray:
+        """Raises KeyError for a dataset that this scene does not have."""
+        return self._group(group_of(path))[path]
+
+    def everything(self) -> dict[str, np.ndarray]:
+        """All of them."""
+        wheels = [f"{folder}/{name}" for folder in ("wheels", EXTREMES) for name in self.names]
+        found: dict[str, np.ndarray] = {}
+        for group in ("time", "body", "energy", "odometry", "constraints", *wheels):
+            found |= self._group(group)
+        return found
+
+    @cached_property
+    def observed(self) -> Observed:
+        return observed_rows(self.parameters, self.rows, self.times, self.config.bearing_loads)
+
+    def _group(self, name: str) -> dict[str, np.ndarray]:
+        if name not in self._groups:
+            with np.errstate(over="ignore", invalid="ignore"):  # the caller drops rows that are not finite
+                self._groups[name] = self._computed(name)
+        return self._groups[name]
+
+    def _computed(self, name: str) -> dict[str, np.ndarray]:
+        parameters = self.plain
+        machine = parameters.machine
+        folder, _, wheel = name.rpartition("/")
+        if name == "time":
+            return {"time": self.times}
+        if name == "body":
+            data = body(parameters, self.rows.y, self.observed.slopes, self.config.chassis is None)
+            servo = self.config.chassis is not None and machine.upright == SERVO
+            return data | ({"body/servo_torque": self.observed.servo} if servo else {})
+        if name == "energy":
+            data = energy(parameters, self.rows)
+            return data | (motor_energies(parameters, self.rows.y, data["energy/balance"]) if machine.motors else {})
+        if name == "odometry" and machine.odometry:
+            extremes = odometry_extremes(self.rows.odometry_extremes)
+            return odometry(parameters, self.rows.y) | extremes
+        if name == "constraints" and parameters.workspace.articulated is not None:
+            return residuals(parameters, self.rows.y)
+        if folder and wheel in self.names:
+            return self._of_wheel(folder, wheel)
+        return {}
+
+    def _of_wheel(self, folder: str, name: str) -> dict[str, np.ndarray]:
+        """Of one wheel: its extremes, or all else."""
+        w = self.names[name]
+        config = self.config
+        packed = self.parameters.wheels[w]
+        number = int(packed.rollers)
+        chassis = config.chassis is not None
+        if folder == EXTREMES:
+            extremes = wheel_extremes(self.rows.extremes[:, w], bool(packed.motor))
+            if config.bearing_loads:
+                extremes |= bearing_extremes(self.rows.bearing_extremes[:, w], number, chassis)
+            return {path.format(name): values for path, values in extremes.items()}
+        group = wheel_datasets(places_in(self.parameters), w, number, self.rows, self.observed)
+        if config.wheels[w].drive.controlled:
+            group["target_rate"] = targets(self.parameters, w, self.rows.piece, self.times)
+        if packed.motor:
+            group |= motor_datasets(self.observed.wheels[:, w], packed.resistance)
+        if not chassis:
+            group["servo_torque"] = self.observed.servo[:, 0]
         if config.bearing_loads:
-            group |= bearing_loads(observed.bearing_loads[:, w], number, config.chassis is not None)
-        data |= {f"wheels/{wheel.name}/{path}": values for path, values in group.items()}
-        extremes = wheel_extremes(rows.extremes[:, w], bool(parameters.wheels[w].motor))
-        if config.bearing_loads:
-            extremes |= bearing_extremes(rows.bearing_extremes[:, w], number, config.chassis is not None)
-        data |= {path.format(wheel.name): values for path, values in extremes.items()}
-    return data
+            group |= bearing_loads(self.observed.bearing_loads[:, w], number, chassis)
+        return {f"wheels/{name}/{path}": values for path, values in group.items()}
+
+
+def group_of(path: str) -> str:
+    """The group that a dataset is computed with."""
+    first, *rest = path.split("/")
+    if first in ("interval_max", "interval_min"):
+        return f"{EXTREMES}/{rest[1]}" if rest[0] == "wheels" else rest[0]
+    return f"{first}/{rest[0]}" if first == "wheels" else first
 
 
 def body(parameters: Parameters, y: np.ndarray, slopes: np.ndarray, bare: bool) -> dict[str, np.ndarray]:
     """Motion of the centre of a bare wheel at the constant height R, or of the chassis origin on the floor."""
     at = places_in(parameters)
-    ahead, left = parameters.machine.centre
     height = parameters.wheels[0].radius if bare else 0.0
-    cos, sin = np.cos(y[:, YAW]), np.sin(y[:, YAW])
-    x_arm, y_arm = ahead * cos - left * sin, ahead * sin + left * cos  # C from the origin
-    arm, across = np.array([x_arm, y_arm]).T, np.array([y_arm, -x_arm]).T
+    arm = to_centre(parameters, y)
+    across = np.array([arm[:, 1], -arm[:, 0]]).T
     rate, bend = y[:, at.yaw_rate, None], slopes[:, at.yaw_rate, None]
     motion = np.zeros((3, len(y), 3))
-    motion[0, :, :2], motion[0, :, 2] = y[:, :YAW] - arm, height
+    motion[0, :, :2] = y[:, :YAW] - arm
+    motion[0, :, 2] = height
     motion[1, :, :2] = y[:, at.velocity : at.yaw_rate] + rate * across
     motion[2, :, :2] = slopes[:, at.velocity : at.yaw_rate] + bend * across + rate**2 * arm
     return {
@@ -71,7 +131,14 @@ def body(parameters: Parameters, y: np.ndarray, slopes: np.ndarray, bare: bool) 
     }
 
 
-def odometry(parameters: Parameters, y: np.ndarray, position: np.ndarray) -> dict[str, np.ndarray]:
+def to_centre(parameters: Parameters, y: np.ndarray) -> np.ndarray:
+    """(T, 2), m: from the origin of the body to the common centre of mass, world axes."""
+    ahead, left = parameters.machine.centre
+    cos, sin = np.cos(y[:, YAW]), np.sin(y[:, YAW])
+    return np.array([ahead * cos - left * sin, ahead * sin + left * cos]).T
+
+
+def odometry(parameters: Parameters, y: np.ndarray) -> dict[str, np.ndarray]:
     """The pose that the ideal wheels report, and its error."""
     at = places_in(parameters)
     columns = parameters.wheels.odometry
@@ -81,7 +148,7 @@ def odometry(parameters: Parameters, y: np.ndarray, position: np.ndarray) -> dic
     return {
         "odometry/position": reported,
         "odometry/yaw": yaw,
-        "odometry/position_error": reported - position[:, :2],
+        "odometry/position_error": reported - (y[:, :YAW] - to_centre(parameters, y)),
         "odometry/yaw_error": yaw - y[:, YAW],
     }
 

@@ -11,7 +11,6 @@ of them, held from then on, and the trajectory's scene has it as tables, so that
 """
 
 import math
-import time
 import tomllib
 from collections.abc import Sequence
 from copy import copy
@@ -24,30 +23,23 @@ import numpy as np
 
 from omnisim.base import status
 from omnisim.base.arguments import finite, number, shown
-from omnisim.base.calls import direct
 from omnisim.base.copying import copied
-from omnisim.base.methods import METHODS
-from omnisim.base.records import blank
-from omnisim.base.status import EVENTS_PER_STEP
-from omnisim.dynamics.packing import WRENCH, pack
+from omnisim.dynamics.packing import WRENCH
 from omnisim.dynamics.parameters import DRIVE_INPUT
 from omnisim.dynamics.state import places_in
-from omnisim.march.events import EVENT
-from omnisim.march.initial_state import begin, blank_rows
-from omnisim.march.march import march
-from omnisim.results.assembly import collect, outcome
+from omnisim.results.assembly import collect
 from omnisim.results.trajectory import Trajectory
 from omnisim.run.inputs import Held, hold_inputs, with_tables
+from omnisim.run.marching import FOR_EVER, Marching
 from omnisim.run.sensors import Sensors
 from omnisim.scene.ideal_kinematics import wheel_rows
 from omnisim.scene.scene import Overrides, Scene, SceneError, as_scene, changed
 from omnisim.scene.toml_text import MISSING, assign, rewrite
 
 ON_GRID = 1e-9  # relative, of times that must be multiples of the step
-FOR_EVER = np.iinfo(np.int64).max
 
 
-class Loop(Sensors):
+class Loop(Marching, Sensors):
     """One run of a scene, as far as it has come, with the step that the scene gives: none is picked for `solver.error`.
 
     scene: a Scene, or what `load` takes. Raises SceneError if the scene gives no step, or if the rows of all of it do
@@ -56,36 +48,21 @@ class Loop(Sensors):
 
     def __init__(self, scene: Scene | str | PathLike[str]):
         self.scene = scene = stepped(as_scene("Loop", scene))
-        self.stages = METHODS[scene.config.solver.method].stages
-        self.parameters = pack(scene.config)
-        self.run = begin(scene.config, self.parameters)
         try:
-            count = scene.config.time.outputs + 1
-            machine = self.parameters.machine
-            self.rows = blank_rows(self.run, count, scene.config.bearing_loads, bool(machine.odometry))
+            super().__init__(scene.config)
         except MemoryError as error:
             raise SceneError(f"{scene.source}: time.output_interval: too many rows for the memory: {error}") from None
-        self.log = blank(EVENT, 4 * EVENTS_PER_STEP)
         self.names = MappingProxyType({wheel.name: w for w, wheel in enumerate(scene.config.wheels)})
         self._at = places_in(self.parameters)
         self._dt = float(self.run.clock.dt)
         self._held = Held(len(self.parameters.starts))
-        self.wall_time = 0.0
         self.march(0)  # finds the rollers in contact; the first call loads or compiles the kernels
         self.wall_time = 0.0
 
     def march(self, work: int = FOR_EVER) -> int:
         """March up to the goal, or for about so many right-hand sides; the status."""
-        clock = self.run.clock
         self._seen = None
-        clock["pause"] = FOR_EVER if work == FOR_EVER else min(int(clock["rhs"]) + work, FOR_EVER)
-        begun = time.perf_counter()
-        result = direct(march, self.parameters, self.stages, self.run, self.rows, self.log)
-        while result == status.LOG_FULL:
-            self.log = np.concatenate([self.log, np.zeros_like(self.log)]).view(np.recarray)
-            result = direct(march, self.parameters, self.stages, self.run, self.rows, self.log)
-        self.wall_time += time.perf_counter() - begun
-        return result
+        return super().march(work)
 
     def advance(self, seconds: float) -> bool:
         """March on by a multiple of the scene's step; whether the run goes on after that.
@@ -166,7 +143,7 @@ class Loop(Sensors):
         """ "running", or how the run ended, as the trajectory's status has it."""
         if self.run.clock.status == status.RUNNING:
             return "running"
-        return outcome(self.scene.config, self.parameters, self.run, self.rows)
+        return self.ending().sentence
 
     def trajectory(self) -> Trajectory:
         """The run so far, at the output times it has passed; the Loop may go on."""

@@ -52,10 +52,10 @@ class _Place(NamedTuple):
     rest: KeyPath
 
 
-def _place(location: KeyPath) -> _Place:
-    table: type[Table] = Config
+def _place(location: KeyPath, root: type[Table] = Config) -> _Place:
+    table: type[Table] = root
     field: FieldInfo | None = None
-    nested: type[Table] | None = Config
+    nested: type[Table] | None = root
     path: KeyPath = ()
     rest = location
     while rest and nested:
@@ -90,19 +90,27 @@ def _allowed(place: _Place) -> str:
     return (place.field and place.field.description) or "a known key"
 
 
+def misplaced(path: KeyPath) -> Problem | None:
+    """What is wrong with a path that no scene file can have."""
+    place = _place(path)
+    if place.field is None:
+        return _unknown_key(place)
+    return Problem(place.path, "is not a table and has no keys") if place.rest else None
+
+
 def allowed_at(path: KeyPath) -> str:
     """What the scene file allows at a path."""
     return _allowed(_place(path))
 
 
-def schema_problems(error: ValidationError, data: Any) -> Iterator[Problem]:
-    """The problems behind pydantic's errors: one for each defect of `data`."""
+def schema_problems(error: ValidationError, data: Any, root: type[Table] = Config) -> Iterator[Problem]:
+    """The problems behind pydantic's errors: one for each defect of `data`, which was meant to be a `root`."""
     items = [(item["type"], item["loc"]) for item in error.errors(include_url=False, include_input=False)][:MOST]
     # Missing keys that an unknown one nearly spells are no second defect.
     unknown = {location for kind, location in items if kind == "extra_forbidden"}
-    meant = {(*path[:-1], _closest(path[-1], _fields(_place(path).table))) for path in unknown}
-    for location in _deepest(location for _, location in items):
-        place = _place(location)
+    meant = {(*path[:-1], _closest(path[-1], _fields(_place(path, root).table))) for path in unknown}
+    for location in _deepest((location for _, location in items), root):
+        place = _place(location, root)
         if location in unknown:
             yield _unknown_key(place)
         elif location[-1] == "[key]":
@@ -119,12 +127,12 @@ def _unknown_key(place: _Place) -> Problem:
     return Problem(place.path, f"unknown key{hint} Allowed: {', '.join(known)}")
 
 
-def _deepest(locations: Iterable[KeyPath]) -> Iterable[KeyPath]:
+def _deepest(locations: Iterable[KeyPath], root: type[Table]) -> Iterable[KeyPath]:
     """One location for each defect: the deepest. A union reports once for every type that it tried, and a
     list of tables that it is too short when the tables in it are wrong."""
     best: dict[KeyPath, KeyPath] = {}
     for location in sorted(locations, key=len, reverse=True):
-        best.setdefault(_place(location).path, location)
+        best.setdefault(_place(location, root).path, location)
     parents = {path[:end] for path in best for end in range(len(path))}
     return [location for path, location in best.items() if path not in parents]
 
@@ -138,8 +146,9 @@ def _wrong_value(data: Any, place: _Place) -> Problem:
     hint = ""
     if isinstance(value, str):
         annotation = place.field.annotation if place.field else None
-        if get_origin(annotation) is Literal:
-            hint = did_you_mean(value, get_args(annotation))
+        kinds = [kind for kind in (annotation, *get_args(annotation)) if get_origin(kind) is Literal]
+        if kinds:
+            hint = did_you_mean(value, get_args(kinds[0]))
         elif "number" in _allowed(place) and (number := _number_in(value)) is not None:
             hint = f"; did you mean {number}?"
     return Problem(path, f"must be {_allowed(place)}{hint}")

@@ -1,10 +1,9 @@
 """From a scene file and overrides to a checked, frozen Scene, or to a SceneError that says what to change."""
 
-import re
 import tomllib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
@@ -13,34 +12,28 @@ from typing import Any
 from omnisim.base.arguments import path_text, shown
 from omnisim.base.files import is_hdf5, read_small
 from omnisim.base.formatting import visible
-from omnisim.scene.problems import ConfigError, Problem, did_you_mean
+from omnisim.scene.document import MOST_BYTES, Document, InputError, Override, by_name, decoded, parsed
+from omnisim.scene.problems import ConfigError, did_you_mean
 from omnisim.scene.schema import FRICTION_KEYS, Config
 from omnisim.scene.toml_text import (
     DEEPEST,
-    MISSING,
     KeyPath,
-    TooDeep,
     assign,
     is_deeper,
-    locate,
-    long_key,
     rewrite,
     shortened,
     show_path,
     show_value,
     split_key,
-    value_at,
 )
 from omnisim.scene.validation import validate
 from omnisim.scene.values import is_name
 
 Overrides = Iterable[str] | Mapping[str, Any]  # ["time.end=1"], or {"time.end": 1}, or {"time": {"end": 1}}
 SOURCE = "a path or the name of a packaged scene"
-MOST_BYTES = 8 << 20  # of a scene file: tables of a hundred thousand rows
-MOST_PROBLEMS = 20  # that a message tells
 
 
-class SceneError(ValueError):
+class SceneError(InputError):
     """What is wrong with a scene, one line for each problem: file, line, key, value, what is allowed."""
 
 
@@ -61,14 +54,14 @@ class Scene:
     text: str
     name: str
     source: str
-    _written: "_Written" = field(repr=False, compare=False)
+    document: Document = field(repr=False, compare=False)
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """What is hardly meant, one line each: file, line, key, value, what is expected. See plausibility.py."""
         from omnisim.scene.plausibility import doubts  # here: it computes, and not everyone asks
 
-        return tuple(_report(doubts(self.config), self._written).splitlines())
+        return tuple(self.document.told(doubts(self.config)).splitlines())
 
     def __repr__(self) -> str:
         config = self.config
@@ -89,26 +82,6 @@ class Scene:
             f"  friction  {law}\n"
             f"  time      {time.end:g} s by {config.solver.method}, {step}, rows every {time.output_interval:g} s>"
         )
-
-
-@dataclass(frozen=True)
-class _Written:
-    """A scene as it was handed over: what it says, overrides applied; its text without them; its source; overrides."""
-
-    data: dict[str, Any]
-    text: str
-    source: str
-    applied: "tuple[_Override, ...]"
-
-
-@dataclass(frozen=True)
-class _Override:
-    """One value set: who says so, its path, and the topmost path that it created or replaced."""
-
-    origin: str
-    path: KeyPath
-    value: Any
-    top: KeyPath
 
 
 def load(source: str | PathLike[str], overrides: Overrides = ()) -> Scene:
@@ -157,23 +130,18 @@ def changed(scene: Scene, overrides: Overrides) -> Scene:
 def parse(text: str, source: str = "<text>", overrides: Overrides = ()) -> Scene:
     """The scene in a TOML text; `source` names it in messages. Raises SceneError."""
     try:
-        line = long_key(text)
-        data = {} if line else tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise SceneError(_syntax(error, text, source)) from None
-    if line or is_deeper(data, DEEPEST):
-        raise SceneError(f"{source}:{line or _deep_line(text)}: keys are nested more than {DEEPEST} deep")
-    applied = []
-    for origin, path, value in _values(overrides):
-        applied.append(_apply(data, origin, path, value))
-    written = _Written(data, text, source, tuple(applied))
+        document = parsed(text, source)
+    except InputError as error:
+        raise SceneError(str(error)) from None
+    applied = [_apply(document.data, origin, path, value) for origin, path, value in _values(overrides)]
+    document = replace(document, applied=tuple(applied))
     try:
-        config = validate(data)
+        config = validate(document.data)
     except ConfigError as error:
-        raise SceneError(_report(error.problems, written)) from None
+        raise SceneError(document.told(error.problems)) from None
     if applied:
-        text = rewrite(text, [(override.path, override.value) for override in applied], data)
-    return Scene(config, text, "scene" if source == "<text>" else Path(source).stem, source, written)
+        text = rewrite(text, [(override.path, override.value) for override in applied], document.data)
+    return Scene(config, text, "scene" if source == "<text>" else Path(source).stem, source, document)
 
 
 def packaged_scenes() -> list[str]:
@@ -202,10 +170,9 @@ def _text(path: Path, source: str) -> str:
 
 def _decode(content: bytes, source: str) -> str:
     try:
-        return content.decode("utf-8-sig")  # some editors write a byte order mark, which TOML does not allow
-    except UnicodeDecodeError as error:
-        line = content[: error.start].count(b"\n") + 1
-        raise SceneError(f"{source}:{line}: not a text in UTF-8, as TOML must be: {error.reason}") from None
+        return decoded(content, source)
+    except InputError as error:
+        raise SceneError(str(error)) from None
 
 
 def _not_found(path: Path, source: str) -> str:
@@ -216,28 +183,6 @@ def _not_found(path: Path, source: str) -> str:
     hint = did_you_mean(source, known) or "."
     names = ", ".join(known) or "none"
     return f"{source}: no file and no packaged scene has this name{hint} Packaged scenes: {names}"
-
-
-def _syntax(error: Exception, text: str, source: str) -> str:
-    """tomllib gives the position at the end of its sentence, in words; a few errors have none."""
-    if isinstance(error, RecursionError):
-        return f"{source}: not valid TOML: nested too deeply"
-    found = re.fullmatch(r"(.*) \(at (?:line (\d+), column (\d+)|end of document)\)", str(error), re.DOTALL)
-    if not found:
-        return f"{source}: not valid TOML: {error}"
-    lines = text.splitlines() or [""]
-    line = int(found[2] or len(lines))
-    column = f", column {found[3]}" if found[3] else ", end of the file"
-    shown = show_value(lines[min(line, len(lines)) - 1].strip())
-    return f"{source}:{line}: not valid TOML: {found[1]} (line {line}{column}): {shown}"
-
-
-def _deep_line(text: str) -> int:
-    try:
-        locate(text)
-    except TooDeep as error:
-        return error.line
-    return 1
 
 
 # --- overrides ------------------------------------------------------------------------------------
@@ -294,14 +239,14 @@ def _argument(argument: str) -> tuple[str, KeyPath, Any]:
     return f"--set {argument}", path, _read_value(value.strip())
 
 
-def _apply(data: dict[str, Any], origin: str, path: KeyPath, value: Any) -> _Override:
+def _apply(data: dict[str, Any], origin: str, path: KeyPath, value: Any) -> Override:
     """Sets a value in the parsed scene; `origin` is who says so."""
     if is_deeper(value, DEEPEST - len(path)):
         raise SceneError(f"{origin}: keys are nested more than {DEEPEST} deep")
-    path = _with_index(data, path, origin)
+    path = with_index(data, path, origin)
     top = _topmost_new(data, path, origin)
     assign(data, path, value)
-    return _Override(origin, path, value, top)
+    return Override(origin, path, value, top)
 
 
 def _read_value(text: str) -> Any:
@@ -313,8 +258,8 @@ def _read_value(text: str) -> Any:
     return parsed["value"] if len(parsed) == 1 else text
 
 
-def _with_index(data: dict[str, Any], path: KeyPath, origin: str) -> KeyPath:
-    """Wheels are written by name and stored in a list."""
+def with_index(data: dict[str, Any], path: KeyPath, origin: str) -> KeyPath:
+    """Wheels are written by name and stored in a list. Raises SceneError for one that is not there."""
     if path[0] != "wheels" or len(path) == 1:
         return path
     wheels = data.get("wheels")
@@ -337,54 +282,9 @@ def _topmost_new(data: dict[str, Any], path: KeyPath, origin: str) -> KeyPath:
             table = table[part]
             continue
         if not isinstance(table, dict):
-            name = show_path(_by_name(path[:depth], data))
+            name = show_path(by_name(path[:depth], data))
             raise SceneError(f"{origin}: {name} = {show_value(table)} is not a table and has no keys")
         if part not in table:
             return path[: depth + 1]
         table = table[part]
-    return path
-
-
-# --- messages -------------------------------------------------------------------------------------
-
-
-def _report(problems: Iterable[Problem], written: _Written) -> str:
-    """One line for each problem in the order of the file, those of overrides first."""
-    problems = list(problems)
-    data = written.data
-    if not problems:
-        return ""  # the text is not scanned in vain
-    places = {path: (line, f"{written.source}:{line}") for path, line in locate(written.text).items()}
-    for override in written.applied:
-        top = override.top
-        places = {path: place for path, place in places.items() if path[: len(top)] != top}
-        places[top] = (0, override.origin)
-    lines = []
-    for problem in problems:
-        line, place = _nearest(places, problem.path)
-        lines.append((line, f"{place}: {_key_and_value(problem.path, data)}: {problem.message}"))
-    told = [message for _, message in sorted(lines, key=lambda entry: entry[0])]
-    more = [f"{written.source}: and more of this"] if len(told) > MOST_PROBLEMS else []
-    return "\n".join([*told[:MOST_PROBLEMS], *more])
-
-
-def _nearest(places: dict[KeyPath, tuple[int, str]], path: KeyPath) -> tuple[int, str]:
-    """The place of a key; of its table when it is missing."""
-    while path not in places:
-        path = path[:-1]
-    return places[path]
-
-
-def _key_and_value(path: KeyPath, data: dict[str, Any]) -> str:
-    name = show_path(_by_name(path, data))
-    value = value_at(data, path)
-    return name if value is MISSING else f"{name} = {show_value(value)}"
-
-
-def _by_name(path: KeyPath, data: dict[str, Any]) -> KeyPath:
-    """Wheels by name, as --set takes them, if they have one."""
-    if len(path) > 1 and path[0] == "wheels":
-        wheel = data["wheels"][path[1]]
-        if isinstance(wheel, dict) and is_name(wheel.get("name")):
-            return ("wheels", wheel["name"], *path[2:])
     return path

@@ -20,7 +20,7 @@ def validate(data: Mapping[str, Any]) -> Config:
     Rules across keys compare values, estimates need shapes, and rules of the machine its parts: each stage waits for
     the one before.
     """
-    data = _tuples(data)
+    data = tuples(data)
     try:
         config = Config.model_validate(data)
     except ValidationError as error:
@@ -37,8 +37,8 @@ def _obey(rules: Iterable[Rule], config: Config) -> None:
         raise ConfigError(problems)
 
 
-def _tuples(value: Any) -> Any:
+def tuples(value: Any) -> Any:
     """Lists become tuples: strict models take no list for a tuple, and frozen ones should hold none."""
     if isinstance(value, dict):
-        return {key: _tuples(entry) for key, entry in value.items()}
-    return tuple(_tuples(entry) for entry in value) if isinstance(value, list) else value
+        return {key: tuples(entry) for key, entry in value.items()}
+    return tuple(tuples(entry) for entry in value) if isinstance(value, list) else value

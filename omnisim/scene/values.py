@@ -42,9 +42,10 @@ Size = Annotated[
 Inertia = Annotated[tuple[Positive, Positive, Positive], Field(description="three finite numbers > 0 [Ixx, Iyy, Izz]")]
 
 
-def choice(*words: str) -> Any:
-    """One of these words."""
-    return Annotated[Literal[words], Field(description=join(words))]
+def choice(*words: str, optional: bool = False) -> Any:
+    """One of these words; if optional, None stands for none of them."""
+    kind: Any = Literal[words]
+    return Annotated[kind | None if optional else kind, Field(description=join(words))]
 
 
 def join(words: Iterable[str]) -> str:

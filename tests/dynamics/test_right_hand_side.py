@@ -8,7 +8,7 @@ from omnisim.dynamics.state import YAW, Contents, places_of
 from omnisim.march.initial_state import blank_rows
 from omnisim.march.march import write_row
 from omnisim.march.runge_kutta import evaluate
-from omnisim.results.observables import datasets
+from omnisim.results.observables import Observables
 
 pytestmark = pytest.mark.short
 
@@ -94,7 +94,7 @@ def test_the_servo_torque_balances_the_moment_of_momentum_about_the_heading():
         wheel, y = parameters.wheels[0], run.y
         rows = blank_rows(run, 1)
         write_row(parameters, run, rows)
-        data = datasets(parameters, rows, 1.0, config)
+        data = Observables(parameters, rows, 1.0, config)
         roller, rates = int(run.mode[0].roller % 4), run.rates[0].copy()
 
         def momentum(y, wheel=wheel, parameters=parameters, roller=roller, rates=rates):

@@ -3,7 +3,8 @@
     figure = omnisim.plots.story(trajectory)  # or several: story([a, b]), story({"slow": a, "fast": b})
     figure.savefig("story.png")
 
-Every view takes trajectories and returns a Figure of pyplot; PlotError says what they do not have to show.
+Every view takes trajectories, `study` what `sweep` has found, and returns a Figure of pyplot; PlotError says what they
+do not have to show.
 """
 
 from omnisim.pictures.plots.bearing_loads import bearings
@@ -14,11 +15,12 @@ from omnisim.pictures.plots.overview import story
 from omnisim.pictures.plots.paper import trackings
 from omnisim.pictures.plots.roller_maps import rollers
 from omnisim.pictures.plots.spectra import ripple
+from omnisim.pictures.plots.studies import study
 from omnisim.pictures.plots.style import PlotError
 
 _ALL = (story, path, drives, contact, slip, forces, rollers, ripple, odometry, energy, bearings, trackings)
 VIEWS = {view.__name__: view for view in _ALL}
 __all__ = [  # in full: tools that check types read it
     "VIEWS", "PlotError", "bearings", "contact", "drives", "energy", "forces", "odometry", "path", "ripple", "rollers",
-    "slip", "story", "trackings",
+    "slip", "story", "study", "trackings",
 ]  # fmt: skip

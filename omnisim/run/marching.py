@@ -1,0 +1,59 @@
+"""One march of a scene, from its packed numbers to the rows that it records."""
+
+import time
+
+import numpy as np
+
+from omnisim.base import status
+from omnisim.base.calls import direct
+from omnisim.base.methods import METHODS
+from omnisim.base.records import blank
+from omnisim.base.status import EVENTS_PER_STEP
+from omnisim.dynamics.packing import pack
+from omnisim.march.events import EVENT
+from omnisim.march.initial_state import begin, blank_rows
+from omnisim.march.march import march
+from omnisim.results.assembly import Ending, outcome, so_far
+from omnisim.results.observables import Observables
+from omnisim.scene.schema import Config
+
+FOR_EVER = np.iinfo(np.int64).max
+
+
+class Marching:
+    """A march as far as it has come: parameters, the run, its rows and events, and the wall time that it took, s.
+
+    Raises MemoryError if the rows do not fit into memory.
+    """
+
+    def __init__(self, config: Config):
+        self.config = config
+        self.stages = METHODS[config.solver.method].stages
+        self.parameters = pack(config)
+        self.run = begin(config, self.parameters)
+        has_odometry = bool(self.parameters.machine.odometry)
+        self.rows = blank_rows(self.run, config.time.outputs + 1, config.bearing_loads, has_odometry)
+        self.log = blank(EVENT, 4 * EVENTS_PER_STEP)
+        self.wall_time = 0.0
+
+    def march(self, work: int = FOR_EVER) -> int:
+        """March up to the goal, or for about so many right-hand sides; the status. The first call finds the rollers in
+        contact, and loads or compiles the kernels."""
+        clock = self.run.clock
+        clock["pause"] = FOR_EVER if work == FOR_EVER else min(int(clock["rhs"]) + work, FOR_EVER)
+        begun = time.perf_counter()
+        result = direct(march, self.parameters, self.stages, self.run, self.rows, self.log)
+        while result == status.LOG_FULL:
+            self.log = np.concatenate([self.log, np.zeros_like(self.log)]).view(np.recarray)
+            result = direct(march, self.parameters, self.stages, self.run, self.rows, self.log)
+        self.wall_time += time.perf_counter() - begun
+        return result
+
+    def observables(self) -> Observables:
+        """The datasets of the rows so far."""
+        known = so_far(self.rows, self.run.clock)
+        return Observables(self.parameters, known, self.config.time.output_interval, self.config)
+
+    def ending(self) -> Ending:
+        """How the march has ended, or would if it were left here."""
+        return outcome(self.config, self.run, self.observables())

@@ -1,0 +1,157 @@
+"""One run of a study: from its number to its status and its measures."""
+
+import math
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import NamedTuple
+
+from omnisim.base.status import RUNNING
+from omnisim.results.assembly import outcome
+from omnisim.results.layout import COMPLETE, LABELS, layout
+from omnisim.results.observables import Observables
+from omnisim.results.trajectory import Trajectory
+from omnisim.run.marching import Marching
+from omnisim.run.simulation import simulate
+from omnisim.scene.document import by_name, sentence
+from omnisim.scene.problems import ConfigError, Problem
+from omnisim.scene.scene import changed
+from omnisim.scene.schema import Config
+from omnisim.scene.toml_text import show_path
+from omnisim.scene.validation import validate
+from omnisim.studies.factors import Distribution, with_values
+from omnisim.studies.measures import DIRECTIONS, END, NoNumber, Reading, readings
+from omnisim.studies.study import Study, StudyError
+
+IMPOSSIBLE = "impossible"  # begins the status of a run that has no scene
+FINAL = ("body/position", "body/yaw", "body/velocity", "body/yaw_rate", "wheels/*/spin_angle", "wheels/*/spin_rate")
+
+
+class Row(NamedTuple):
+    """What is known of a run: its number, how it ended, at which time, s, and the wall time of its march, s.
+
+    measures: a number for each Reading; None where there is none, as of runs that stop early. final: the same of the
+    state at the stop, if it is kept.
+    """
+
+    run: int
+    status: str
+    stop_time: float
+    wall_time: float
+    measures: tuple[float | None, ...]
+    final: tuple[float | None, ...]
+
+
+class Task:
+    """Runs of a study by their number. Raises StudyError for measures that its scene does not have.
+
+    folder: where trajectories are kept, None if they are not.
+    """
+
+    def __init__(self, study: Study, folder: Path | None = None):
+        self.study = study
+        self.folder = folder
+        config = study.scene.config
+        known = frozenset(sample(config).everything())
+        found = list(readings(study.config.measure, config, known))
+        problems = [entry for entry in found if isinstance(entry, Problem)]
+        if problems:
+            raise StudyError(study.document.told(problems))
+        self.readings = tuple(entry for entry in found if isinstance(entry, Reading))
+        for other in other_kinds(study):
+            sample(other).everything()
+        self.final = tuple(last_values(config)) if study.config.keep.trajectories == "final" else ()
+
+    def __call__(self, run: int) -> Row:
+        data = self.study.data(run)
+        try:
+            config = validate(data)
+        except ConfigError as error:
+            told = "; ".join(sentence(problem, data) for problem in error.problems)
+            return self.nothing(run, f"{IMPOSSIBLE}: {told}")
+        if self.folder or config.solver.error is not None:
+            return self.whole(run)
+        try:
+            marching = Marching(config)
+            while marching.march() == RUNNING:
+                pass
+            found = marching.observables()
+            end = outcome(config, marching.run, found)
+        except MemoryError:
+            return self.nothing(run, "not enough memory")
+        measures = self.measured(self.readings, found, config, end.sentence == COMPLETE)
+        final = self.measured(self.final, found, config, len(found.times) > 0)
+        return Row(run, end.sentence, end.time, marching.wall_time, measures, final)
+
+    def nothing(self, run: int, status: str) -> Row:
+        """The Row of a run without numbers."""
+        return Row(run, status, 0.0, 0.0, (None,) * len(self.readings), (None,) * len(self.final))
+
+    def lost(self, run: int, how: str) -> Row:
+        """The Row of a run that has killed its process."""
+        return self.nothing(run, f"lost: its process was {how}")
+
+    def whole(self, run: int) -> Row:
+        """The same with a Trajectory, which may be kept."""
+        scene = changed(self.study.scene, self.overrides(run))
+        trajectory = simulate(scene)
+        if self.folder:
+            trajectory.save(self.folder / f"run_{run:06d}.h5", overwrite=True)
+        config = scene.config
+        measures = self.measured(self.readings, trajectory, config, trajectory.complete)
+        final = self.measured(self.final, trajectory, config, len(trajectory.time) > 0)
+        a = trajectory.attributes
+        return Row(run, a["status"], a["stop_time"], a["wall_time"], measures, final)
+
+    def overrides(self, run: int) -> dict[str, object]:
+        """What `load` sets for this run: values by dotted keys."""
+        data = self.study.scene.document.data
+        return {show_path(by_name(path, data)): value for path, value in self.study.settings(run)}
+
+    @staticmethod
+    def measured(
+        wanted: tuple[Reading, ...], found: Observables | Trajectory, config: Config, there: bool
+    ) -> tuple[float | None, ...]:
+        """The numbers of these readings; None where there is none."""
+        return tuple(number(reading, found, config) if there else None for reading in wanted)
+
+
+def number(reading: Reading, found: Observables | Trajectory, config: Config) -> float | None:
+    try:
+        value = reading.of(found, config)
+    except NoNumber:
+        return None
+    return value if math.isfinite(value) else None
+
+
+def other_kinds(study: Study) -> Iterator[Config]:
+    """Scenes of the kinds that words and tables in the study's lists make, whose kernels are compiled before all runs
+    need them at once."""
+    data = study.scene.document.data
+    for factor in study.factors:
+        for value in () if isinstance(factor.values, Distribution) else factor.values:
+            if isinstance(value, str | dict):
+                with suppress(ConfigError):
+                    yield validate(with_values(data, [(target, value) for target in factor.targets]))
+
+
+def sample(config: Config) -> Observables:
+    """The datasets of the scene at its start."""
+    marching = Marching(config.at_step(config.time.end) if config.time.step is None else config)
+    marching.march(0)
+    return marching.observables()
+
+
+def last_values(config: Config) -> Iterator[Reading]:
+    """Readings of the state in the last row, named by its datasets."""
+    wheels = tuple(wheel.name for wheel in config.wheels)
+    table = layout(wheels)
+    for pattern in FINAL:
+        for path in dict.fromkeys(pattern.replace("*", wheel) for wheel in wheels):
+            axis = table[path].axes[-1]
+            name = "final." + path.replace("/", ".")
+            directions = LABELS[axis] if axis in DIRECTIONS else ()
+            for i, label in enumerate(directions):
+                yield Reading(f"{name}.{label}", table[path].units, (path,), i, END, None, False)
+            if not directions:
+                yield Reading(name, table[path].units, (path,), None, END, None, False)

@@ -1,0 +1,160 @@
+"""Runs on all cores of this machine: processes that are handed batches of them.
+
+A process that dies, killed for its memory say, takes its batch with it: the batch is halved and tried again, so that
+the run that kills is found. It becomes a row with that status, all others finish.
+"""
+
+import multiprocessing
+import os
+import signal
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from multiprocessing.connection import Connection, wait
+from typing import Any, NamedTuple, Protocol, TypeVar, cast
+
+BATCH_SECONDS = 0.25  # of a batch, about: what a crash can lose
+T_co = TypeVar("T_co", covariant=True)
+SHARE = 4  # batches that each worker can still expect
+
+
+class Task(Protocol[T_co]):
+    """What is done with each number, and what stands for one that has killed its process."""
+
+    def __call__(self, run: int) -> T_co: ...
+
+    def lost(self, run: int, how: str) -> T_co: ...
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class Batch(NamedTuple):
+    """Runs that go to one worker; tried: how often that has ended with its death."""
+
+    runs: tuple[int, ...]
+    tried: int = 0
+
+
+class Worker(NamedTuple):
+    process: Any
+    connection: Connection
+
+
+def serve(task: Task[Any], connection: Connection, inherited: list[Connection]) -> None:
+    """What a worker does until nobody sends it anything any more."""
+    for other in inherited:  # else nobody would see the end of the process that hands out the batches
+        other.close()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that hands out the batches
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    try:
+        while runs := connection.recv():
+            connection.send([task(run) for run in runs])
+    except (EOFError, OSError):
+        pass
+
+
+class Batches:
+    """Batches of runs, as large as about BATCH_SECONDS take, and smaller towards the end."""
+
+    def __init__(self, runs: list[int], workers: int):
+        self.left = deque(runs)
+        self.again: deque[Batch] = deque()
+        self.workers = workers
+        self.size = 1
+
+    def next(self) -> Batch | None:
+        if self.again:
+            return self.again.popleft()
+        size = min(self.size, max(1, len(self.left) // (SHARE * self.workers)), len(self.left))
+        return Batch(tuple(self.left.popleft() for _ in range(size))) if size else None
+
+    def took(self, batch: Batch, seconds: float) -> None:
+        """A batch has taken so long."""
+        self.size = max(1, min(2 * self.size, int(BATCH_SECONDS * len(batch.runs) / max(seconds, 1e-6))))
+
+    def failed(self, batch: Batch) -> bool:
+        """A worker died of a batch; whether it is worth another try."""
+        half = (len(batch.runs) + 1) // 2
+        if len(batch.runs) == 1 and batch.tried:
+            return False
+        parts = [batch.runs[:half], batch.runs[half:]]
+        self.again.extend(Batch(part, batch.tried + 1) for part in parts if part)
+        return True
+
+
+def on_cores(task: Task[T_co], runs: list[int], workers: int, stop: Callable[[], bool]) -> Iterator[list[T_co]]:
+    """What the task makes of these numbers, in batches, in the order in which they finish; once `stop` says so, none is
+    begun any more."""
+    batches = Batches(runs, workers)
+    if workers == 1:
+        yield from here(task, batches, stop)
+        return
+    context = multiprocessing.get_context("fork" if hasattr(os, "fork") else None)
+    busy: dict[Connection, tuple[Worker, Batch, float]] = {}
+    idle: list[Worker] = []
+    for _ in range(min(workers, len(runs))):
+        idle.append(start(context, task, idle))
+    try:
+        while True:
+            while idle and not stop() and (batch := batches.next()):
+                worker = idle.pop()
+                worker.connection.send(batch.runs)
+                busy[worker.connection] = worker, batch, time.perf_counter()
+            if not busy:
+                return
+            for ready in wait(list(busy), timeout=0.1):
+                worker, batch, begun = busy.pop(cast(Connection, ready))
+                try:
+                    rows = worker.connection.recv()
+                except (EOFError, OSError):
+                    worker.process.join()
+                    idle.append(start(context, task, [*idle, *(other for other, _, _ in busy.values())]))
+                    if not batches.failed(batch):
+                        yield [task.lost(batch.runs[0], end_of(worker.process.exitcode))]
+                    continue
+                batches.took(batch, time.perf_counter() - begun)
+                idle.append(worker)
+                yield rows
+    finally:
+        for worker, _, _ in busy.values():
+            worker.process.kill()
+        for worker in idle:
+            worker.connection.send(())
+        for worker in [*idle, *(worker for worker, _, _ in busy.values())]:
+            worker.process.join()
+            worker.connection.close()
+
+
+def here(task: Task[T_co], batches: Batches, stop: Callable[[], bool]) -> Iterator[list[T_co]]:
+    """The same in this process."""
+    while batch := batches.next():
+        begun = time.perf_counter()
+        rows: list[T_co] = []
+        for run in batch.runs:
+            if stop():
+                break
+            rows.append(task(run))
+        batches.took(batch, time.perf_counter() - begun)
+        if rows:
+            yield rows
+        if stop():
+            return
+
+
+def start(context: Any, task: Task[Any], others: list[Worker]) -> Worker:
+    """A worker more."""
+    here, there = context.Pipe()
+    forked = context.get_start_method() == "fork"
+    inherited = [here, *(other.connection for other in others)] if forked else []
+    process = context.Process(target=serve, args=(task, there, inherited), daemon=True)
+    process.start()
+    there.close()
+    return Worker(process, here)
+
+
+def end_of(code: int | None) -> str:
+    """How a process has ended, in words."""
+    return f"killed by signal {-code}" if code is not None and code < 0 else f"ended with code {code}"

@@ -1,0 +1,278 @@
+"""Many runs: the same numbers whatever runs them, nothing finished is lost, and files that other readers open."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import h5py
+import numpy as np
+import pytest
+
+import omnisim
+from omnisim.studies import journal
+from omnisim.studies.result import MISSING, open_study
+from omnisim.studies.study import StudyError, load_study
+from omnisim.studies.sweep import fingerprint, journal_of, repeat, sweep
+from omnisim.studies.task import Task
+from omnisim.studies.workers import on_cores
+
+SCENE = {"schema": 1, "scene": "kiwi", "set": {"time.end": 0.1, "time.output_interval": 0.01}}
+MEASURE = {
+    "far": {"dataset": "body/position", "at": "end", "component": "norm"},
+    "slip": {"dataset": "wheels/*/slip_velocity", "reduce": "max", "component": "norm"},
+    "least_load": {"dataset": "wheels/*/normal_force", "reduce": "min"},
+    "load": {"dataset": "wheels/left/normal_force", "reduce": "rms"},
+    "work": {"dataset": "energy/drive_work", "at": 0.05},
+    "drift": {"dataset": "odometry/error", "at": "end", "component": "norm"},
+    "impulse": {"dataset": "wheels/*/drive_torque", "reduce": "integral"},
+    "swing": {"dataset": "body/yaw_rate", "reduce": "ptp"},
+}
+GRID = SCENE | {"vary": {"friction.coefficient": [0.1, 0.3, 0.6], "chassis.mass": [3.0, 5.0]}, "measure": MEASURE}
+DRAWN = SCENE | {
+    "vary": {
+        "friction.coefficient": {"mean": 0.4, "deviation": 0.25},  # about one draw in twenty is below zero
+        "wheels.*.phase_deg": {"uniform": [0.0, 60.0], "each": True},
+    },
+    "design": {"kind": "random", "count": 40, "seed": 5},
+    "measure": {"far": MEASURE["far"], "slip": MEASURE["slip"]},
+}
+
+
+def numbers(found):
+    """All that a study has found but for the time that it took."""
+    return {name: values for name, values in found.items() if name != "wall_time"}
+
+
+def same(one, other):
+    assert numbers(one).keys() == numbers(other).keys()
+    for name, values in numbers(one).items():
+        np.testing.assert_array_equal(values, other[name], err_msg=name)
+
+
+@pytest.fixture(scope="module")
+def grid():
+    return sweep(GRID, workers=1)
+
+
+def test_measures_are_those_of_the_runs_themselves(grid):
+    """Of each run of the grid, against its whole trajectory: equal to the last bit or two."""
+    for i, friction in enumerate(GRID["vary"]["friction.coefficient"]):
+        for j, mass in enumerate(GRID["vary"]["chassis.mass"]):
+            run = omnisim.simulate(
+                omnisim.load("kiwi", {**SCENE["set"], "friction.coefficient": friction, "chassis.mass": mass})
+            )
+            wheels = run.wheels
+            time = run.time
+            expected = {
+                "far": np.linalg.norm(run["body/position"][-1]),
+                "slip": max(run[f"interval_max/wheels/{w}/slip_velocity"].max() for w in wheels),
+                "least_load": min(run[f"interval_min/wheels/{w}/normal_force"].min() for w in wheels),
+                "load": np.sqrt(trapezoid(run["wheels/left/normal_force"] ** 2, time) / time[-1]),
+                "work": run["energy/drive_work"][5],
+                "drift": np.linalg.norm(run["odometry/position_error"][-1]),
+                "impulse": sum(trapezoid(run[f"wheels/{w}/drive_torque"], time) for w in wheels),
+                "swing": np.ptp(run["body/yaw_rate"]),
+            }
+            for name, value in expected.items():
+                assert grid[name][i, j] == pytest.approx(value, rel=1e-14), name
+            assert grid["status"][i, j] == "complete"
+    assert np.ptp(grid["slip"]) > 0.0
+
+
+def trapezoid(values, time):
+    return np.sum(0.5 * (values[1:] + values[:-1]) * np.diff(time))
+
+
+def test_the_same_bits_by_one_process_and_by_two():
+    same(sweep(DRAWN, workers=1), sweep(DRAWN, workers=2))
+
+
+def test_impossible_runs_are_rows_with_their_reason():
+    found = sweep(DRAWN, workers=1)
+    below = found["friction.coefficient"] < 0.0
+    assert 0 < below.sum() < 10
+    assert all(status.startswith("impossible: friction.coefficient = -") for status in found["status"][below])
+    assert np.isnan(found["far"][below]).all() and np.isfinite(found["far"][~below]).all()
+    assert (found["status"][~below] == "complete").all()
+
+
+def test_a_run_that_stops_early_is_a_row_without_numbers():
+    study = SCENE | {"vary": {"chassis.center_of_mass": [[0.0, 0.0, 0.05], [0.0, 0.0, 5.0]]}, "measure": MEASURE}
+    found = sweep(study | {"set": {"time.end": 0.5}}, workers=1)
+    assert found["status"][0] == "complete"
+    assert found["status"][1].startswith(("tips", "lifts", "impossible", "jammed", "wheel"))
+    assert np.isnan(found["far"]).tolist() == [False, True]
+
+
+def test_two_strict_readers_open_the_file(tmp_path, grid):
+    """xarray by both of its engines: dimensions, coordinates, masked numbers, units."""
+    xarray = pytest.importorskip("xarray")
+    sweep(DRAWN, tmp_path / "drawn.h5", workers=1)
+    grid.save(tmp_path / "grid.h5")
+    for engine in ("h5netcdf", "netcdf4"):
+        pytest.importorskip(engine.replace("netcdf4", "netCDF4"))
+        with xarray.open_dataset(tmp_path / "grid.h5", engine=engine) as data:
+            assert dict(data.sizes) == {"friction.coefficient": 3, "chassis.mass": 2}
+            np.testing.assert_array_equal(
+                data["far"].sel({"friction.coefficient": 0.3, "chassis.mass": 5.0}), grid["far"][1, 1]
+            )
+            assert data["slip"].attrs["units"] == "m/s" and str(data["status"].values[0, 0]) == "complete"
+        with xarray.open_dataset(tmp_path / "drawn.h5", engine=engine) as data:
+            assert dict(data.sizes) == {"run": 40, "wheels": 3}
+            assert {"friction.coefficient", "wheels.*.phase_deg"} <= set(data.coords)
+            assert data["far"].isnull().sum() == (data["status"] != "complete").sum() > 0
+    with h5py.File(tmp_path / "drawn.h5") as file:
+        assert not any(np.isnan(file[name]).any() for name in file if file[name].dtype.kind == "f")
+        assert (file["far"][...] == MISSING).any()
+    same(open_study(tmp_path / "grid.h5"), grid)
+    assert open_study(tmp_path / "grid.h5").to_xarray().equals(grid.to_xarray())
+
+
+def test_a_stopped_study_goes_on_to_the_same_file(tmp_path):
+    path = tmp_path / "study.h5"
+    stopped = sweep(DRAWN, path, workers=1, progress=lambda done: done.ended >= 7)
+    assert 7 <= stopped.attributes["finished"] < 40 and not stopped.complete
+    assert (stopped["status"] == "not run").sum() == 40 - stopped.attributes["finished"]
+    with pytest.raises(FileExistsError):
+        sweep(DRAWN, path, workers=1)
+    with pytest.raises(StudyError, match="the journal of another study"):
+        sweep(GRID, path, workers=1, resume=True)
+    seen = []
+    whole = sweep(DRAWN, path, workers=1, resume=True, progress=seen.append)
+    assert seen[0].ended == stopped.attributes["finished"] and whole.complete
+    assert not journal_of(path).exists()
+    same(whole, sweep(DRAWN, workers=1))
+    same(open_study(path), whole)
+
+
+def test_a_line_that_a_crash_has_cut_is_done_again(tmp_path):
+    path = tmp_path / "study.h5"
+    sweep(DRAWN, path, workers=1, progress=lambda done: done.ended >= 7)
+    kept = journal_of(path)
+    text = kept.read_bytes()
+    known = len(journal.read(kept, fingerprint(load_study(DRAWN))))
+    kept.write_bytes(text[:-20])
+    left = len(journal.read(kept, fingerprint(load_study(DRAWN))))
+    assert left < known
+    same(sweep(DRAWN, path, workers=1, resume=True), sweep(DRAWN, workers=1))
+
+
+class Deadly(Task):
+    """Kills its process at one run."""
+
+    def __call__(self, run):
+        if run == 11:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return super().__call__(run)
+
+
+def test_a_killed_worker_costs_the_run_that_killed_it():
+    study = load_study(DRAWN)
+    rows = {row.run: row for rows in on_cores(Deadly(study), list(range(40)), 2, lambda: False) for row in rows}
+    assert sorted(rows) == list(range(40))
+    assert rows.pop(11).status == "lost: its process was killed by signal 9"
+    expected = sweep(DRAWN, workers=1)
+    for run, row in rows.items():
+        assert row.status == expected["status"][run]
+        assert row.measures[0] == (None if np.isnan(expected["far"][run]) else expected["far"][run])
+
+
+def test_kill_9_of_the_command_loses_no_finished_run(tmp_path):
+    study = tmp_path / "study.toml"
+    study.write_text("""
+        schema = 1
+        scene = "kiwi"
+        set = { "time.end" = 2.0 }
+        vary = { "friction.coefficient" = { uniform = [0.2, 0.6] } }
+        design = { kind = "random", count = 400 }
+        measure = { far = { dataset = "body/position", at = "end", component = "norm" } }
+    """)
+    path = tmp_path / "study.h5"
+    command = [sys.executable, "-c", "from omnisim_cli.main import main; main()", "sweep", str(study), "-o", str(path)]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+    kept = journal_of(path)
+    until = time.monotonic() + 300.0
+    while (not kept.exists() or kept.read_bytes().count(b"\n") < 3) and time.monotonic() < until:
+        time.sleep(0.02)
+    process.kill()
+    process.wait()
+    found = journal.read(kept, fingerprint(load_study(study)))
+    assert found and not path.exists()
+    done = subprocess.run([*command, "--resume"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "400 of 400" in done.stdout
+    whole = open_study(path)
+    assert all(whole["far"][row.run] == row.measures[0] for row in found)
+
+
+def test_a_full_disk_stops_the_study_with_what_has_finished(tmp_path, monkeypatch):
+    path = tmp_path / "study.h5"
+    written = []
+
+    def line(self, text, write=journal.Journal._line):
+        written.append(text)
+        if len(written) > 3:
+            raise OSError(28, os.strerror(28), str(self.path))
+        write(self, text)
+
+    with monkeypatch.context() as full:
+        full.setattr(journal.Journal, "_line", line)
+        with pytest.raises(OSError, match="No space left"):
+            sweep(DRAWN, path, workers=1)
+    assert len(json.loads(written[1])) and not path.exists()
+    same(sweep(DRAWN, path, workers=1, resume=True), sweep(DRAWN, workers=1))
+
+
+def test_the_command_that_repeats_a_run_repeats_it(tmp_path, grid):
+    task = Task(load_study(GRID))
+    words = repeat(task, 3).split()
+    assert words[:3] == ["omnisim", "run", "kiwi"]
+    overrides = [word for word in words[3:] if word != "--set"]
+    assert omnisim.simulate(omnisim.load("kiwi", overrides))["body/position"][-1, 0] ** 2 <= grid["far"][1, 1] ** 2
+    assert "friction.coefficient=0.3" in overrides and "chassis.mass=5.0" in overrides
+
+
+def test_kept_trajectories_are_whole_files(tmp_path):
+    study = GRID | {"keep": {"trajectories": "all"}}
+    found = sweep(study, tmp_path / "study.h5", workers=2)
+    files = sorted((tmp_path / "study_runs").iterdir())
+    assert len(files) == 6
+    far = [np.linalg.norm(omnisim.open_trajectory(file)["body/position"][-1]) for file in files]
+    np.testing.assert_allclose(far, found["far"].ravel(), rtol=1e-14)
+    with pytest.raises(StudyError, match="takes an output file"):
+        sweep(study)
+
+
+def test_the_last_state_is_kept_where_it_is_asked_for(grid):
+    found = sweep(GRID | {"keep": {"trajectories": "final"}}, workers=1)
+    place = np.hypot(found["final.body.position.x"], found["final.body.position.y"])
+    np.testing.assert_allclose(place, grid["far"], rtol=1e-14)
+    assert "final.wheels.left.spin_rate" in found
+
+
+WRONG = {
+    "unknown dataset": ({"dataset": "wheels/*/slip_velocit", "reduce": "max"}, "near: wheels/*/slip_velocity"),
+    "dataset of no wheel": ({"dataset": "wheels/lft/slip_velocity", "reduce": "max"}, "did you mean 'left'"),
+    "dataset of other scenes": ({"dataset": "wheels/*/current", "reduce": "max"}, "no dataset of this scene"),
+    "no component": ({"dataset": "body/position", "at": "end"}, "must be one of norm, x, y, z"),
+    "component of a number": ({"dataset": "body/yaw", "at": "end", "component": "x"}, "has no directions"),
+    "neither time nor reduction": ({"dataset": "body/yaw"}, "at, reduce"),
+    "integral at a time": ({"dataset": "body/yaw", "at": "end", "reduce": "integral"}, "needs all times"),
+    "several wheels": ({"dataset": "wheels/*/spin_rate", "at": "end"}, "must have a reduce"),
+    "time between rows": ({"dataset": "body/yaw", "at": 0.015}, "a multiple of time.output_interval = 0.01"),
+    "time after the end": ({"dataset": "body/yaw", "at": 7.0}, "up to time.end"),
+    "time that is a word": ({"dataset": "body/yaw", "at": "start"}, '"end" or a time'),
+    "unknown reduction": ({"dataset": "body/yaw", "reduce": "maxx"}, "did you mean 'max'"),
+    "events": ({"dataset": "events/time", "reduce": "max"}, "no dataset of this scene"),
+}
+
+
+@pytest.mark.parametrize("which", WRONG)
+def test_a_bad_measure_is_told_before_anything_runs(which):
+    measure, told = WRONG[which]
+    with pytest.raises(StudyError) as caught:
+        sweep(GRID | {"measure": {"it": measure}})
+    assert told in str(caught.value) and "measure.it" in str(caught.value) and "\n" not in str(caught.value)
