@@ -12,8 +12,9 @@ PACKAGE = HERE.parent / "omnisim"
 IMPORT = re.compile(r"^\s*(?:from|import) omnisim\.(\w+)", re.MULTILINE)
 # Rooms by column (of 4 halves) and floor; who imports stands above.
 PLACES = {
+    "pictures": (1, 7),
+    "studies": (0, 6),
     "run": (0, 5),
-    "pictures": (2, 5),
     "results": (0, 4),
     "march": (0, 3),
     "cad": (2, 3),
@@ -23,6 +24,7 @@ PLACES = {
     "base": (1, 0),
 }
 SAID = {
+    "studies": "many runs, measured",
     "run": "simulate, Loop, step search",
     "pictures": "plots, 3-D page",
     "results": "trajectory, files, tables",

@@ -144,9 +144,9 @@ def follow_joint(joint, axis, found):
 
 
 def wheel_extremes(extremes: np.ndarray, motor: bool) -> dict[str, np.ndarray]:
-    """Datasets of one wheel, by path with {} for its name, from its extremes (T,); motor: whether it has one."""
-    extremes = np.asarray(extremes)
-    found = {}  # quicker than as records
+    """Datasets of one wheel, by path with {} for its name, from its extremes (T,), an array that is none of records,
+    which are slow; motor: whether it has one."""
+    found = {}
     for name in OF_WHEELS + OF_MOTORS * motor:
         found[f"interval_max/wheels/{{}}/{name}"] = extremes[name][:, MOST]
         found[f"interval_min/wheels/{{}}/{name}"] = extremes[name][:, LEAST]

@@ -19,7 +19,7 @@ from omnisim.results.trajectory import Trajectory
 from omnisim.scene.scene import Scene
 from omnisim.scene.schema import Config
 
-MODERATE = 1e100  # J
+MODERATE = 1e50  # rad/s, m/s, and what else a state holds
 
 
 def collect(
@@ -29,8 +29,9 @@ def collect(
     config = scene.config
     names = [wheel.name for wheel in scene.config.wheels]
     interval = config.time.output_interval
-    sampled = Observables(parameters, so_far(rows, run.clock), interval, config).everything()
-    kept = finite_rows(sampled)
+    found = Observables(parameters, so_far(rows, run.clock), interval, config)
+    sampled = found.everything()
+    kept = finite_count(found)
     if kept < run.clock.row:  # a state that overflows only when it is squared, say
         sampled = {path: values[:kept] for path, values in sampled.items()}
     end = ending(config, run, kept)
@@ -92,9 +93,8 @@ def outcome(config: Config, run: Run, found: Observables) -> Ending:
 
 
 def finite_count(found: Observables) -> int:
-    """Number of rows before the first that holds NaN or infinity in any dataset; computes all only in doubt."""
-    count = len(found.times)
-    return count if count == 0 or moderate(found) else finite_rows(found.everything())
+    """Number of rows before the first that holds NaN or infinity in any dataset; all are computed only in doubt."""
+    return len(found.times) if moderate(found.rows) else finite_rows(found.everything())
 
 
 def so_far(rows: Recording, clock: np.record) -> Recording:
@@ -104,18 +104,16 @@ def so_far(rows: Recording, clock: np.record) -> Recording:
 
 
 def finite_rows(sampled: dict[str, np.ndarray]) -> int:
-    """Number of rows before the first that holds NaN or infinity in any dataset."""
+    """The same from all datasets."""
     count = len(sampled["time"])
-    if moderate(sampled):
-        return count
     broken = [~np.isfinite(values.reshape(count, -1)).all(axis=1) for values in sampled.values()] if count else []
     rows = np.flatnonzero(np.any(broken, axis=0)).tolist() if count else []
     return rows[0] if rows else count
 
 
-def moderate(energies: dict[str, np.ndarray] | Observables) -> bool:
-    """Whether energies are. If so nothing is infinite: every dataset is a product of few speeds."""
-    return bool(np.all(np.abs(energies["energy/balance"]) + energies["energy/kinetic"] < MODERATE))
+def moderate(rows: Recording) -> bool:
+    """Whether speeds are. If so nothing is infinite: every dataset is a product of few of them."""
+    return all(np.abs(values).max(initial=0.0) < MODERATE for values in (rows.y, rows.rates))
 
 
 def events(log: np.ndarray, names: list[str]) -> dict[str, np.ndarray]:

@@ -81,19 +81,19 @@ class Observables:
         """Of one wheel: its extremes, or all else."""
         w = self.names[name]
         config = self.config
-        packed = self.parameters.wheels[w]
-        number = int(packed.rollers)
+        motor = config.wheels[w].drive.kind == "dc_motor"
+        number = config.type_of(config.wheels[w]).roller_count
         chassis = config.chassis is not None
         if folder == EXTREMES:
-            extremes = wheel_extremes(self.rows.extremes[:, w], bool(packed.motor))
+            extremes = wheel_extremes(np.asarray(self.rows.extremes)[:, w], motor)
             if config.bearing_loads:
                 extremes |= bearing_extremes(self.rows.bearing_extremes[:, w], number, chassis)
             return {path.format(name): values for path, values in extremes.items()}
         group = wheel_datasets(places_in(self.parameters), w, number, self.rows, self.observed)
         if config.wheels[w].drive.controlled:
             group["target_rate"] = targets(self.parameters, w, self.rows.piece, self.times)
-        if packed.motor:
-            group |= motor_datasets(self.observed.wheels[:, w], packed.resistance)
+        if motor:
+            group |= motor_datasets(self.observed.wheels[:, w], self.parameters.wheels[w].resistance)
         if not chassis:
             group["servo_torque"] = self.observed.servo[:, 0]
         if config.bearing_loads:
