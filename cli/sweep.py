@@ -63,8 +63,9 @@ def sweep(
     try:
         with Follower(quiet) as follower:
             found = runs.sweep(
-                made, path, workers=workers, cluster=cluster, resume=resume, overwrite=force, progress=follower
-            )
+                made, path, workers=workers, cluster=cluster, resume=resume, overwrite=force, progress=follower,
+                note=str if quiet else note,
+            )  # fmt: skip
     except FileExistsError as error:
         raise Failure(f"{visible(str(error.filename))}: {error.strerror}", BAD_INPUT) from None
     except OSError as error:

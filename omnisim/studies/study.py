@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
@@ -77,6 +77,10 @@ class Study:
     def seeds(self) -> np.ndarray:
         """(count,): a seed for each run, whatever takes one."""
         return np.random.SeedSequence(self.config.design.seed).generate_state(self.count, np.uint64) >> np.uint64(1)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without what follows from the rest, for other processes."""
+        return {entry.name: getattr(self, entry.name) for entry in fields(self)}
 
     def values(self, run: int) -> list[list[Any]]:
         """The values of each factor in a run: one, or one for each of its targets."""

@@ -100,11 +100,14 @@ def test_impossible_runs_are_rows_with_their_reason():
 
 
 def test_a_run_that_stops_early_is_a_row_without_numbers():
-    study = SCENE | {"vary": {"chassis.center_of_mass": [[0.0, 0.0, 0.05], [0.0, 0.0, 5.0]]}, "measure": MEASURE}
-    found = sweep(study | {"set": {"time.end": 0.5}}, workers=1)
+    """A law that is too stiff for the step; whole tables of the scene vary."""
+    laws = [{"law": "coulomb", "coefficient": 0.5}, {"law": "regularized", "coefficient": 0.5, "slip_speed": 1e-5}]
+    found = sweep(SCENE | {"vary": {"friction": laws}, "measure": {"far": MEASURE["far"]}}, workers=1)
     assert found["status"][0] == "complete"
-    assert found["status"][1].startswith(("tips", "lifts", "impossible", "jammed", "wheel"))
+    assert found["status"][1].startswith("unstable at t = 0."), found["status"][1]
     assert np.isnan(found["far"]).tolist() == [False, True]
+    assert found["stop_time"][0] == 0.1 > found["stop_time"][1] > 0.0
+    assert "law = 'regularized'" in found["friction"][1]
 
 
 def test_two_strict_readers_open_the_file(tmp_path, grid):
