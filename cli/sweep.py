@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import signal
 import sys
 import time
@@ -60,12 +61,15 @@ def sweep(
     with compilation_noted([made.scene], quiet):
         task = Task(made)
     begun = time.perf_counter()
+    if not quiet:
+        log = logging.getLogger("omnisim.studies")
+        log.setLevel(logging.INFO)
+        log.addHandler(Notes())
     try:
         with Follower(quiet) as follower:
             found = runs.sweep(
-                made, path, workers=workers, cluster=cluster, resume=resume, overwrite=force, progress=follower,
-                note=str if quiet else note,
-            )  # fmt: skip
+                made, path, workers=workers, cluster=cluster, resume=resume, overwrite=force, progress=follower
+            )
     except FileExistsError as error:
         raise Failure(f"{visible(str(error.filename))}: {error.strerror}", BAD_INPUT) from None
     except OSError as error:
@@ -77,6 +81,13 @@ def sweep(
     if not found.complete:
         done = f"{found.attributes['finished']} of {found.attributes['runs']} runs"
         raise Failure(f"interrupted after {done}; {visible(str(path))} has them, and --resume does what is missing")
+
+
+class Notes(logging.Handler):
+    """What studies have to say goes where notes go."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        note(record.getMessage())
 
 
 class Follower:
@@ -138,6 +149,8 @@ def line(done: Done, ran: int, seconds: float) -> str:
 
 
 def duration(seconds: float) -> str:
+    if seconds < 10.0:
+        return f"{seconds:.2g} s"
     minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     return f"{hours} h {minutes:02d} min" if hours else f"{minutes} min {rest:02d} s" if minutes else f"{rest} s"
@@ -153,6 +166,7 @@ def summary(task: Task, found: StudyResult, path: Path, ran: int, seconds: float
     a = found.attributes
     status = found["status"].ravel()
     scene = task.study.scene
+    named: list[int] = []
     told = {
         "study": f"{a['runs']} runs of {visible(scene.config.title or scene.name)} ({a['design']})",
         "speed": f"{ran / max(seconds, 1e-9):.3g} runs/s: {ran} in {duration(seconds)}" if ran else "",
@@ -164,12 +178,14 @@ def summary(task: Task, found: StudyResult, path: Path, ran: int, seconds: float
             least, most = int(np.nanargmin(values)), int(np.nanargmax(values))
             units = found.variables[name].units
             told[name] = f"{values[least]:.6g} (run {least}) to {values[most]:.6g} {units} (run {most})"
-            told[f"{name} most"] = repeat(task, most)
+            named.append(most)
     for reason, count in Counter(_reason(text) for text in status if text != COMPLETE).most_common(KINDS_OF_FAILURE):
         run = next(i for i, text in enumerate(status) if _reason(text) == reason)
-        told[f"{count} not"] = f"{status[run]} (run {run}): {repeat(task, run)}"
+        told[f"{count} not"] = f"{status[run]} (run {run})"
+        named.append(run)
     told["file"] = f"{visible(str(path))} ({path.stat().st_size / 1e6:.2g} MB)"
-    return aligned({key: value for key, value in told.items() if value})
+    again = [f"run {run}: {repeat(task, run)}" for run in dict.fromkeys(named)]  # on one line each, to be copied
+    return "\n".join([aligned({key: value for key, value in told.items() if value}), *again])
 
 
 def _reason(status: str) -> str:

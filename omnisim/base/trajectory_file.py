@@ -10,6 +10,7 @@ from zlib import crc32
 
 import numpy as np
 
+from omnisim.base.files import is_hdf5
 from omnisim.base.formatting import visible
 
 if TYPE_CHECKING:
@@ -62,6 +63,8 @@ def format_of(path: str | PathLike[str]) -> str:
     """What an HDF5 file says that it is; empty for a file that says nothing or is none."""
     import h5py
 
+    if not is_hdf5(path):
+        return ""
     try:
         with h5py.File(path, "r") as file:
             return str(file.attrs.get("format", ""))

@@ -15,6 +15,7 @@ from omnisim.studies.workers import Batch, Batches, cores
 
 AHEAD = 2  # batches that each core of the cluster has before it
 LOCAL = "local"
+LOG = logging.getLogger(__name__)
 
 
 class ClusterError(OSError):
@@ -22,15 +23,10 @@ class ClusterError(OSError):
 
 
 def on_cluster(
-    task: Task,
-    runs: list[int],
-    address: str,
-    workers: int | None,
-    stop: Callable[[], bool],
-    told: Callable[[str], object],
+    task: Task, runs: list[int], address: str, workers: int | None, stop: Callable[[], bool]
 ) -> Iterator[list[Row]]:
-    """As `on_cores`, by the workers of a scheduler at this address, "local" for one that is started here; told: where
-    its dashboard is.
+    """As `on_cores`, by the workers of a scheduler at this address, "local" for one that is started here. Where
+    its dashboard is goes to the log.
 
     Raises StudyError if nobody answers, ClusterError if the scheduler vanishes.
     """
@@ -49,7 +45,7 @@ def on_cluster(
         client = Client(started or address, timeout="10s")
     except (OSError, ValueError, TimeoutError) as error:
         raise StudyError(f"--cluster {shown}: no scheduler of Dask answers there: {visible(str(error))}") from None
-    told(f"dashboard of the cluster: {client.dashboard_link}")
+    LOG.info("dashboard of the cluster: %s", client.dashboard_link)
     batches = Batches(runs, max(1, sum(client.nthreads().values())))
     packed = pickle.dumps(task)
     waiting: dict[Any, Batch] = {}

@@ -41,7 +41,6 @@ def sweep(
     resume: bool = False,
     overwrite: bool = False,
     progress: Progress | None = None,
-    note: Callable[[str], object] = str,
 ) -> StudyResult:
     """Run a study.
 
@@ -54,9 +53,8 @@ def sweep(
     study: a file, or what one says. output: the HDF5 file; while the study is under way, finished runs are safe in
     OUTPUT.journal beside it. workers: processes, by default one for each core. cluster: the address of a scheduler of
     Dask, or "local" to start one (extra `cluster`). resume: go on with the journal of this study. progress: called with
-    a Done after each batch; if it returns something true, no more runs begin, and what has finished is gathered. note:
-    called with what is worth a line, as where the dashboard of a cluster is. The numbers are the same whatever runs
-    them.
+    a Done after each batch; if it returns something true, no more runs begin, and what has finished is gathered. The
+    numbers are the same whatever runs them.
 
     Raises StudyError or SceneError for what is wrong with the study, FileExistsError unless it may overwrite, and
     OSError, as of a full disk: what has finished is in the journal then.
@@ -66,13 +64,13 @@ def sweep(
     path = Path(output) if output is not None else None
     task = Task(made, kept_in(made, path))
     if path is None:
-        return gathered(task, all_rows(task, [], handed_out(task, workers, cluster, note), progress))
+        return gathered(task, all_rows(task, [], handed_out(task, workers, cluster), progress))
     known = begun(made, path, resume, overwrite)
     check_room(task, path)
     if task.folder:
         task.folder.mkdir(exist_ok=True)
     with Journal(journal_of(path), fingerprint(made)) as kept:
-        rows = all_rows(task, known, handed_out(task, workers, cluster, note), progress, kept)
+        rows = all_rows(task, known, handed_out(task, workers, cluster), progress, kept)
     found = gathered(task, rows)
     found.save(path, overwrite=overwrite or resume)
     if found.complete:
@@ -83,12 +81,12 @@ def sweep(
 HandOut = Callable[[list[int], Callable[[], bool]], Iterator[list[Row]]]
 
 
-def handed_out(task: Task, workers: int | None, cluster: str | None, note: Callable[[str], object]) -> HandOut:
+def handed_out(task: Task, workers: int | None, cluster: str | None) -> HandOut:
     """What takes numbers of runs, and whether to stop, and gives rows in batches."""
     if cluster is not None:
         from omnisim.studies.cluster import on_cluster  # here: it takes Dask
 
-        return lambda runs, stop: on_cluster(task, runs, cluster, workers, stop, note)
+        return lambda runs, stop: on_cluster(task, runs, cluster, workers, stop)
     return lambda runs, stop: on_cores(task, runs, min(workers or cores(), max(len(runs), 1)), stop)
 
 

@@ -7,6 +7,7 @@ the run that kills is found. It becomes a row with that status, all others finis
 import multiprocessing
 import os
 import signal
+import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -92,7 +93,8 @@ def on_cores(task: Task[T_co], runs: list[int], workers: int, stop: Callable[[],
     if workers == 1:
         yield from here(task, batches, stop)
         return
-    context = multiprocessing.get_context("fork" if hasattr(os, "fork") else None)
+    alone = hasattr(os, "fork") and threading.active_count() == 1  # a fork may inherit locks that other threads hold
+    context = multiprocessing.get_context("fork" if alone else "spawn")
     busy: dict[Connection, tuple[Worker, Batch, float]] = {}
     idle: list[Worker] = []
     for _ in range(min(workers, len(runs))):

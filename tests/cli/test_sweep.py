@@ -48,7 +48,7 @@ def test_the_summary_tells_measures_failures_and_how_to_repeat_them(study, tmp_p
     assert f"{30 - failed} of 30 that have ended" in result.stdout
     most = np.nanargmax(found["far"])
     assert f"(run {most})" in result.stdout and "runs/s" in result.stdout
-    repeated = f"--set friction.coefficient={found['friction.coefficient'][most]!r}"
+    repeated = f"--set friction.coefficient={found['friction.coefficient'][most].item()!r}"
     assert f"omnisim run kiwi --set time.end=0.05 --set time.output_interval=0.01 {repeated}" in result.stdout
     assert "impossible: friction.coefficient = -" in result.stdout
     assert not journal_of(tmp_path / "found.h5").exists()

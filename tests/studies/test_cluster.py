@@ -83,7 +83,7 @@ def test_a_scheduler_that_vanishes_leaves_what_has_finished(cluster, tmp_path):
         if done.ended > 5:
             scheduler.kill()
 
-    with pytest.raises(ClusterError, match="is gone.*--resume goes on"):
+    with pytest.raises(ClusterError, match=r"is gone.*--resume goes on"):
         sweep(STUDY | {"design": STUDY["design"] | {"count": 4000}}, path, cluster=address, progress=watch)
     assert journal_of(path).exists() and not path.exists()
 

@@ -2,7 +2,6 @@
 
 import json
 import os
-import signal
 import subprocess
 import sys
 import time
@@ -10,6 +9,7 @@ import time
 import h5py
 import numpy as np
 import pytest
+from deadly import Deadly
 
 import omnisim
 from omnisim.studies import journal
@@ -161,15 +161,6 @@ def test_a_line_that_a_crash_has_cut_is_done_again(tmp_path):
     left = len(journal.read(kept, fingerprint(load_study(DRAWN))))
     assert left < known
     same(sweep(DRAWN, path, workers=1, resume=True), sweep(DRAWN, workers=1))
-
-
-class Deadly(Task):
-    """Kills its process at one run."""
-
-    def __call__(self, run):
-        if run == 11:
-            os.kill(os.getpid(), signal.SIGKILL)
-        return super().__call__(run)
 
 
 def test_a_killed_worker_costs_the_run_that_killed_it():
