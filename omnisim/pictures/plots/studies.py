@@ -33,7 +33,8 @@ def study(found: StudyResult) -> Figure:
     else:
         figure = matrix(found, names[:MOST_KEYS], measures[:MOST_MEASURES])
     a = found.attributes
-    figure.suptitle(f"{a['finished']} of {a['runs']} runs, {a['design']}", fontsize=11, parse_math=False)
+    told = "; line and band: median, 10 to 90 %; explains: share of the variance" if len(names) > 2 else ""
+    figure.suptitle(f"{a['finished']} of {a['runs']} runs, {a['design']}{told}", fontsize=10, parse_math=False)
     return figure
 
 
