@@ -15,6 +15,7 @@ from omnisim.march.observation import Observed, observed_rows
 from omnisim.scene.schema import Config
 
 EXTREMES = "extremes"  # a group for each wheel
+WORKS = ("energy/friction_loss", "energy/bearing_loss", "energy/drive_work", "energy/wrench_work")
 
 
 class Observables:
@@ -65,8 +66,11 @@ class Observables:
             data = body(parameters, self.rows.y, self.observed.slopes, self.config.chassis is None)
             servo = self.config.chassis is not None and machine.upright == SERVO
             return data | ({"body/servo_torque": self.observed.servo} if servo else {})
+        if name == "works":
+            return works(parameters, self.rows.y)
         if name == "energy":
-            data = energy(parameters, self.rows)
+            data = self._group("works")
+            data = data | balanced(parameters, self.rows, data)
             return data | (motor_energies(parameters, self.rows.y, data["energy/balance"]) if machine.motors else {})
         if name == "odometry" and machine.odometry:
             extremes = odometry_extremes(self.rows.odometry_extremes)
@@ -106,6 +110,8 @@ def group_of(path: str) -> str:
     first, *rest = path.split("/")
     if first in ("interval_max", "interval_min"):
         return f"{EXTREMES}/{rest[1]}" if rest[0] == "wheels" else rest[0]
+    if path in WORKS:
+        return "works"
     return f"{first}/{rest[0]}" if first == "wheels" else first
 
 
@@ -153,22 +159,24 @@ def odometry(parameters: Parameters, y: np.ndarray) -> dict[str, np.ndarray]:
     }
 
 
-def energy(parameters: Parameters, rows: Recording) -> dict[str, np.ndarray]:
-    """Kinetic energy, the works since t = 0, and what is missing between them."""
+def works(parameters: Parameters, y: np.ndarray) -> dict[str, np.ndarray]:
+    """What has been lost and done since t = 0, as the march has integrated it."""
+    at = places_in(parameters)
+    bearing_loss = y[:, at.bearing_loss] if parameters.machine.bearing_friction else np.zeros(len(y))
+    found = y[:, at.friction_loss], bearing_loss, y[:, at.drive_work], y[:, at.wrench_work]
+    return dict(zip(WORKS, found, strict=True))
+
+
+def balanced(parameters: Parameters, rows: Recording, done: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Energies, and what is missing between them and these works."""
     machine = parameters.machine
     y = rows.y
-    at = places_in(parameters)
-    kinetic = by_columns(kinetic_energy, parameters, at, y.T, rows.rates.transpose(1, 2, 0))
-    loss, drive, wrench = y[:, at.friction_loss], y[:, at.drive_work], y[:, at.wrench_work]
-    bearing_loss = y[:, at.bearing_loss] if machine.bearing_friction else np.zeros(len(y))
+    kinetic = by_columns(kinetic_energy, parameters, places_in(parameters), y.T, rows.rates.transpose(1, 2, 0))
     gravity = by_columns(potential_energy, machine, y.T)
+    loss, bearing_loss, drive, wrench = (done[path] for path in WORKS)
     return {
         "energy/kinetic": kinetic,
         **({"energy/gravity": gravity} if machine.inclined else {}),
-        "energy/friction_loss": loss,
-        "energy/bearing_loss": bearing_loss,
-        "energy/drive_work": drive,
-        "energy/wrench_work": wrench,
         "energy/balance": kinetic - kinetic[:1] + gravity - gravity[:1] + loss + bearing_loss - drive - wrench,
     }
 

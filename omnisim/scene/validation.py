@@ -15,12 +15,16 @@ Rule = Callable[[Config], Iterator[Problem]]
 
 
 def validate(data: Mapping[str, Any]) -> Config:
-    """The scene in `data` (what tomllib returns), complete, or ConfigError with every problem found.
+    """The scene in `data` (what tomllib returns), complete, or ConfigError with every problem found."""
+    return checked(tuples(data))
+
+
+def checked(data: Mapping[str, Any]) -> Config:
+    """The same of data whose lists are tuples.
 
     Rules across keys compare values, estimates need shapes, and rules of the machine its parts: each stage waits for
     the one before.
     """
-    data = tuples(data)
     try:
         config = Config.model_validate(data)
     except ValidationError as error:

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from omnisim.scene.problems import Problem, misplaced, schema_problems
 from omnisim.scene.scene import SceneError, with_index
 from omnisim.scene.schema import Config
-from omnisim.scene.toml_text import KeyPath, assign, show_value, split_key
+from omnisim.scene.toml_text import KeyPath, show_value, split_key
 from omnisim.scene.validation import tuples
 from omnisim.studies.schema import VARIES, Variation
 
@@ -213,18 +213,19 @@ def unfit(key: str, targets: Sequence[KeyPath], values: Any, data: dict[str, Any
     return None
 
 
-def with_values(data: dict[str, Any], values: Sequence[tuple[KeyPath, Any]]) -> dict[str, Any]:
-    """The data of a scene with these values, as much of it new as that takes."""
-    changed = copied(data)
+def with_values(data: Any, values: Sequence[tuple[KeyPath, Any]]) -> Any:
+    """The data of a scene with these values; only what contains them is new."""
     for path, value in values:
-        assign(changed, path, value)
-    return changed
+        data = _with(data, path, value)
+    return data
 
 
-def copied(value: Any) -> Any:
-    """Tables and lists of tables are new, lists of numbers are not."""
-    if isinstance(value, dict):
-        return {key: copied(entry) for key, entry in value.items()}
-    if isinstance(value, list) and value and isinstance(value[0], dict):
-        return [copied(entry) for entry in value]
-    return value
+def _with(data: Any, path: KeyPath, value: Any) -> Any:
+    if not path:
+        return value
+    first, *rest = path
+    if isinstance(data, dict):
+        return {**data, first: _with(data.get(first, {}), tuple(rest), value)}
+    changed = list(data)
+    changed[int(first)] = _with(changed[int(first)], tuple(rest), value)
+    return type(data)(changed)

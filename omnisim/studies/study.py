@@ -99,9 +99,14 @@ class Study:
             found += zip(factor.targets, values if factor.each else values * len(factor.targets), strict=True)
         return found
 
+    @cached_property
+    def base(self) -> dict[str, Any]:
+        """What the scene says, lists as tuples."""
+        return tuples(self.scene.document.data)
+
     def data(self, run: int) -> dict[str, Any]:
-        """What the scene of a run says."""
-        return with_values(self.scene.document.data, self.settings(run))
+        """The same of a run."""
+        return with_values(self.base, [(path, tuples(value)) for path, value in self.settings(run)])
 
 
 def kind_of(config: StudyConfig) -> str:

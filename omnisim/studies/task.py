@@ -18,7 +18,7 @@ from omnisim.scene.problems import ConfigError, Problem
 from omnisim.scene.scene import changed
 from omnisim.scene.schema import Config
 from omnisim.scene.toml_text import show_path
-from omnisim.scene.validation import validate
+from omnisim.scene.validation import checked, validate
 from omnisim.studies.factors import Distribution, with_values
 from omnisim.studies.measures import DIRECTIONS, END, NoNumber, Reading, readings
 from omnisim.studies.study import Study, StudyError
@@ -65,7 +65,7 @@ class Task:
     def __call__(self, run: int) -> Row:
         data = self.study.data(run)
         try:
-            config = validate(data)
+            config = checked(data)
         except ConfigError as error:
             told = "; ".join(sentence(problem, data) for problem in error.problems)
             return self.nothing(run, f"{IMPOSSIBLE}: {told}")
