@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 FORMAT = "omnisim-trajectory"
 FORMAT_VERSION = 1
+STUDY = "omnisim-study"  # the format of files that hold many runs
 CHECKSUM, SCENE_CHECKSUM = "crc32", "scene_crc32"  # attributes: of a dataset of text, of the root
 NO_MATCH = "it does not match its checksum"
 T = TypeVar("T")
@@ -74,6 +75,8 @@ def format_of(path: str | PathLike[str]) -> str:
 
 def _check_format(file: h5py.File, path: str) -> None:
     name = file.attrs.get("format")
+    if isinstance(name, str) and name == STUDY:
+        raise TrajectoryError(f"{path}: a study, which is no trajectory; omnisim plot shows it")
     if not isinstance(name, str) or name != FORMAT:
         raise TrajectoryError(f"{path}: HDF5, but no omnisim trajectory (attribute format is not {FORMAT!r})")
     version = int(file.attrs["format_version"])

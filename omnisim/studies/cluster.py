@@ -35,7 +35,7 @@ def on_cluster(
         from distributed.client import FutureCancelledError
         from distributed.scheduler import KilledWorker
     except ModuleNotFoundError:
-        raise ImportError("a cluster needs Dask: pip install 'omnisim-engine[cluster]'") from None
+        raise StudyError("a cluster needs Dask: pip install 'omnisim-engine[cluster]'") from None
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # it would show tracebacks of what is told here
     started: Any = None
     shown = visible(address)

@@ -18,6 +18,7 @@ import numpy as np
 
 from omnisim.base.files import write_whole
 from omnisim.base.formatting import visible
+from omnisim.base.trajectory_file import STUDY
 from omnisim.base.version import VERSION
 from omnisim.results.hdf5 import LIBRARY, TEXT
 from omnisim.scene.toml_text import show_value
@@ -27,7 +28,7 @@ from omnisim.studies.task import Row, Task
 if TYPE_CHECKING:
     import xarray
 
-FORMAT, FORMAT_VERSION = "omnisim-study", 1
+FORMAT, FORMAT_VERSION = STUDY, 1
 MISSING = 9.969209968386869e36  # netCDF's fill value of a double
 NOT_RUN = "not run"
 RUN = "run"

@@ -163,7 +163,10 @@ def _checked(document: Document, folder: Path) -> Study:
     problems += [] if problems else design_problems(config, varied)
     if problems:
         raise StudyError(document.told(problems))
-    return Study(config, document, scene, varied)
+    study = Study(config, document, scene, varied)
+    if study.kind in SAMPLED:
+        _ = study.shares  # drawn now: what is in the way is told, and processes inherit them
+    return study
 
 
 def _settings(config: StudyConfig) -> dict[str, Any]:

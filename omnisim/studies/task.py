@@ -63,6 +63,13 @@ class Task:
         self.final = tuple(last_values(config)) if study.config.keep.trajectories == "final" else ()
 
     def __call__(self, run: int) -> Row:
+        try:
+            return self.row(run)
+        except Exception as error:  # of no run that another one should suffer from
+            return self.nothing(run, f"failed: a bug in omnisim: {type(error).__name__}: {error}".replace("\n", " "))
+
+    def row(self, run: int) -> Row:
+        """What is known of a run when it has run."""
         data = self.study.data(run)
         try:
             config = checked(data)

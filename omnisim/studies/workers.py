@@ -52,9 +52,17 @@ def serve(task: Task[Any], connection: Connection, inherited: list[Connection]) 
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     try:
         while runs := connection.recv():
-            connection.send([task(run) for run in runs])
+            connection.send(made(task, runs))
     except (EOFError, OSError):
         pass
+
+
+def made(task: Task[Any], runs: tuple[int, ...]) -> list[Any] | Exception:
+    """What the task makes of these numbers, or what it raised."""
+    try:
+        return [task(run) for run in runs]
+    except Exception as error:
+        return error
 
 
 class Batches:
@@ -117,8 +125,10 @@ def on_cores(task: Task[T_co], runs: list[int], workers: int, stop: Callable[[],
                     if not batches.failed(batch):
                         yield [task.lost(batch.runs[0], end_of(worker.process.exitcode))]
                     continue
-                batches.took(batch, time.perf_counter() - begun)
                 idle.append(worker)
+                if isinstance(rows, Exception):
+                    raise rows
+                batches.took(batch, time.perf_counter() - begun)
                 yield rows
     finally:
         for worker, _, _ in busy.values():

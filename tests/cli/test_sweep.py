@@ -54,6 +54,12 @@ def test_the_summary_tells_measures_failures_and_how_to_repeat_them(study, tmp_p
     assert not journal_of(tmp_path / "found.h5").exists()
 
 
+def test_a_study_is_no_trajectory(study, tmp_path):
+    command("sweep", study, "-o", tmp_path / "found.h5", "--workers", 1)
+    for name in ("info", "run", "view"):
+        refused(command(name, tmp_path / "found.h5"), "a study, which is no trajectory; omnisim plot shows it")
+
+
 def test_quiet_says_nothing(study, tmp_path):
     result = command("sweep", study, "-o", tmp_path / "found.h5", "--workers", 1, "--quiet")
     assert (result.exit_code, result.output) == (0, "")

@@ -174,6 +174,28 @@ def test_a_killed_worker_costs_the_run_that_killed_it():
         assert row.measures[0] == (None if np.isnan(expected["far"][run]) else expected["far"][run])
 
 
+def test_what_nobody_has_thought_of_is_a_row_too(monkeypatch):
+    task = Task(load_study(GRID))
+    monkeypatch.setattr(type(task.study), "data", lambda *_: 1 / 0)
+    assert task(2).status == "failed: a bug in omnisim: ZeroDivisionError: division by zero"
+
+
+def test_sobol_without_scipy_is_told_before_anything_runs(monkeypatch):
+    monkeypatch.setitem(sys.modules, "scipy.stats", None)
+    with pytest.raises(StudyError, match="needs SciPy: pip install"):
+        sweep(DRAWN | {"design": {"kind": "sobol", "count": 4}})
+
+
+def test_several_scenes_at_once_come_back_in_their_order():
+    scenes = [omnisim.load("kiwi", {**SCENE["set"], "chassis.mass": mass}) for mass in (3.0, 6.0, 4.0)]
+    runs = omnisim.simulate_many(scenes, workers=2)
+    for run, scene in zip(runs, scenes, strict=True):
+        alone = omnisim.simulate(scene)
+        assert all(np.array_equal(run[path], alone[path]) for path in alone)
+    with pytest.raises(omnisim.SceneError, match="no file and no packaged scene"):
+        omnisim.simulate_many(["kiwi", "kiwy"])
+
+
 def test_kill_9_of_the_command_loses_no_finished_run(tmp_path):
     study = tmp_path / "study.toml"
     study.write_text("""
