@@ -67,6 +67,7 @@ def cli() -> None:
     omnisim new robot.toml                  asks for a few numbers, and writes a scene
     omnisim info authors_testbench          what a scene models, and why
     omnisim run scene.toml                  writes scene.h5
+    omnisim sweep study.toml                many runs, keys of the scene varied
     omnisim info scene.h5                   what a trajectory holds
     omnisim export scene.h5 scene.csv       for spreadsheets; .parquet, .mat
     omnisim view scene.h5                   the machine in 3-D, as a web page
