@@ -89,10 +89,10 @@ def show_value(value: Any, width: int = 60) -> str:
     if isinstance(value, bool):
         shown = str(value).lower()
     elif isinstance(value, dict):
-        pairs = (f"{show_path((key,))} = {show_value(entry)}" for key, entry in value.items())
+        pairs = (f"{show_path((key,))} = {show_value(entry, width)}" for key, entry in value.items())
         shown = f"{{{', '.join(pairs)}}}"
     elif isinstance(value, list | tuple):
-        shown = f"[{', '.join(map(show_value, value))}]"
+        shown = f"[{', '.join(show_value(entry, width) for entry in value)}]"
     elif isinstance(value, int) and value.bit_length() > 64:
         shown = hex(value)  # Python refuses to write the decimals of a very long one
     else:

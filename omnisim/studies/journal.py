@@ -1,12 +1,12 @@
 """The journal of a study that is under way: what has finished is on the disk, whatever happens to the process.
 
 A text: the first line says which study it is, each further one what a batch of runs has found, with the CRC-32 of the
-rest of the line before it. A line that was cut off by a crash is left out.
+rest of the line before it. From a line on that a crash has cut off all is taken away.
 """
 
 import json
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
 from types import TracebackType
 from zlib import crc32
@@ -23,7 +23,7 @@ class Journal:
         self.path = path
         new = not path.exists()
         if not new:
-            _cut(path)
+            os.truncate(path, _whole(path)[1])
         self.file = open(path, "ab", buffering=0)  # noqa: SIM115  (closed by __exit__)
         if new:
             self._line(json.dumps([FORMAT, fingerprint]))
@@ -49,28 +49,25 @@ class Journal:
 
 def read(path: Path, fingerprint: str) -> list[Row] | None:
     """The rows in a journal; None if it is not one of this study."""
-    lines = _lines(path)
-    if next(lines, None) != [FORMAT, fingerprint]:
+    lines, _ = _whole(path)
+    if not lines or lines[0] != [FORMAT, fingerprint]:
         return None
     return [
         Row(run, status, stop, wall, tuple(measures), tuple(final))
-        for rows in lines
+        for rows in lines[1:]
         for run, status, stop, wall, measures, final in rows
     ]
 
 
-def _lines(path: Path) -> Iterator[list]:
-    """What the lines say that are whole."""
+def _whole(path: Path) -> tuple[list[list], int]:
+    """What the lines say up to the first that is damaged, and how many bytes they are."""
+    found: list[list] = []
+    length = 0
     with open(path, "rb") as file:
         for line in file:
             check, _, text = line.rstrip(b"\n").partition(b" ")
             if not line.endswith(b"\n") or check != b"%08x" % crc32(text):
-                return
-            yield json.loads(text)
-
-
-def _cut(path: Path) -> None:
-    """Take away what a crash has left of a last line."""
-    with open(path, "rb+") as file:
-        whole = file.read().rfind(b"\n") + 1
-        file.truncate(whole)
+                break
+            found.append(json.loads(text))
+            length += len(line)
+    return found, length

@@ -18,6 +18,7 @@ MOST, LEAST = "interval_max", "interval_min"
 EXTREMES = {"max": (MOST,), "min": (LEAST,), "ptp": (MOST, LEAST)}  # what the march itself has followed
 ALIASES = {"odometry/error": "odometry/position_error"}
 DIRECTIONS = (AXIS, PLANE, TANGENT, HUB, MOUNT)
+FINAL = ("body/position", "body/yaw", "body/velocity", "body/yaw_rate", "wheels/*/spin_angle", "wheels/*/spin_rate")
 ON_GRID = 1e-9  # relative, of times that must be those of rows
 
 
@@ -205,3 +206,18 @@ def _unknown(pattern: str, wheels: tuple[str, ...], known: frozenset[str]) -> st
     wanted = f"wheels/*/{path}" if first == "wheels" else pattern
     near = get_close_matches(wanted, sorted(shared), n=5, cutoff=0.4)
     return f"no dataset of this scene; near: {', '.join(near)}" if near else "no dataset of this scene"
+
+
+def last_values(config: Config) -> Iterator[Reading]:
+    """Readings of the state in the last row, named by its datasets."""
+    wheels = tuple(wheel.name for wheel in config.wheels)
+    table = layout(wheels)
+    for pattern in FINAL:
+        for path in dict.fromkeys(pattern.replace("*", wheel) for wheel in wheels):
+            axis = table[path].axes[-1]
+            name = "final." + path.replace("/", ".")
+            directions = LABELS[axis] if axis in DIRECTIONS else ()
+            for i, label in enumerate(directions):
+                yield Reading(f"{name}.{label}", table[path].units, (path,), i, END, None, False)
+            if not directions:
+                yield Reading(name, table[path].units, (path,), None, END, None, False)

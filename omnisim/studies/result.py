@@ -6,6 +6,8 @@ which readers take for missing, and the status says why.
 
 from __future__ import annotations
 
+import math
+import sys
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from io import BytesIO
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
 FORMAT, FORMAT_VERSION = STUDY, 1
 MISSING = 9.969209968386869e36  # netCDF's fill value of a double
 NOT_RUN = "not run"
+OF_KEYS = "values of this key of the scene, in the units of its file"
 RUN = "run"
 OF_RUNS = (
     ("stop_time", "s", "simulated time at which the run ended"),
@@ -48,6 +51,11 @@ class Variable:
     units: str
     description: str
     coordinate: bool = False
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """Of the dataset in the file."""
+        return {name: text for name, text in (("units", self.units), ("description", self.description)) if text}
 
     def is_scale(self, name: str) -> bool:
         return self.dims == (name,)
@@ -94,7 +102,9 @@ class StudyResult(Mapping[str, np.ndarray]):
         import xarray
 
         made = {
-            name: xarray.Variable(one.dims, one.values, {"units": one.units, "description": one.description})
+            name: xarray.Variable(
+                one.dims, one.values, ({"units": one.units} if one.units else {}) | {"description": one.description}
+            )
             for name, one in self.variables.items()
         }
         apart = {name for name, one in self.variables.items() if one.coordinate}
@@ -141,8 +151,7 @@ def _create(file: h5py.File, name: str, one: Variable, coordinates: str) -> None
         )
         if missing and not one.is_scale(name):
             dataset.attrs["_FillValue"] = MISSING
-    dataset.attrs["units"] = one.units
-    dataset.attrs["description"] = one.description
+    dataset.attrs.update(one.attributes)
     if one.is_scale(name):
         dataset.make_scale(name)
     elif coordinates and not one.coordinate:
@@ -176,7 +185,7 @@ def _read(file: h5py.File, name: str) -> Variable:
         values = np.where(values == MISSING, np.nan, values)
     dims = (name,) if dataset.is_scale else tuple(dimension[0].name.removeprefix("/") for dimension in dataset.dims)
     own = dataset.is_scale or name in str(file.attrs["coordinates"]).split()
-    return Variable(dims, values, str(dataset.attrs["units"]), str(dataset.attrs["description"]), own)
+    return Variable(dims, values, str(dataset.attrs.get("units", "")), str(dataset.attrs["description"]), own)
 
 
 def gathered(task: Task, rows: Iterable[Row]) -> StudyResult:
@@ -214,24 +223,50 @@ def gathered(task: Task, rows: Iterable[Row]) -> StudyResult:
     return StudyResult(attributes, variables)
 
 
+def rows_of(task: Task, found: StudyResult) -> list[Row]:
+    """The rows of a StudyResult of this task's study: of the runs that have run."""
+    names = [reading.name for reading in (*task.readings, *task.final)]
+    table = np.array([found[name].ravel() for name in names]).reshape(len(names), task.study.count).T.tolist()
+    columns = zip(*(found[name].ravel().tolist() for name in ("status", "stop_time", "wall_time")), table, strict=True)
+    rows = []
+    for run, (status, stop_time, wall_time, numbers) in enumerate(columns):
+        values = tuple(None if math.isnan(value) else value for value in numbers)
+        if status != NOT_RUN:
+            split = len(task.readings)
+            rows.append(Row(run, status, stop_time, wall_time, values[:split], values[split:]))
+    return rows
+
+
 def coordinates(task: Task) -> dict[str, Variable]:
     """The values of the varied keys."""
     study = task.study
     if study.kind == "grid":
         return {
-            factor.key: Variable((factor.key,), column(factor.listed), "1", "key of the scene", True)
+            factor.key: Variable(
+                (factor.key,),
+                column(factor.listed),
+                "",
+                OF_KEYS,
+                True,
+            )
             for factor in study.factors
         }
     found = {RUN: Variable((RUN,), np.arange(study.count), "1", "runs, counted from 0", True)}
     table = [study.values(run) for run in range(study.count)]
     for i, factor in enumerate(study.factors):
         if not factor.each:
-            found[factor.key] = Variable((RUN,), column([row[i][0] for row in table]), "1", "key of the scene", True)
+            found[factor.key] = Variable(
+                (RUN,),
+                column([row[i][0] for row in table]),
+                "",
+                OF_KEYS,
+                True,
+            )
             continue
         axis = factor.key.partition(".")[0]
-        found[axis] = Variable((axis,), np.array(factor.names), "1", "names", True)
+        found[axis] = Variable((axis,), np.array(factor.names), "", "names", True)
         values = column([value for row in table for value in row[i]]).reshape(study.count, len(factor.names))
-        found[factor.key] = Variable((RUN, axis), values, "1", "key of the scene", True)
+        found[factor.key] = Variable((RUN, axis), values, "", OF_KEYS, True)
     return found
 
 
@@ -242,4 +277,4 @@ def column(values: Iterable[Any]) -> np.ndarray:
         return np.array(values, dtype=np.int64)
     if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
         return np.array(values, dtype=np.float64)
-    return np.array([value if isinstance(value, str) else show_value(value, 1000) for value in values])
+    return np.array([value if isinstance(value, str) else show_value(value, sys.maxsize) for value in values])

@@ -22,6 +22,7 @@ from omnisim.scene.validation import tuples
 from omnisim.studies.factors import Distribution, Factor, factors, with_values
 from omnisim.studies.schema import MOST_RUNS, StudyConfig
 
+DISTRIBUTIONS = {"mean", "uniform", "loguniform"}  # what tells one in a table of [vary]
 SAMPLED = ("random", "sobol", "latin")
 TEXT = "<study>"  # the source of one that no file says
 BEARINGS = "bearing"  # in the names of datasets that [output] bearing_loads gives
@@ -110,7 +111,9 @@ class Study:
 
 
 def kind_of(config: StudyConfig) -> str:
-    return config.design.kind or "grid"
+    """Of a design that names none: distributions with a count are drawn by chance, all else makes a grid."""
+    drawn_keys = any(isinstance(entry, Mapping) and DISTRIBUTIONS & set(entry) for entry in config.vary.values())
+    return config.design.kind or ("random" if drawn_keys and config.design.count else "grid")
 
 
 def drawn(kind: str, count: int, draws: int, seed: int) -> np.ndarray:
@@ -181,7 +184,10 @@ def design_problems(config: StudyConfig, varied: tuple[Factor, ...]) -> list[Pro
     if kind in SAMPLED:
         return [] if design.count else [Problem(("design", "count"), f'missing; "{kind}" takes a number of runs')]
     problems = [
-        Problem(("vary", factor.key), f"a distribution takes a design that draws, with count: {', '.join(SAMPLED)}")
+        Problem(
+            ("vary", factor.key),
+            f"a distribution takes a design that draws, with count: {', '.join(SAMPLED)}",
+        )
         for factor in varied
         if isinstance(factor.values, Distribution)
     ]

@@ -1,8 +1,11 @@
 """All runs of a study: handed out, kept as they finish, gathered."""
 
 import hashlib
+import shlex
 import shutil
+import sys
 from collections.abc import Callable, Iterator, Mapping
+from errno import EEXIST
 from os import PathLike
 from pathlib import Path
 from threading import Event
@@ -10,14 +13,18 @@ from typing import Any, NamedTuple
 
 from omnisim.base.arguments import callable_or_none
 from omnisim.base.formatting import visible
+from omnisim.base.version import VERSION
 from omnisim.results.layout import COMPLETE
+from omnisim.scene.document import by_name
+from omnisim.scene.toml_text import show_path, show_value
 from omnisim.studies import journal
 from omnisim.studies.journal import Journal
-from omnisim.studies.result import StudyResult, gathered
+from omnisim.studies.result import StudyResult, gathered, open_study, rows_of
 from omnisim.studies.study import Study, StudyError, load_study
 from omnisim.studies.task import Row, Task
 from omnisim.studies.workers import cores, on_cores
 
+OTHER = "of another study, another scene or another version of omnisim; --force begins anew"
 ROW_BYTES, NUMBER_BYTES = 160, 40  # of a run in journal and file together, and of each of its numbers
 
 
@@ -65,11 +72,11 @@ def sweep(
     task = Task(made, kept_in(made, path))
     if path is None:
         return gathered(task, all_rows(task, [], handed_out(task, workers, cluster), progress))
-    known = begun(made, path, resume, overwrite)
+    known = begun(task, path, resume, overwrite)
     check_room(task, path)
     if task.folder:
         task.folder.mkdir(exist_ok=True)
-    with Journal(journal_of(path), fingerprint(made)) as kept:
+    with Journal(journal_of(path), fingerprint(made.document.text, made.scene.text)) as kept:
         rows = all_rows(task, known, handed_out(task, workers, cluster), progress, kept)
     found = gathered(task, rows)
     found.save(path, overwrite=overwrite or resume)
@@ -111,22 +118,39 @@ def all_rows(
     return list(rows.values())
 
 
-def begun(study: Study, path: Path, resume: bool, overwrite: bool) -> list[Row]:
-    """The rows of the journal to go on with. Raises StudyError, and FileExistsError for what may not be replaced."""
+def begun(task: Task, path: Path, resume: bool, overwrite: bool) -> list[Row]:
+    """The rows to go on with. Raises StudyError, and FileExistsError for what may not be replaced."""
     beside = journal_of(path)
-    shown = visible(str(beside))
-    if resume and beside.exists():
-        rows = journal.read(beside, fingerprint(study))
-        if rows is None:
-            raise StudyError(f"{shown}: this is the journal of another study, or of another scene; --force begins anew")
-        return rows
+    if resume:
+        known = {row.run: row for row in [*in_file(task, path), *in_journal(task, beside)]}
+        return list(known.values())
     if overwrite:
         beside.unlink(missing_ok=True)
     elif beside.exists():
-        raise FileExistsError(17, "runs of a study are in it; --resume goes on, --force begins anew", str(beside))
+        raise FileExistsError(EEXIST, "runs of a study are in it; --resume goes on, --force begins anew", str(beside))
     elif path.exists():
-        raise FileExistsError(17, "exists already; --force replaces it", str(path))
+        raise FileExistsError(EEXIST, "exists already; --force replaces it, --resume does what is missing", str(path))
     return []
+
+
+def in_journal(task: Task, path: Path) -> list[Row]:
+    """The rows in a journal, if it is there. Raises StudyError for that of another study."""
+    rows = journal.read(path, fingerprint(task.study.document.text, task.study.scene.text)) if path.exists() else []
+    if rows is None:
+        raise StudyError(f"{visible(str(path))}: {OTHER}")
+    return rows
+
+
+def in_file(task: Task, path: Path) -> list[Row]:
+    """The rows in the file of a study, if it is there. Raises StudyError for that of another study."""
+    if not path.exists():
+        return []
+    found = open_study(path)
+    a = found.attributes
+    mine = fingerprint(task.study.document.text, task.study.scene.text)
+    if fingerprint(a["study"], a["scene"], a["omnisim_version"]) != mine:
+        raise StudyError(f"{visible(str(path))}: {OTHER}")
+    return rows_of(task, found)
 
 
 def journal_of(path: Path) -> Path:
@@ -142,9 +166,9 @@ def kept_in(study: Study, path: Path | None) -> Path | None:
     return path.with_name(f"{path.stem}_runs")
 
 
-def fingerprint(study: Study) -> str:
-    """Tells one study from another: its text and that of its scene."""
-    return hashlib.sha256(f"{study.document.text}\0{study.scene.text}".encode()).hexdigest()
+def fingerprint(study: str, scene: str, version: str = VERSION) -> str:
+    """Tells one study from another: by its text, that of its scene, and who runs it."""
+    return hashlib.sha256("\0".join((study, scene, version)).encode()).hexdigest()
 
 
 def check_room(task: Task, path: Path) -> None:
@@ -161,22 +185,9 @@ def check_room(task: Task, path: Path) -> None:
 
 def repeat(task: Task, run: int) -> str:
     """The command that repeats a run."""
-    scene = task.study.config.scene
-    own = task.study.config.settings | task.overrides(run)
-    return " ".join(
-        ["omnisim run", scene, *(f"--set {_quoted(f'{key}={_toml(value)}')}" for key, value in own.items())]
-    )
-
-
-def _toml(value: Any) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{key} = {_toml(entry)}" for key, entry in value.items()) + "}"
-    return f"[{', '.join(map(_toml, value))}]" if isinstance(value, list | tuple) else repr(value)
-
-
-def _quoted(text: str) -> str:
-    return (
-        text if all(letter.isalnum() or letter in "._-=+" for letter in text) else '"' + text.replace('"', '\\"') + '"'
-    )
+    study = task.study
+    document = study.scene.document
+    fixed = {show_path(by_name(one.path, document.data)): one.value for one in document.applied}
+    own = fixed | task.overrides(run)
+    words = [f"--set {shlex.quote(f'{key}={show_value(value, sys.maxsize)}')}" for key, value in own.items()]
+    return " ".join(["omnisim run", shlex.quote(study.scene.source), *words])

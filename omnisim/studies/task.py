@@ -6,9 +6,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from omnisim.base.status import RUNNING
 from omnisim.results.assembly import outcome
-from omnisim.results.layout import COMPLETE, LABELS, layout
+from omnisim.results.layout import COMPLETE
 from omnisim.results.observables import Observables
 from omnisim.results.trajectory import Trajectory
 from omnisim.run.marching import Marching
@@ -20,11 +19,10 @@ from omnisim.scene.schema import Config
 from omnisim.scene.toml_text import show_path
 from omnisim.scene.validation import checked, validate
 from omnisim.studies.factors import Distribution, with_values
-from omnisim.studies.measures import DIRECTIONS, END, NoNumber, Reading, readings
+from omnisim.studies.measures import NoNumber, Reading, last_values, readings
 from omnisim.studies.study import Study, StudyError
 
 IMPOSSIBLE = "impossible"  # begins the status of a run that has no scene
-FINAL = ("body/position", "body/yaw", "body/velocity", "body/yaw_rate", "wheels/*/spin_angle", "wheels/*/spin_rate")
 
 
 class Row(NamedTuple):
@@ -63,9 +61,14 @@ class Task:
         self.final = tuple(last_values(config)) if study.config.keep.trajectories == "final" else ()
 
     def __call__(self, run: int) -> Row:
+        """Raises OSError where a trajectory cannot be kept; nothing else that fails in a run ends the study."""
         try:
             return self.row(run)
-        except Exception as error:  # of no run that another one should suffer from
+        except OSError:
+            raise
+        except MemoryError:
+            return self.nothing(run, "not enough memory")
+        except Exception as error:
             return self.nothing(run, f"failed: a bug in omnisim: {type(error).__name__}: {error}".replace("\n", " "))
 
     def row(self, run: int) -> Row:
@@ -78,14 +81,10 @@ class Task:
             return self.nothing(run, f"{IMPOSSIBLE}: {told}")
         if self.folder or config.solver.error is not None:
             return self.whole(run)
-        try:
-            marching = Marching(config)
-            while marching.march() == RUNNING:
-                pass
-            found = marching.observables()
-            end = outcome(config, marching.run, found)
-        except MemoryError:
-            return self.nothing(run, "not enough memory")
+        marching = Marching(config)
+        marching.march()
+        found = marching.observables()
+        end = outcome(config, marching.run, found)
         measures = self.measured(self.readings, found, config, end.sentence == COMPLETE)
         final = self.measured(self.final, found, config, len(found.times) > 0)
         return Row(run, end.sentence, end.time, marching.wall_time, measures, final)
@@ -147,18 +146,3 @@ def sample(config: Config) -> Observables:
     marching = Marching(config.at_step(config.time.end) if config.time.step is None else config)
     marching.march(0)
     return marching.observables()
-
-
-def last_values(config: Config) -> Iterator[Reading]:
-    """Readings of the state in the last row, named by its datasets."""
-    wheels = tuple(wheel.name for wheel in config.wheels)
-    table = layout(wheels)
-    for pattern in FINAL:
-        for path in dict.fromkeys(pattern.replace("*", wheel) for wheel in wheels):
-            axis = table[path].axes[-1]
-            name = "final." + path.replace("/", ".")
-            directions = LABELS[axis] if axis in DIRECTIONS else ()
-            for i, label in enumerate(directions):
-                yield Reading(f"{name}.{label}", table[path].units, (path,), i, END, None, False)
-            if not directions:
-                yield Reading(name, table[path].units, (path,), None, END, None, False)

@@ -7,15 +7,19 @@ the run that kills is found. It becomes a row with that status, all others finis
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from typing import Any, NamedTuple, Protocol, TypeVar, cast
 
 BATCH_SECONDS = 0.25  # of a batch, about: what a crash can lose
 T_co = TypeVar("T_co", covariant=True)
+MOST_BORN_DEAD = 20  # processes that end before they have done anything, one after the other
+BORN_DEAD = "processes end as they begin: a script must call this below `if __name__ == '__main__':`"
 SHARE = 4  # batches that each worker can still expect
 
 
@@ -101,17 +105,32 @@ def on_cores(task: Task[T_co], runs: list[int], workers: int, stop: Callable[[],
     if workers == 1:
         yield from here(task, batches, stop)
         return
-    alone = hasattr(os, "fork") and threading.active_count() == 1  # a fork may inherit locks that other threads hold
+    alone = (
+        sys.platform == "linux" and threading.active_count() == 1
+    )  # a fork may inherit locks that other threads hold
     context = multiprocessing.get_context("fork" if alone else "spawn")
     busy: dict[Connection, tuple[Worker, Batch, float]] = {}
     idle: list[Worker] = []
+    born_dead = 0
+
+    def another() -> Worker:
+        return start(context, task, [*idle, *(other for other, _, _ in busy.values())])
+
     for _ in range(min(workers, len(runs))):
-        idle.append(start(context, task, idle))
+        idle.append(another())
     try:
         while True:
             while idle and not stop() and (batch := batches.next()):
                 worker = idle.pop()
-                worker.connection.send(batch.runs)
+                try:
+                    worker.connection.send(batch.runs)
+                except OSError:  # it was killed while it waited
+                    batches.again.appendleft(batch)
+                    idle.append(another())
+                    born_dead += 1
+                    if born_dead > MOST_BORN_DEAD:
+                        raise RuntimeError(BORN_DEAD) from None
+                    continue
                 busy[worker.connection] = worker, batch, time.perf_counter()
             if not busy:
                 return
@@ -121,20 +140,22 @@ def on_cores(task: Task[T_co], runs: list[int], workers: int, stop: Callable[[],
                     rows = worker.connection.recv()
                 except (EOFError, OSError):
                     worker.process.join()
-                    idle.append(start(context, task, [*idle, *(other for other, _, _ in busy.values())]))
+                    idle.append(another())
                     if not batches.failed(batch):
                         yield [task.lost(batch.runs[0], end_of(worker.process.exitcode))]
                     continue
                 idle.append(worker)
                 if isinstance(rows, Exception):
                     raise rows
+                born_dead = 0
                 batches.took(batch, time.perf_counter() - begun)
                 yield rows
     finally:
         for worker, _, _ in busy.values():
             worker.process.kill()
         for worker in idle:
-            worker.connection.send(())
+            with suppress(OSError):
+                worker.connection.send(())
         for worker in [*idle, *(worker for worker, _, _ in busy.values())]:
             worker.process.join()
             worker.connection.close()

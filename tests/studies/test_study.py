@@ -67,6 +67,11 @@ def test_draws_follow_their_distributions_and_their_seed(tmp_path, kind):
     assert found.values(513) == again.values(513) != other.values(513)
 
 
+def test_distributions_with_a_count_are_drawn_by_chance(tmp_path):
+    found = study(tmp_path, '[vary]\n"chassis.mass" = { uniform = [1, 2] }\n[design]\ncount = 5\n')
+    assert (found.kind, found.shape) == ("random", (5,))
+
+
 def test_the_sequences_fill_the_square_more_evenly_than_chance():
     """Largest gap of one coordinate among 256: 1/256 each of a Latin hypercube and of Sobol's sequence."""
     from omnisim.studies.study import drawn

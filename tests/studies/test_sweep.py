@@ -1,7 +1,9 @@
 """Many runs: the same numbers whatever runs them, nothing finished is lost, and files that other readers open."""
 
 import json
+import multiprocessing
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -13,6 +15,7 @@ from deadly import Deadly
 
 import omnisim
 from omnisim.studies import journal
+from omnisim.studies.measures import Reading
 from omnisim.studies.result import MISSING, open_study
 from omnisim.studies.study import StudyError, load_study
 from omnisim.studies.sweep import fingerprint, journal_of, repeat, sweep
@@ -44,6 +47,11 @@ DRAWN = SCENE | {
 def numbers(found):
     """All that a study has found but for the time that it took."""
     return {name: values for name, values in found.items() if name != "wall_time"}
+
+
+def mark_of(source):
+    study = load_study(source)
+    return fingerprint(study.document.text, study.scene.text)
 
 
 def same(one, other):
@@ -141,7 +149,7 @@ def test_a_stopped_study_goes_on_to_the_same_file(tmp_path):
     assert (stopped["status"] == "not run").sum() == 40 - stopped.attributes["finished"]
     with pytest.raises(FileExistsError):
         sweep(DRAWN, path, workers=1)
-    with pytest.raises(StudyError, match="the journal of another study"):
+    with pytest.raises(StudyError, match=r"study\.h5: of another study"):
         sweep(GRID, path, workers=1, resume=True)
     seen = []
     whole = sweep(DRAWN, path, workers=1, resume=True, progress=seen.append)
@@ -151,14 +159,49 @@ def test_a_stopped_study_goes_on_to_the_same_file(tmp_path):
     same(open_study(path), whole)
 
 
+def test_resume_leaves_a_finished_study_alone_and_refuses_other_files(tmp_path):
+    path = tmp_path / "study.h5"
+    whole = sweep(DRAWN, path, workers=1)
+    seen = []
+    same(sweep(DRAWN, path, workers=1, resume=True, progress=seen.append), whole)
+    assert [done.ended for done in seen] == [40]
+    before = path.read_bytes()
+    with pytest.raises(StudyError, match="of another study"):
+        sweep(GRID, path, resume=True)
+    omnisim.simulate(omnisim.load("kiwi", SCENE["set"])).save(tmp_path / "run.h5")
+    with pytest.raises(StudyError, match="no study of omnisim"):
+        sweep(GRID, tmp_path / "run.h5", resume=True)
+    assert path.read_bytes() == before
+
+
+def test_the_file_of_a_stopped_study_is_enough_to_go_on(tmp_path):
+    path = tmp_path / "study.h5"
+    stopped = sweep(DRAWN, path, workers=1, progress=lambda done: done.ended >= 7)
+    journal_of(path).unlink()
+    seen = []
+    same(sweep(DRAWN, path, workers=1, resume=True, progress=seen.append), sweep(DRAWN, workers=1))
+    assert seen[0].ended == stopped.attributes["finished"]
+
+
+def test_a_journal_that_is_damaged_in_the_middle_goes_on_from_there(tmp_path):
+    path = tmp_path / "study.h5"
+    sweep(DRAWN, path, workers=1, progress=lambda done: done.ended >= 20)
+    path.unlink()
+    kept = journal_of(path)
+    lines = kept.read_bytes().splitlines(keepends=True)
+    assert len(lines) > 4
+    kept.write_bytes(b"".join([*lines[:2], lines[2].replace(b"complete", b"xomplete"), *lines[3:]]))
+    same(sweep(DRAWN, path, workers=1, resume=True), sweep(DRAWN, workers=1))
+
+
 def test_a_line_that_a_crash_has_cut_is_done_again(tmp_path):
     path = tmp_path / "study.h5"
     sweep(DRAWN, path, workers=1, progress=lambda done: done.ended >= 7)
     kept = journal_of(path)
     text = kept.read_bytes()
-    known = len(journal.read(kept, fingerprint(load_study(DRAWN))))
+    known = len(journal.read(kept, mark_of(DRAWN)))
     kept.write_bytes(text[:-20])
-    left = len(journal.read(kept, fingerprint(load_study(DRAWN))))
+    left = len(journal.read(kept, mark_of(DRAWN)))
     assert left < known
     same(sweep(DRAWN, path, workers=1, resume=True), sweep(DRAWN, workers=1))
 
@@ -172,6 +215,48 @@ def test_a_killed_worker_costs_the_run_that_killed_it():
     for run, row in rows.items():
         assert row.status == expected["status"][run]
         assert row.measures[0] == (None if np.isnan(expected["far"][run]) else expected["far"][run])
+
+
+def test_a_worker_that_is_killed_while_it_waits_is_replaced():
+    study = load_study(DRAWN)
+    task = Task(study)
+    rows = []
+    for batch in on_cores(task, list(range(40)), 2, lambda: False):
+        if not rows:
+            for child in multiprocessing.active_children():
+                os.kill(child.pid, signal.SIGKILL)
+                child.join()
+        rows += batch
+    assert sorted(row.run for row in rows) == list(range(40))
+    assert not [row for row in rows if row.status.startswith("lost")]
+
+
+def test_a_disk_that_is_full_of_trajectories_stops_the_study(tmp_path, monkeypatch):
+    study = GRID | {"keep": {"trajectories": "all"}}
+
+    def full(*_, **__):
+        raise OSError(28, os.strerror(28), "run.h5")
+
+    monkeypatch.setattr(omnisim.Trajectory, "save", full)
+    with pytest.raises(OSError, match="No space left"):
+        sweep(study, tmp_path / "study.h5", workers=1)
+    assert journal_of(tmp_path / "study.h5").exists()
+
+
+def test_ripple_is_the_rms_of_what_repeats_with_every_roller():
+    """A sine of amplitude 2 at the exchange frequency of each wheel, on what changes slowly: 2 / sqrt(2) of each, to
+    1e-4; whatever has another frequency does not count."""
+    config = omnisim.load("kiwi").config
+    wheels = [wheel.name for wheel in config.wheels]
+    time = np.linspace(0.0, 4.0, 8001)
+    found = {"time": time}
+    for w, name in enumerate(wheels):
+        angle = (5.0 + w) * time + 0.3 * time**2
+        pitches = angle * config.type_of(config.wheels[w]).roller_count
+        found[f"wheels/{name}/spin_angle"] = angle
+        found[f"wheels/{name}/normal_force"] = 10.0 + time + 2.0 * np.sin(pitches + w) + 3.0 * np.sin(2.0 * pitches)
+    paths = tuple(f"wheels/{name}/normal_force" for name in wheels)
+    assert Reading("r", "N", paths, None, None, "ripple", False).of(found, config) == pytest.approx(2**0.5, rel=1e-4)
 
 
 def test_what_nobody_has_thought_of_is_a_row_too(monkeypatch):
@@ -215,7 +300,7 @@ def test_kill_9_of_the_command_loses_no_finished_run(tmp_path):
         time.sleep(0.02)
     process.kill()
     process.wait()
-    found = journal.read(kept, fingerprint(load_study(study)))
+    found = journal.read(kept, mark_of(study))
     assert found and not path.exists()
     done = subprocess.run([*command, "--resume"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

@@ -13,6 +13,7 @@ from omnisim.studies.result import RUN, StudyResult
 PANEL = 2.6  # inches
 MANY = 60  # runs, from which a curve of medians is drawn through a cloud
 MOST_KEYS, MOST_MEASURES = 8, 8  # in a matrix
+TOLD = "; line and band: median, 10 to 90 %; explains: share of the variance ± two deviations"
 BAND = (10.0, 90.0)  # percentiles
 
 
@@ -33,7 +34,11 @@ def study(found: StudyResult) -> Figure:
     else:
         figure = matrix(found, names[:MOST_KEYS], measures[:MOST_MEASURES])
     a = found.attributes
-    told = "; line and band: median, 10 to 90 %; explains: share of the variance" if len(names) > 2 else ""
+    told = (
+        "; line and band: median, 10 to 90 %; explains: share of the variance ± two deviations"
+        if len(names) > 2
+        else ""
+    )
     figure.suptitle(f"{a['finished']} of {a['runs']} runs, {a['design']}{told}", fontsize=10, parse_math=False)
     return figure
 
