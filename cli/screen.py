@@ -5,7 +5,7 @@ import signal
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, nullcontext, suppress
-from typing import Any, TextIO
+from typing import Any, Self, TextIO
 
 import click
 
@@ -26,8 +26,11 @@ class Shown:
 
     def __init__(self, stream: TextIO, lenient: bool):
         self.stream, self.lenient = stream, lenient
+        self.over = False  # the command has ended; what comes now is colorama's, which resets the colours at exit
 
     def write(self, text: str) -> int:
+        if self.over:
+            return len(text)
         shown = visible(text, but="\t\n")
         encoding = self.stream.encoding or "utf-8"
         with self._errors():
@@ -60,6 +63,8 @@ def shown() -> Iterator[None]:
         if sys.stdout is inside[0]:  # click replaces one that nobody reads
             sys.stdout = before[0]
         sys.stderr = before[1]
+        for stream in filter(None, inside):
+            stream.over = True
 
 
 class Failure(click.ClickException):
@@ -96,7 +101,37 @@ def leave_at_once(*_: object) -> None:
     os._exit(STOPPED)
 
 
-class Progress:
+class StopWish:
+    """Takes Ctrl-C or SIGTERM as a wish to `stop`, between `listen` and the end of the `with` block."""
+
+    def __init__(self) -> None:
+        self.stop = False
+        self.handlers: dict[int, Any] = {}
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, exception: type[BaseException] | None, *_: object) -> None:
+        for number, handler in self.handlers.items():
+            signal.signal(number, handler)
+
+    def listen(self) -> None:
+        for number in ENDING:
+            if signal.getsignal(number) != signal.SIG_IGN:  # a background job keeps ignoring Ctrl-C
+                self.handlers[number] = signal.signal(number, self._on_signal)
+
+    def _on_signal(self, *_: object) -> None:
+        again = self.stop
+        self.stop = True
+        if again:
+            self.give_up()
+
+    def give_up(self) -> None:
+        """At the second signal."""
+        raise KeyboardInterrupt
+
+
+class Progress(StopWish):
     """Follows a run: shows a bar if stderr is a terminal, and takes Ctrl-C or SIGTERM as a wish to stop.
 
     The signals are taken from the first call on, when the kernels are ready, to the end of the `with` block,
@@ -104,13 +139,10 @@ class Progress:
     """
 
     def __init__(self, quiet: bool):
+        super().__init__()
         self.quiet = quiet
         self.bar: Any = None  # of click
-        self.begun = self.stop = self.given_up = False
-        self.handlers: dict[int, Any] = {}
-
-    def __enter__(self) -> "Progress":
-        return self
+        self.begun = self.given_up = False
 
     def __call__(self, fraction: float) -> bool:
         """Whether to stop; called by `simulate` with the fraction done."""
@@ -128,19 +160,16 @@ class Progress:
                 note("stopping, and writing what was computed; another Ctrl-C gives up")
         return self.stop
 
-    def __exit__(self, exception: type[BaseException] | None, *_: object) -> None:
-        for number, handler in self.handlers.items():
-            signal.signal(number, handler)
+    def __exit__(self, exception: type[BaseException] | None, *rest: object) -> None:
+        super().__exit__(exception, *rest)
         self._end_bar()
         if self.given_up and exception:  # of any kind: HDF5 turns an interrupt within into an error of its own
             raise Failure("interrupted; nothing was written") from None
 
     def _begin(self) -> None:
         self.begun = True
-        for number in ENDING:
-            if signal.getsignal(number) != signal.SIG_IGN:  # a background job keeps ignoring Ctrl-C
-                self.handlers[number] = signal.signal(number, self._on_signal)
-        if not self.quiet and sys.stderr and sys.stderr.isatty():
+        self.listen()
+        if is_watched(self.quiet):
             self._show_bar()
 
     def _show_bar(self) -> None:
@@ -152,8 +181,11 @@ class Progress:
                 self.bar.render_finish()
         self.bar = None
 
-    def _on_signal(self, *_: object) -> None:
-        self.given_up = self.stop
-        self.stop = True
-        if self.given_up:
-            raise KeyboardInterrupt
+    def give_up(self) -> None:
+        self.given_up = True
+        super().give_up()
+
+
+def is_watched(quiet: bool) -> bool:
+    """Whether somebody sees a bar."""
+    return not quiet and bool(sys.stderr) and sys.stderr.isatty()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import signal
 import sys
 import time
 from collections import Counter
@@ -16,7 +15,7 @@ import click
 from omnisim.base.formatting import aligned, visible
 
 from .compiling import compilation_noted
-from .screen import BAD_INPUT, ENDING, Failure, leave_at_once, note
+from .screen import BAD_INPUT, Failure, StopWish, is_watched, note
 
 if TYPE_CHECKING:
     from omnisim.studies.result import StudyResult
@@ -24,8 +23,6 @@ if TYPE_CHECKING:
     from omnisim.studies.task import Task
 
 KINDS_OF_FAILURE = 5  # that the summary tells
-WIDTH = 24  # of the bar
-EVERY = 0.1  # s between two looks of it
 
 
 @click.command()
@@ -72,10 +69,13 @@ def sweep(
             )
     except FileExistsError as error:
         raise Failure(f"{visible(str(error.filename))}: {error.strerror}", BAD_INPUT) from None
-    except OSError as error:
+    except (OSError, KeyboardInterrupt) as error:
         journal = runs.journal_of(path)
         kept = f"; finished runs are in {visible(str(journal))}: --resume goes on" if journal.exists() else ""
-        raise Failure(f"{visible(str(error.filename or path))}: {error.strerror}{kept}") from None
+        what = (
+            f"{visible(str(error.filename or path))}: {error.strerror}" if isinstance(error, OSError) else "interrupted"
+        )
+        raise Failure(f"{what}{kept}") from None
     if not quiet:
         click.echo(summary(task, found, path, follower.ran, time.perf_counter() - begun))
     if not found.complete:
@@ -90,70 +90,45 @@ class Notes(logging.Handler):
         note(record.getMessage())
 
 
-class Follower:
-    """Follows a study: a line with a bar if stderr is a terminal, and Ctrl-C or SIGTERM as a wish to stop."""
+class Follower(StopWish):
+    """Follows a study: a bar if stderr is a terminal, and Ctrl-C or SIGTERM as a wish to stop."""
 
     def __init__(self, quiet: bool):
-        self.drawing = not quiet and bool(sys.stderr) and sys.stderr.isatty()
+        super().__init__()
         self.quiet = quiet
-        self.stop = False
-        self.begun = self.drawn = time.perf_counter()
-        self.before: int | None = None  # runs that were known at the start
-        self.ran = 0
-        self.handlers: dict[int, Any] = {}
+        self.bar: Any = None  # of click
+        self.begun = 0.0
+        self.before = self.ran = 0  # runs that were known at the start, and those that have ended since
 
-    def __enter__(self) -> Follower:
-        for number in ENDING:
-            if signal.getsignal(number) != signal.SIG_IGN:
-                self.handlers[number] = signal.signal(number, self.on_signal)
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        for number, handler in self.handlers.items():
-            signal.signal(number, handler)
-        if self.drawing:
-            self.write("\r\x1b[K")
+    def __exit__(self, exception: type[BaseException] | None, *rest: object) -> None:
+        super().__exit__(exception, *rest)
+        if self.bar:
+            with suppress(OSError):  # the terminal is closed
+                self.bar.render_finish()
 
     def __call__(self, done: Done) -> bool:
-        now = time.perf_counter()
-        if self.before is None:
+        """Whether to stop."""
+        if not self.begun:
+            self.listen()
+            self.begun = time.perf_counter()
             self.before = done.ended
-            self.begun = now
+            if is_watched(self.quiet):
+                self.bar = click.progressbar(
+                    length=done.runs, show_pos=True, show_eta=True, item_show_func=self.rate,
+                    file=getattr(sys.stderr, "stream", sys.stderr),
+                )  # fmt: skip
         self.ran = done.ended - self.before
-        if self.drawing and (now > self.drawn + EVERY or done.ended == done.runs):
-            self.drawn = now
-            self.write(f"\r{line(done, self.ran, now - self.begun)}\x1b[K")
+        if self.bar:
+            with suppress(OSError):
+                self.bar.update(done.ended - self.bar.pos, done)
+        if self.stop and not self.quiet:
+            note("stopping, and writing what has finished; another Ctrl-C gives up")
         return self.stop
 
-    def write(self, text: str) -> None:
-        with suppress(OSError):  # the terminal is closed
-            stream = getattr(sys.stderr, "stream", sys.stderr)
-            stream.write(text)
-            stream.flush()
-
-    def on_signal(self, *_: object) -> None:
-        if self.stop:
-            leave_at_once()
-        self.stop = True
-        if not self.quiet:
-            note("\nstopping, and writing what has finished; another Ctrl-C gives up" if self.drawing else "stopping")
-
-
-def line(done: Done, ran: int, seconds: float) -> str:
-    """What is seen of a study that is under way."""
-    filled = WIDTH * done.ended // max(done.runs, 1)
-    rate = ran / seconds if seconds > 0.0 else 0.0
-    left = f", {duration((done.runs - done.ended) / rate)} left" if rate else ""
-    failed = f", {done.failed} not complete" if done.failed else ""
-    return f"[{'#' * filled}{'-' * (WIDTH - filled)}] {done.ended} of {done.runs} runs{failed}, {rate:.3g} runs/s{left}"
-
-
-def duration(seconds: float) -> str:
-    if seconds < 10.0:
-        return f"{seconds:.2g} s"
-    minutes, rest = divmod(round(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours} h {minutes:02d} min" if hours else f"{minutes} min {rest:02d} s" if minutes else f"{rest} s"
+    def rate(self, done: Done | None) -> str:
+        """What stands beside the bar."""
+        rate = f"{self.ran / max(time.perf_counter() - self.begun, 1e-9):.3g} runs/s"
+        return f"{rate}, {done.failed} not complete" if done and done.failed else rate
 
 
 def summary(task: Task, found: StudyResult, path: Path, ran: int, seconds: float) -> str:
@@ -169,7 +144,7 @@ def summary(task: Task, found: StudyResult, path: Path, ran: int, seconds: float
     named: list[int] = []
     told = {
         "study": f"{a['runs']} runs of {visible(scene.config.title or scene.name)} ({a['design']})",
-        "speed": f"{ran / max(seconds, 1e-9):.3g} runs/s: {ran} in {duration(seconds)}" if ran else "",
+        "speed": f"{ran / max(seconds, 1e-9):.3g} runs/s: {ran} in {seconds:.3g} s" if ran else "",
         "complete": f"{np.sum(status == COMPLETE)} of {a['finished']} that have ended",
     }
     for name in found.measures:

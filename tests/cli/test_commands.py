@@ -6,12 +6,14 @@ import signal
 import subprocess
 import sys
 import time
+from io import StringIO
 from pathlib import Path
 
 import pytest
 from commands import SCENE, command, settings
 
 import omnisim
+from omnisim_cli import screen
 from omnisim_cli.main import cli
 
 pytestmark = pytest.mark.usefixtures("folder")
@@ -329,3 +331,14 @@ def test_help_and_version_do_not_wait_for_numpy():
     for argument in ("--help", "--version"):
         done = subprocess.run([sys.executable, "-c", code, argument], capture_output=True, text=True, check=False)
         assert done.returncode == 0 and done.stdout.startswith(("Usage", "omnisim 0"))
+
+
+def test_nothing_is_printed_once_the_command_has_ended(monkeypatch):
+    """As colorama would at the end of the process: it resets the colours of the stream that it found."""
+    stream = StringIO()
+    monkeypatch.setattr("sys.stdout", stream)
+    with screen.shown():
+        kept = sys.stdout
+        kept.write("a result")
+    kept.write("\x1b[0m")
+    assert stream.getvalue() == "a result"
