@@ -121,9 +121,12 @@ class Follower(StopWish):
         if self.bar:
             with suppress(OSError):
                 self.bar.update(done.ended - self.bar.pos, done)
-        if self.stop and not self.quiet:
-            note("stopping, and writing what has finished; another Ctrl-C gives up")
         return self.stop
+
+    def _on_signal(self, *_: object) -> None:
+        super()._on_signal()
+        if not self.quiet:
+            note("stopping, and writing what has finished; another Ctrl-C gives up")
 
     def rate(self, done: Done | None) -> str:
         """What stands beside the bar."""
@@ -136,6 +139,7 @@ def summary(task: Task, found: StudyResult, path: Path, ran: int, seconds: float
     import numpy as np
 
     from omnisim.results.layout import COMPLETE
+    from omnisim.studies.result import NOT_RUN
     from omnisim.studies.sweep import repeat
 
     a = found.attributes
@@ -154,7 +158,9 @@ def summary(task: Task, found: StudyResult, path: Path, ran: int, seconds: float
             units = found.variables[name].units
             told[name] = f"{values[least]:.6g} (run {least}) to {values[most]:.6g} {units} (run {most})"
             named.append(most)
-    for reason, count in Counter(_reason(text) for text in status if text != COMPLETE).most_common(KINDS_OF_FAILURE):
+    for reason, count in Counter(_reason(text) for text in status if text not in (COMPLETE, NOT_RUN)).most_common(
+        KINDS_OF_FAILURE
+    ):
         run = next(i for i, text in enumerate(status) if _reason(text) == reason)
         told[f"{count} not"] = f"{status[run]} (run {run})"
         named.append(run)
