@@ -11,15 +11,15 @@ from omnisim.studies.effects import first_order
 from omnisim.studies.result import RUN, StudyResult
 
 PANEL = 2.6  # inches
-MANY = 60  # runs, from which a curve of medians is drawn through a cloud
+MANY = 60  # runs, from which on the points of a curve are small
 MOST_KEYS, MOST_MEASURES = 8, 8  # in a matrix
 TOLD = "; line and band: median, 10 to 90 %; explains: share of the variance ± two deviations"
 BAND = (10.0, 90.0)  # percentiles
 
 
 def study(found: StudyResult) -> Figure:
-    """One varied key: curves, with their spread; two: maps; more: every measure against every key, with how much of
-    its variance the key alone explains.
+    """One varied key: curves, which have no spread since nothing else varies; two on a grid: maps; else every measure
+    against every key, with how much of its variance the key alone explains.
 
     Raises PlotError where no run has a number.
     """
@@ -27,12 +27,14 @@ def study(found: StudyResult) -> Figure:
     if not measures:
         raise PlotError("no measure of this study has a number in any run")
     names = list(keys_of(found))
+    told = ""
     if len(names) == 1:
         figure = curves(found, names[0], measures)
     elif len(names) == 2 and found.attributes["design"] == "grid":
         figure = maps(found, names[0], names[1], measures)
     else:
         figure = matrix(found, names[:MOST_KEYS], measures[:MOST_MEASURES])
+        told = TOLD
     a = found.attributes
     told = (
         "; line and band: median, 10 to 90 %; explains: share of the variance ± two deviations"
@@ -76,10 +78,8 @@ def curves(found: StudyResult, key: str, measures: list[str]) -> Figure:
     rows = figure.subplots(len(measures), 1, sharex=True, squeeze=False)[:, 0]
     for axes, name in zip(rows, measures, strict=True):
         y = found[name].ravel()[order]
-        if len(x) > MANY and found.attributes["design"] not in ("grid", "zip"):
-            cloud(axes, x[order], y)
-        else:
-            axes.plot(x[order], y, "o-", color=COLOURS[0], markersize=4)
+        there = np.isfinite(y)
+        axes.plot(x[order][there], y[there], "o-", color=COLOURS[0], markersize=4 if len(x) <= MANY else 1.5)
         axes.set_ylabel(label(found, name), parse_math=False)
         finish(axes)
     rows[-1].set_xlabel(key, parse_math=False)
