@@ -27,7 +27,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bench.common import Claim, interleaved, ready, table
-from bench.peers.c_loop import FLAGS, FOLDER, LOOPS, Loop, build, compiled, prepare
+from bench.peers.c_loop import FLAGS, FOLDER, LOOPS, Loop, build, compiled, prepare, results
 
 # Each operation is measured from such a number, which keeps its results usual: azimuths of rollers are small angles.
 OPERATIONS = {"addition": 1.0, "multiplication": 1.000001, "division": 1.3, "root": 1.3, "sine and cosine": 0.25}
@@ -115,12 +115,13 @@ def count(loop: Loop, latency: list[float]) -> tuple[Count, Count]:
     library = compiled(FOLDER / "counted.cc", "g++", "-O2", *names)
     (ctypes.c_double * len(latency)).in_dll(library, "latency")[:] = latency
     system, y, rates = constants_of(constants), counted(march.run.y[loop.order]), counted(march.run.rates)
-    slopes, rows = counted(np.zeros(len(y))), counted(np.zeros((len(march.rows.y) - 1, len(y))))
+    slopes = counted(np.zeros(len(y)))
+    rows, extremes = (counted(np.zeros(values.shape)) for values in results(loop, march))
     dt = constant(march.run.clock.dt)
     library.evaluate(*map(pointer, (system, y, slopes)))
     of_rhs = taken(library, slopes, 1)
     numbers = ctypes.c_long(march.steps), ctypes.c_long(march.steps_per_row)
-    library.march(*map(pointer, (system, y, rates, dt)), *numbers, pointer(rows))
+    library.march(*map(pointer, (system, y, rates, dt)), *numbers, pointer(rows), pointer(extremes))
     return of_rhs, taken(library, y, march.steps)
 
 

@@ -31,9 +31,8 @@ WRITTEN = """Written by `python -m docs.speed_page` from the numbers in `bench/r
 INTRODUCTION = f"""# Speed and accuracy
 
 {WRITTEN}. Ratios are medians of rounds in which the contestants took
-turns; the rules stand in `bench/README.md`. Speeds were measured before a march followed its extremes between rows, which
-takes 3 % more time on the bare wheel and 5.5 % on the youBot; what concerns both formulations and the loads of bearings,
-after it."""
+turns, beside the C loops those of the fastest of hundreds of marches; the rules stand in `bench/README.md`. The machine
+is a share of a larger one, whose neighbours slow both sides of a ratio, and omnisim more than a C loop."""
 CLAIMS = """A target is what is aimed at. Beyond its alarm a value is no noise of a machine; `python -m bench --check` fails."""
 
 

@@ -5,6 +5,7 @@
  */
 #include <cmath>
 #include <math.h>
+#include <stddef.h>
 
 enum { ADDITION, MULTIPLICATION, DIVISION, ROOT, SINE_OR_COSINE, READ, WRITE, KINDS };
 
@@ -57,6 +58,7 @@ static Counted sin(const Counted &a) { return result(SINE_OR_COSINE, sin(a.load(
 static Counted cos(const Counted &a) { return result(SINE_OR_COSINE, cos(a.load()), a.ready); }
 static Counted fabs(const Counted &a) { return Counted(fabs(a.load()), a.ready); }
 static bool operator<(const Counted &a, const Counted &b) { return a.load() < b.load(); }
+static bool operator>(const Counted &a, const Counted &b) { return a.load() > b.load(); }
 static bool operator>=(const Counted &a, const Counted &b) { return a.load() >= b.load(); }
 static long lround(const Counted &a) { return lround(a.load()); }
 
@@ -68,6 +70,6 @@ extern "C" {
 void evaluate(const SYSTEM *system, const double *y, double *dy)
 {
     static Mode mode[8];
-    rhs(system, mode, y, dy);
+    rhs(system, mode, y, dy, NULL);
 }
 }

@@ -4,9 +4,11 @@
  * Written from the equations alone, as a C programmer would, for such a machine and no other: all wheels head forward,
  * the four contacts carry roll and pitch, drives have a constant torque and nothing else acts. It does what the package
  * does for it: the motion, friction loss and drive work, the odometry of the ideal wheels, roller exchanges located to
- * rounding, one row of output every `steps_per_row` steps. Sums are plain. No events but exchanges, no checks.
+ * rounding, one row of output every `steps_per_row` steps with the extremes since the last one. Sums are plain. No
+ * events but exchanges, no checks.
  */
 #include <math.h>
+#include <stddef.h>
 
 enum { WHEELS = 4 };
 enum {
@@ -16,6 +18,10 @@ enum {
     FRICTION_LOSS = ROLLER_RATE + WHEELS, DRIVE_WORK, ODOMETRY_X, ODOMETRY_Y,
     STATES
 };
+
+/* extremes of each wheel, then of the odometry */
+enum { FRICTION_SQUARE, SLIP_SQUARE, LEAST_LOAD, MOST_LOAD, LEAST_POWER, MOST_POWER, OF_WHEEL };
+enum { POSITION_SQUARE = OF_WHEEL * WHEELS, LEAST_YAW, MOST_YAW, EXTREMES };
 
 typedef struct {
     double radius, roller_distance;                 /* R, R1 */
@@ -31,6 +37,7 @@ typedef struct {
 typedef struct {
     double mobility, yaw_mobility, slip_speed;      /* 1 / M, 1 / I_z, eps */
     double height, moment_x, moment_y;              /* z_C and S = sum m z e */
+    double centre_x, centre_y;                      /* of C on the chassis */
     double weight, friction;                        /* M g, mu */
     double odometry_yaw;                            /* of the ideal machine at spin angles 0 */
     Wheel wheels[WHEELS];
@@ -49,7 +56,14 @@ typedef struct {
     double free_spin;                   /* torque on the spin without friction */
 } Contact;
 
-static inline void rhs(const Machine *m, const Mode *mode, const double *y, double *dy)
+/* what is followed of a state: of each wheel squares of friction and slip, load and drive power; the odometry's error */
+typedef struct {
+    double friction_square[WHEELS], slip_square[WHEELS], load[WHEELS], power[WHEELS];
+    double position_square, yaw;
+} Followed;
+
+/* dy, and what is followed unless it is NULL */
+static inline void rhs(const Machine *m, const Mode *mode, const double *y, double *dy, Followed *followed)
 {
     double cos_wheels[WHEELS], sin_wheels[WHEELS], odometry_yaw = m->odometry_yaw;
     for (int i = 0; i < WHEELS; i++) { /* all sines and cosines first: nothing waits for them one by one */
@@ -85,7 +99,8 @@ static inline void rhs(const Machine *m, const Mode *mode, const double *y, doub
         double slip_h = v_h - spin_rate * w->radius - yaw_rate * place_y + joint * arm_h;
         double slip_k = v_k + yaw_rate * place_x + joint * arm_k;
 
-        double factor = m->friction / sqrt(slip_h * slip_h + slip_k * slip_k + rim);
+        double slip_square = slip_h * slip_h + slip_k * slip_k;
+        double factor = m->friction / sqrt(slip_square + rim);
         double force_h = -factor * slip_h, force_k = -factor * slip_k;
         double roller_torque = arm_h * force_h + arm_k * force_k;
 
@@ -113,6 +128,7 @@ static inline void rhs(const Machine *m, const Mode *mode, const double *y, doub
         contacts[i] = (Contact){place_x, place_y, force_h, force_k, roller_torque, -(force_h * slip_h + force_k * slip_k),
                                 w->torque - yaw_rate * g_h};
         dy[SPIN_ANGLE + i] = spin_rate;
+        if (followed) followed->slip_square[i] = slip_square, followed->power[i] = w->torque * spin_rate;
     }
 
     /* loads N = b_0 + b_1 x + b_2 y: their sum and the two moments of tilt, with theta'' = (z . b + gyro_yaw) / I_z in
@@ -138,6 +154,16 @@ static inline void rhs(const Machine *m, const Mode *mode, const double *y, doub
         heat += at->heat * load;
         dy[SPIN_RATE + i] = (at->free_spin - w->radius * at->force_h * load - w->sin_psi * roller_torque) * w->spin_mobility;
         dy[ROLLER_RATE + i] = roller_torque * w->axial_mobility;
+        if (followed) {
+            followed->load[i] = load;
+            followed->friction_square[i] = (at->force_h * at->force_h + at->force_k * at->force_k) * (load * load);
+        }
+    }
+    if (followed) {
+        double x_error = y[X] - m->centre_x * cos_yaw + m->centre_y * sin_yaw - y[ODOMETRY_X];
+        double y_error = y[Y] - m->centre_x * sin_yaw - m->centre_y * cos_yaw - y[ODOMETRY_Y];
+        followed->position_square = x_error * x_error + y_error * y_error;
+        followed->yaw = odometry_yaw - y[YAW];
     }
     double force_h = (f * b_0 + f_x * b_1 + f_y * b_2) * m->mobility, force_k = (g * b_0 + g_x * b_1 + g_y * b_2) * m->mobility;
     dy[X] = y[V_X];
@@ -157,11 +183,11 @@ static void step(const Machine *m, const Mode *mode, const double *y, const doub
 {
     double k2[STATES], k3[STATES], k4[STATES], stage[STATES];
     for (int i = 0; i < STATES; i++) stage[i] = y[i] + 0.5 * h * k1[i];
-    rhs(m, mode, stage, k2);
+    rhs(m, mode, stage, k2, NULL);
     for (int i = 0; i < STATES; i++) stage[i] = y[i] + 0.5 * h * k2[i];
-    rhs(m, mode, stage, k3);
+    rhs(m, mode, stage, k3, NULL);
     for (int i = 0; i < STATES; i++) stage[i] = y[i] + h * k3[i];
-    rhs(m, mode, stage, k4);
+    rhs(m, mode, stage, k4, NULL);
     for (int i = 0; i < STATES; i++) out[i] = y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]);
 }
 
@@ -200,21 +226,55 @@ static void release(const Machine *m, const Mode *mode, const double *y, double 
     rates[i * m->rollers + place_of(m, mode[i].roller)] = y[ROLLER_RATE + i];
 }
 
-/* March `steps` steps; y (STATES) and rates (WHEELS, N_r) go in and out, rows (steps / steps_per_row, STATES).
- * Returns the exchanges. */
-long march(const Machine *m, double *y, double *rates, double dt, long steps, long steps_per_row, double *rows)
+static inline void widen(double *least, double *most, double value)
+{
+    if (value < *least) *least = value;
+    if (value > *most) *most = value;
+}
+
+static inline void follow(double *extremes, const Followed *now)
+{
+    for (int i = 0; i < WHEELS; i++) {
+        double *of = &extremes[i * OF_WHEEL];
+        if (now->friction_square[i] > of[FRICTION_SQUARE]) of[FRICTION_SQUARE] = now->friction_square[i];
+        if (now->slip_square[i] > of[SLIP_SQUARE]) of[SLIP_SQUARE] = now->slip_square[i];
+        widen(&of[LEAST_LOAD], &of[MOST_LOAD], now->load[i]);
+        widen(&of[LEAST_POWER], &of[MOST_POWER], now->power[i]);
+    }
+    if (now->position_square > extremes[POSITION_SQUARE]) extremes[POSITION_SQUARE] = now->position_square;
+    widen(&extremes[LEAST_YAW], &extremes[MOST_YAW], now->yaw);
+}
+
+static void begin_interval(double *extremes, const Followed *now)
+{
+    for (int i = 0; i < WHEELS; i++) {
+        double *of = &extremes[i * OF_WHEEL];
+        of[FRICTION_SQUARE] = of[SLIP_SQUARE] = 0.0;
+        of[LEAST_LOAD] = of[LEAST_POWER] = INFINITY;
+        of[MOST_LOAD] = of[MOST_POWER] = -INFINITY;
+    }
+    extremes[POSITION_SQUARE] = 0.0, extremes[LEAST_YAW] = INFINITY, extremes[MOST_YAW] = -INFINITY;
+    follow(extremes, now);
+}
+
+/* March `steps` steps; y (STATES) and rates (WHEELS, N_r) go in and out, rows (steps / steps_per_row, STATES) and the
+ * extremes of the interval that each ends (steps / steps_per_row, EXTREMES). Returns the exchanges. */
+long march(const Machine *m, double *y, double *rates, double dt, long steps, long steps_per_row, double *rows, double *extremes)
 {
     Mode mode[WHEELS];
+    Followed now;
     long exchanges = 0;
+    double k1[STATES], interval[EXTREMES];
     for (int i = 0; i < WHEELS; i++) {
         const Wheel *w = &m->wheels[i];
         take(m, mode, y, rates, i, lround((y[SPIN_ANGLE + i] - w->phase) / (2.0 * w->alpha)));
     }
+    rhs(m, mode, y, k1, &now);
+    begin_interval(interval, &now);
     for (long n = 1; n <= steps; n++) {
         double rest = dt;
         for (;;) {
-            double k1[STATES], trial[STATES], h = rest;
-            rhs(m, mode, y, k1);
+            double trial[STATES], h = rest;
             step(m, mode, y, k1, h, trial);
             int leaving = -1, direction = 1; /* the first wheel to leave its roller, since each shortens the step */
             for (int i = 0; i < WHEELS; i++) {
@@ -230,14 +290,22 @@ long march(const Machine *m, double *y, double *rates, double dt, long steps, lo
                 }
             }
             for (int i = 0; i < STATES; i++) y[i] = trial[i];
+            rhs(m, mode, y, k1, &now);
+            follow(interval, &now);
             if (leaving < 0) break;
             rest -= h;
             exchanges++;
             release(m, mode, y, rates, leaving);
             take(m, mode, y, rates, leaving, mode[leaving].roller + direction);
+            rhs(m, mode, y, k1, &now);
+            follow(interval, &now);
         }
-        if (n % steps_per_row == 0)
-            for (int i = 0; i < STATES; i++) rows[n / steps_per_row * STATES - STATES + i] = y[i];
+        if (n % steps_per_row == 0) {
+            long row = n / steps_per_row - 1;
+            for (int i = 0; i < STATES; i++) rows[row * STATES + i] = y[i];
+            for (int i = 0; i < EXTREMES; i++) extremes[row * EXTREMES + i] = interval[i];
+            begin_interval(interval, &now);
+        }
     }
     for (int i = 0; i < WHEELS; i++) release(m, mode, y, rates, i);
     return exchanges;

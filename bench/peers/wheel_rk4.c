@@ -2,11 +2,13 @@
  *
  * Written from the equations alone, as a C programmer would: constants in one struct, every helper inlined, the
  * state a plain array of twelve. It does what the package does for such a scene and nothing else: the motion, the
- * three energy integrals, roller exchanges located to rounding, one row of output every `steps_per_row` steps. No
- * tables, no tracking to choose, no events but exchanges, no checks.
+ * three energy integrals, roller exchanges located to rounding, one row of output every `steps_per_row` steps with the
+ * extremes since the last one. No tables, no tracking to choose, no events but exchanges, no checks.
  */
 #include <math.h>
+#include <stddef.h>
 
+enum { FRICTION_SQUARE, SLIP_SQUARE, LEAST_POWER, MOST_POWER, EXTREMES };
 enum { X, Y, YAW, V_X, V_Y, YAW_RATE, FRICTION_LOSS, DRIVE_WORK, WRENCH_WORK, SPIN_ANGLE, SPIN_RATE, ROLLER_RATE, STATES };
 
 typedef struct {
@@ -26,7 +28,13 @@ typedef struct {
     double air_cos, air_sin;  /* sums of p_i cos D_i and p_i sin D_i over the rollers in the air */
 } Mode;
 
-static inline void rhs(const Wheel *w, const Mode *mode, const double *y, double *dy)
+/* what is followed of a state: squares of friction and slip, drive power; the load and the drive torque are constant */
+typedef struct {
+    double friction_square, slip_square, power;
+} Contact;
+
+/* dy, and the Contact unless it is NULL */
+static inline void rhs(const Wheel *w, const Mode *mode, const double *y, double *dy, Contact *contact)
 {
     double cos_yaw = cos(y[YAW]), sin_yaw = sin(y[YAW]);
     double q = w->phase + 2.0 * w->alpha * mode->roller - y[SPIN_ANGLE];
@@ -42,7 +50,8 @@ static inline void rhs(const Wheel *w, const Mode *mode, const double *y, double
     double slip_h = y[V_X] * cos_yaw + y[V_Y] * sin_yaw - y[SPIN_RATE] * w->radius - y[YAW_RATE] * l + joint * arm_h;
     double slip_k = y[V_Y] * cos_yaw - y[V_X] * sin_yaw + joint * arm_k;
 
-    double factor = w->friction_limit / sqrt(slip_h * slip_h + slip_k * slip_k + w->slip_speed * w->slip_speed);
+    double slip_square = slip_h * slip_h + slip_k * slip_k;
+    double factor = w->friction_limit / sqrt(slip_square + w->slip_speed * w->slip_speed);
     double force_h = -factor * slip_h, force_k = -factor * slip_k;
     double roller_torque = arm_h * force_h + arm_k * force_k;
     double g_h = -w->cos_psi * w->axial_inertia * (cos_q * (mode->air_cos + y[ROLLER_RATE]) - sin_q * mode->air_sin);
@@ -59,6 +68,7 @@ static inline void rhs(const Wheel *w, const Mode *mode, const double *y, double
     dy[SPIN_ANGLE] = y[SPIN_RATE];
     dy[SPIN_RATE] = (w->torque - w->radius * force_h - roller_torque * w->sin_psi - y[YAW_RATE] * g_h) * w->spin_mobility;
     dy[ROLLER_RATE] = roller_torque * w->axial_mobility;
+    if (contact) *contact = (Contact){force_h * force_h + force_k * force_k, slip_square, dy[DRIVE_WORK]};
 }
 
 /* out = the state after a step of length h from y, whose derivative is k1 */
@@ -66,11 +76,11 @@ static void step(const Wheel *w, const Mode *mode, const double *y, const double
 {
     double k2[STATES], k3[STATES], k4[STATES], stage[STATES];
     for (int i = 0; i < STATES; i++) stage[i] = y[i] + 0.5 * h * k1[i];
-    rhs(w, mode, stage, k2);
+    rhs(w, mode, stage, k2, NULL);
     for (int i = 0; i < STATES; i++) stage[i] = y[i] + 0.5 * h * k2[i];
-    rhs(w, mode, stage, k3);
+    rhs(w, mode, stage, k3, NULL);
     for (int i = 0; i < STATES; i++) stage[i] = y[i] + h * k3[i];
-    rhs(w, mode, stage, k4);
+    rhs(w, mode, stage, k4, NULL);
     for (int i = 0; i < STATES; i++) out[i] = y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]);
 }
 
@@ -99,17 +109,35 @@ static void release(const Wheel *w, const Mode *mode, const double *y, double *r
     rates[(mode->roller % w->rollers + w->rollers) % w->rollers] = y[ROLLER_RATE];
 }
 
-/* March `steps` steps; y (12) and rates (N_r) go in and out, rows (steps / steps_per_row, 12). Returns the exchanges. */
-long march(const Wheel *w, double *y, double *rates, double dt, long steps, long steps_per_row, double *rows)
+static inline void begin_interval(double *extremes, const Contact *contact)
+{
+    extremes[FRICTION_SQUARE] = contact->friction_square, extremes[SLIP_SQUARE] = contact->slip_square;
+    extremes[LEAST_POWER] = extremes[MOST_POWER] = contact->power;
+}
+
+static inline void follow(double *extremes, const Contact *contact)
+{
+    if (contact->friction_square > extremes[FRICTION_SQUARE]) extremes[FRICTION_SQUARE] = contact->friction_square;
+    if (contact->slip_square > extremes[SLIP_SQUARE]) extremes[SLIP_SQUARE] = contact->slip_square;
+    if (contact->power < extremes[LEAST_POWER]) extremes[LEAST_POWER] = contact->power;
+    if (contact->power > extremes[MOST_POWER]) extremes[MOST_POWER] = contact->power;
+}
+
+/* March `steps` steps; y (12) and rates (N_r) go in and out, rows (steps / steps_per_row, 12) and the extremes of the
+ * interval that each ends (steps / steps_per_row, EXTREMES). Returns the exchanges. */
+long march(const Wheel *w, double *y, double *rates, double dt, long steps, long steps_per_row, double *rows, double *extremes)
 {
     Mode mode;
+    Contact contact;
     long exchanges = 0;
+    double k1[STATES], interval[EXTREMES];
     take(w, &mode, y, rates, lround((y[SPIN_ANGLE] - w->phase) / (2.0 * w->alpha)));
+    rhs(w, &mode, y, k1, &contact);
+    begin_interval(interval, &contact);
     for (long n = 1; n <= steps; n++) {
         double rest = dt;
         for (;;) {
-            double k1[STATES], trial[STATES], h = rest;
-            rhs(w, &mode, y, k1);
+            double trial[STATES], h = rest;
             step(w, &mode, y, k1, h, trial);
             int direction = trial[SPIN_RATE] < 0.0 ? -1 : 1;
             int leaves = to_end(w, &mode, trial, direction) < 0.0;
@@ -122,14 +150,22 @@ long march(const Wheel *w, double *y, double *rates, double dt, long steps, long
                 }
             }
             for (int i = 0; i < STATES; i++) y[i] = trial[i];
+            rhs(w, &mode, y, k1, &contact);
+            follow(interval, &contact);
             if (!leaves) break;
             rest -= h;
             exchanges++;
             release(w, &mode, y, rates);
             take(w, &mode, y, rates, mode.roller + direction);
+            rhs(w, &mode, y, k1, &contact);
+            follow(interval, &contact);
         }
-        if (n % steps_per_row == 0)
-            for (int i = 0; i < STATES; i++) rows[n / steps_per_row * STATES - STATES + i] = y[i];
+        if (n % steps_per_row == 0) {
+            long row = n / steps_per_row - 1;
+            for (int i = 0; i < STATES; i++) rows[row * STATES + i] = y[i];
+            for (int i = 0; i < EXTREMES; i++) extremes[row * EXTREMES + i] = interval[i];
+            begin_interval(interval, &contact);
+        }
     }
     release(w, &mode, y, rates);
     return exchanges;
