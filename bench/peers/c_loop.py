@@ -221,7 +221,7 @@ def disagreement(loop: Loop, march: March, rates: np.ndarray, *found: np.ndarray
 
 
 def measure(rounds: int) -> dict:
-    """Of each loop by each set of flags: ns per step, ratio march / C loop, of the fastest; empty without a compiler."""
+    """Of each loop and set of flags: ns per step and ratio march / C loop, of the fastest; empty without a compiler."""
     if not shutil.which(PLAIN.split()[0]):
         return {}
     return {name: measured(loop, rounds) for name, loop in LOOPS.items()}
