@@ -45,6 +45,7 @@ OURS = {
     "scaling": Benchmark("bench.scaling", "64 rollers against 8", 31, 5),
     "startup": Benchmark("bench.startup", "Whole command", 5, 1),
     "memory": Benchmark("bench.memory", "Memory of the whole command", 3, 1),
+    "studies": Benchmark("bench.studies", "Thousands of runs", 5, 1),
     # rounds of the next two are simulated seconds
     "vehicle": Benchmark("bench.vehicle", "The authors' vehicle against its ideal", 20, 2),
     "twists": Benchmark("bench.twists", "Machines that follow a twist", 4, 4),

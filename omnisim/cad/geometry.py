@@ -17,6 +17,7 @@ from omnisim.base.records import records
 from omnisim.contact.roller_profile import drop, length, profile_radius
 from omnisim.dynamics.packing import wheel_values
 from omnisim.dynamics.parameters import WHEEL
+from omnisim.scene.drives import drive_law
 from omnisim.scene.schema import Wheel, WheelType
 from omnisim.scene.solids import Solid, gap, hub_radius, profile, solid, support
 
@@ -40,7 +41,8 @@ SHORTFALL = 2.5e-3  # of the wheel radius: how much lower a row of spheres may c
 
 def of_type(kind: WheelType) -> np.record:
     """The record of a wheel of this type, not mirrored."""
-    values = wheel_values(kind, Wheel(name="wheel", type="wheel"), np.zeros(2))
+    wheel = Wheel(name="wheel", type="wheel")
+    values = wheel_values(kind, wheel, drive_law(wheel.drive), (0.0, 0.0))
     return records(WHEEL, [values | {"rates": 0, "contacts": 0, "row": 0, "rows": 1}])[0]
 
 

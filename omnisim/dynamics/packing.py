@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -42,11 +43,15 @@ WRENCH = [FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE]
 def pack(config: Config) -> Parameters:
     """Parameters of a validated scene."""
     types = [config.type_of(wheel) for wheel in config.wheels]
+    laws = [drive_law(wheel.drive) for wheel in config.wheels]
     rows = wheel_rows(config)
-    machine = machine_values(config, types)
+    machine = machine_values(config, types, laws)
     twists = None
-    place = machine["centre"], config.time.step
-    wheels = [wheel_values(*pair, *place) for pair in zip(types, config.wheels, strict=True)]
+    centre, step = machine["centre"].tolist(), config.time.step
+    wheels = [
+        wheel_values(kind, wheel, law, centre, step)
+        for kind, wheel, law in zip(types, config.wheels, laws, strict=True)
+    ]
     if config.chassis is not None:
         twists = inverse(rows, rms_distance(config))
     machine["odometry"] = twists is not None
@@ -72,16 +77,16 @@ def pack(config: Config) -> Parameters:
     ]
     wheels = [wheel | start for wheel, start in zip(wheels, starts, strict=True)]
     machine["slip_mobility"] = max(slip_mobility_bound(machine, wheel) for wheel in wheels)
-    packed, starts_inputs = records(WHEEL, wheels), merge_tables(config, rows)
-    constants = records(MACHINE, [machine])[0], packed, rows_of(packed), sectors(packed.rollers)
-    return Parameters(*constants, *starts_inputs, workspace(config, packed, most))
+    counts = tuple(kind.roller_count for kind in types)
+    constants = records(MACHINE, [machine])[0], records(WHEEL, wheels), rows_of(wheels), sectors(counts).copy()
+    return Parameters(*constants, *merge_tables(config, rows), workspace(config, wheels, most))
 
 
-def workspace(config: Config, packed: np.recarray, rollers: int) -> Workspace:
-    """A Workspace for a scene with these records WHEEL."""
-    wheels = len(packed)
-    parts = blank(PART, len(packed))
-    parts.first = packed.contacts
+def workspace(config: Config, values: list[dict], rollers: int) -> Workspace:
+    """A Workspace for a scene whose wheels have these values."""
+    wheels = len(values)
+    parts = blank(PART, wheels)
+    parts["first"] = [wheel["contacts"] for wheel in values]
     return Workspace(
         contacts=blank(CONTACT, TOUCHING * wheels),
         parts=parts,
@@ -115,14 +120,13 @@ def bodies(config: Config) -> Bodies:
     return Bodies(math.fsum(masses), np.array([x_centre, y_centre, height]), yaw_inertia, moment)
 
 
-def machine_values(config: Config, types: list[WheelType]) -> dict:
+def machine_values(config: Config, types: list[WheelType], laws: list[DriveLaw]) -> dict:
     """Values of the MACHINE record, but those that take all wheels to know."""
     friction = config.friction
     whole = bodies(config)
     bearing_friction = any(kind.roller.has_bearing_friction for kind in types)
     every_rate = bearing_friction or config.solver.formulation == "multibody"
     along, normal = gravity(config)
-    laws = [drive_law(wheel.drive) for wheel in config.wheels]
     motors = [law.motor for law in laws if law.motor]
     pushed = whole.centre if config.chassis is None else np.array(config.chassis.center_of_mass)
     return {
@@ -182,18 +186,19 @@ def bearing_relaxation(roller: Roller) -> float:
     return (roller.bearing_viscosity + roller.bearing_torque / roller.bearing_rate) / roller.inertia_axial
 
 
-def wheel_values(kind: WheelType, wheel: Wheel, centre: np.ndarray, step: float | None = None) -> dict:
+def wheel_values(
+    kind: WheelType, wheel: Wheel, law: DriveLaw, centre: Sequence[float], step: float | None = None
+) -> dict:
     """Values of a WHEEL record; centre: of the machine's mass, chassis axes, m; step: s, None where nothing marches."""
-    law = drive_law(wheel.drive)
     cos, sin = exact_cos_sin(wheel.heading_deg)
     psi = math.radians(-kind.roller_angle_deg if wheel.mirrored else kind.roller_angle_deg)
     alpha = math.pi / kind.roller_count
     axle = axle_inertia(kind, math.sin(psi))
-    from_centre = np.array(wheel.position) - centre
+    x, y = wheel.position[0] - centre[0], wheel.position[1] - centre[1]
     return {
         "cos_heading": cos,
         "sin_heading": sin,
-        "offset": (from_centre @ (cos, sin), from_centre @ (-sin, cos)),
+        "offset": (x * cos + y * sin, y * cos - x * sin),
         "radius": kind.radius,
         "roller_distance": kind.roller_distance,
         "rollers": kind.roller_count,
@@ -243,6 +248,7 @@ def drive_values(law: DriveLaw, step: float | None) -> dict:
     }
 
 
+@lru_cache
 def exact_cos_sin(degrees: float) -> tuple[float, float]:
     """Cosine and sine, exact at multiples of 90 deg, so that symmetric machines are symmetric to the last bit."""
     turns, rest = divmod(degrees, 90.0)
@@ -284,17 +290,21 @@ def slip_mobility_bound(machine: dict, wheel: dict) -> float:
     return 2.0 / machine["mass"] + spin * wheel["spin_mobility"] + yaw / machine["yaw_inertia"] + roller
 
 
-def rows_of(wheels: np.recarray) -> np.recarray:
-    """The rows of rollers of these wheels, records ROLLER_ROW: each has one, in its middle."""
-    return records(ROLLER_ROW, [{"phase": phase, "offset": 0.0} for phase in wheels.phase])
+def rows_of(wheels: list[dict]) -> np.recarray:
+    """The rows of rollers of wheels with these values, records ROLLER_ROW: each has one, in its middle."""
+    return records(ROLLER_ROW, [{"phase": wheel["phase"], "offset": 0.0} for wheel in wheels])
 
 
-def sectors(rollers: np.ndarray) -> np.ndarray:
+@lru_cache
+def sectors(rollers: tuple[int, ...]) -> np.ndarray:
     """Cosine and sine of 2 pi i / N_r, (W, N, 2)."""
-    angle = 2.0 * np.pi * np.arange(rollers.max()) / rollers[:, None]
+    angle = 2.0 * np.pi * np.arange(max(rollers)) / np.array(rollers)[:, None]
     sector = np.empty((*angle.shape, 2))
     sector[..., 0], sector[..., 1] = np.cos(angle), np.sin(angle)
     return sector
+
+
+Table = tuple[tuple[float, ...], tuple[Any, ...]]  # times and values
 
 
 def merge_tables(config: Config, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -303,13 +313,26 @@ def merge_tables(config: Config, rows: np.ndarray) -> tuple[np.ndarray, np.ndarr
     Between two knots every input is linear, so one number, the current piece, tells all of them; a jump is two
     equal knots, between which no piece lies. rows: of the ideal machine.
     """
-    merged = list(tables(config, rows))
-    knots = sorted({time for _, times, _ in merged for time in times if time > 0.0})
+    times, forces, yaw_torques = config.wrench.table
+    wrench = times, tuple((*force, torque) for force, torque in zip(forces, yaw_torques, strict=True))
+    command = (config.command.times, config.command.twist) if config.command else None
+    drives = tuple(None if wheel.drive.follows_command else wheel.drive.table for wheel in config.wheels)
+    starts, inputs = merged(wrench, command, drives, rows.tobytes())
+    return starts.copy(), inputs.copy()
+
+
+@lru_cache(maxsize=4)  # tables may be long; variants of a machine have the same again and again
+def merged(
+    wrench: Table, command: Table | None, drives: tuple[Table | None, ...], rows: bytes
+) -> tuple[np.ndarray, np.ndarray]:
+    """The same of a wrench, a command and a table for each drive, None for one that follows the command."""
+    found = list(tables(wrench, command, drives, np.frombuffer(rows).reshape(len(drives), -1)))
+    knots = sorted({time for _, times, _ in found for time in times if time > 0.0})
     edges = np.array([0.0, *knots, math.inf])
     lasting = edges[1:] - edges[:-1] > SHORTEST * (1.0 + edges[:-1])  # knots that rounding cannot part are a jump
     starts = edges[:-1][lasting]
-    inputs = np.zeros((len(starts), DRIVE_INPUT + len(config.wheels), 2))
-    for channels, times, values in merged:
+    inputs = np.zeros((len(starts), DRIVE_INPUT + len(drives), 2))
+    for channels, times, values in found:
         if len(times) == 1:
             inputs[:, channels, 0] = values
         else:
@@ -318,20 +341,19 @@ def merge_tables(config: Config, rows: np.ndarray) -> tuple[np.ndarray, np.ndarr
     return starts, inputs
 
 
-def tables(config: Config, rows: np.ndarray) -> Iterator[tuple[list[int], Sequence[float], Sequence[Sequence[float]]]]:
+def tables(
+    wrench: Table, command: Table | None, drives: tuple[Table | None, ...], rows: np.ndarray
+) -> Iterator[tuple[list[int], Sequence[float], Sequence[Sequence[float]]]]:
     """Channels, times and the values of these channels (K, C) of every table."""
-    times, forces, yaw_torques = config.wrench.table
-    yield WRENCH, times, [(*force, torque) for force, torque in zip(forces, yaw_torques, strict=True)]
-    drives = [wheel.drive for wheel in config.wheels]
-    followers = [w for w, drive in enumerate(drives) if drive.follows_command]
-    if followers and config.command:
-        twists = np.array(config.command.twist)
-        rates = [[rows[w] @ twist for w in followers] for twist in twists]  # of an ideal machine
-        yield [DRIVE_INPUT + w for w in followers], config.command.times, rates
-    for w, drive in enumerate(drives):
-        if not drive.follows_command:
-            times, values = drive.table
-            yield [DRIVE_INPUT + w], times, [[value] for value in values]
+    yield WRENCH, *wrench
+    followers = [w for w, table in enumerate(drives) if table is None]
+    if followers and command:
+        times, twists = command
+        rates = [[rows[w] @ twist for w in followers] for twist in np.array(twists)]  # of an ideal machine
+        yield [DRIVE_INPUT + w for w in followers], times, rates
+    for w, table in enumerate(drives):
+        if table is not None:
+            yield [DRIVE_INPUT + w], table[0], [[value] for value in table[1]]
 
 
 def lines(times: np.ndarray, values: np.ndarray, starts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -110,14 +110,15 @@ def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, n
     spin_angles = np.radians([wheel.spin_angle_deg for wheel in config.wheels])
     spin_rates = np.array([wheel.spin_rate for wheel in config.wheels])
     y[at.spin_angle :][:count], y[at.spin_rate :][:count] = spin_angles, spin_rates
-    q = roller_azimuths(wheels, spin_angles)
     for own, wheel, number in zip(rates, config.wheels, wheels["rollers"].tolist(), strict=True):
         own[:number] = wheel.roller_rates
     rates += (spin_rates * wheels["sin_psi"])[:, None]  # p = chi' + w . a
-    rates -= yaw_rate * (wheels["cos_psi"][:, None] * np.sin(q))
+    if yaw_rate:
+        rates -= yaw_rate * (wheels["cos_psi"][:, None] * np.sin(roller_azimuths(wheels, spin_angles)))
     there = np.arange(rollers) < wheels["rollers"][:, None]
     rates[~there] = 0.0
     if parameters.machine.implicit_tracking:
+        q = roller_azimuths(wheels, spin_angles)
         headings = yaw + np.radians([wheel.heading_deg for wheel in config.wheels])
         y[at.rho : at.bodies].reshape(count, rollers, 3)[there] = -roller_directions(q, headings)[there]
     return y, rates

@@ -99,7 +99,10 @@ def finite_count(found: Observables) -> int:
 
 def so_far(rows: Recording, clock: np.record) -> Recording:
     """The rows that are written."""
-    parts: list[Any] = [values[: clock.row] for values in rows]
+    written = int(clock.row)
+    if written == len(rows.y):
+        return rows
+    parts: list[Any] = [values[:written] for values in rows]
     return Recording(*parts)
 
 

@@ -7,7 +7,6 @@ import numpy as np
 from omnisim.base import status
 from omnisim.base.calls import direct
 from omnisim.base.methods import METHODS
-from omnisim.base.records import blank
 from omnisim.base.status import EVENTS_PER_STEP
 from omnisim.dynamics.packing import pack
 from omnisim.march.events import EVENT
@@ -33,7 +32,7 @@ class Marching:
         self.run = begin(config, self.parameters)
         has_odometry = bool(self.parameters.machine.odometry)
         self.rows = blank_rows(self.run, config.time.outputs + 1, config.bearing_loads, has_odometry)
-        self.log = blank(EVENT, 4 * EVENTS_PER_STEP)
+        self.log = np.empty(4 * EVENTS_PER_STEP, (np.record, EVENT)).view(np.recarray)  # to clear it takes long
         self.wall_time = 0.0
 
     def march(self, work: int = FOR_EVER) -> int:

@@ -55,10 +55,12 @@ def _needed(path: KeyPath, table: Table, shapes: Mapping[str, str]) -> Iterator[
 def complete(config: Config) -> Config:
     """The same scene with a number wherever a shape stands for one."""
     kinds = {name: _complete_type(kind) for name, kind in config.wheel_types.items()}
-    parts: dict[str, Any] = {"wheel_types": kinds}
-    if config.chassis is not None:
-        parts["chassis"] = _filled(config.chassis, **_box(config.chassis, _clearance(config, config.chassis)))
-    return config.model_copy(update=parts)
+    chassis = config.chassis
+    if chassis is not None:
+        chassis = _filled(chassis, **_box(chassis, _clearance(config, chassis)))
+    if chassis is config.chassis and all(kind is config.wheel_types[name] for name, kind in kinds.items()):
+        return config
+    return config.model_copy(update={"wheel_types": kinds, "chassis": chassis})
 
 
 def estimates(config: Config) -> Iterator[Estimate]:
@@ -91,9 +93,11 @@ def _left_out(table: Table, *keys: str) -> list[str]:
 
 def _filled(table: AnyTable, **estimated: Any) -> AnyTable:
     """The table with estimates where it has nothing; its `model_fields_set` stays."""
-    values = {name: getattr(table, name) for name in type(table).model_fields}
     new = {key: value for key, value in estimated.items() if key not in table.model_fields_set}
-    return type(table).model_construct(_fields_set=table.model_fields_set, **(values | new)) if new else table
+    if not new:
+        return table
+    values = {name: getattr(table, name) for name in type(table).model_fields}
+    return type(table).model_construct(_fields_set=table.model_fields_set, **(values | new))
 
 
 def _complete_type(kind: WheelType) -> WheelType:
@@ -102,7 +106,8 @@ def _complete_type(kind: WheelType) -> WheelType:
         roller = _filled(roller, **_solid(kind, roller))
     disk = _filled(disk, inertia_axle=0.5 * disk.mass * disk.hub_radius**2)
     disk = _filled(disk, inertia_diameter=_across(disk))
-    return kind.model_copy(update={"roller": roller, "disk": disk})
+    given = roller is kind.roller and disk is kind.disk
+    return kind if given else kind.model_copy(update={"roller": roller, "disk": disk})
 
 
 def _solid(kind: WheelType, roller: Roller) -> dict[str, float]:

@@ -4,9 +4,12 @@
     V    = (vx - yaw_rate y, vy + yaw_rate x)   x, y      wheel centre, m
 
 The twist (vx, vy, yaw_rate) is that of the chassis origin in chassis axes (m/s, m/s, rad/s).
+
+Variants of one machine have the same wheels at the same places thousands of times: what follows from those is kept.
 """
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -19,42 +22,83 @@ MECANUM = math.radians(20.0)  # roller angle from which on a wheel is one
 PARALLEL = 1e-3  # sine between headings
 
 
+class Stance(NamedTuple):
+    """What of a wheel the ideal machine knows: heading and roller angle with its hand (deg), place and radius (m)."""
+
+    heading: float
+    roller_angle: float
+    x: float
+    y: float
+    radius: float
+
+
+def _stances(config: Config) -> tuple[Stance, ...]:
+    found = []
+    for wheel in config.wheels:
+        kind = config.type_of(wheel)
+        angle = -kind.roller_angle_deg if wheel.mirrored else kind.roller_angle_deg
+        found.append(Stance(wheel.heading_deg, angle, *wheel.position, kind.radius))
+    return tuple(found)
+
+
 def wheel_rows(config: Config) -> np.ndarray:
-    """Rows (W, 3) of the ideal machine: phi' = rows @ twist, rad/s."""
-    wheels = config.wheels
-    kinds = [config.type_of(wheel) for wheel in config.wheels]
-    heading = np.radians([wheel.heading_deg for wheel in wheels])
-    tan = _tangents(config)
-    cos = np.cos(heading)
-    sin = np.sin(heading)
-    x, y = np.array([wheel.position for wheel in wheels]).T
+    """Rows (W, 3) of the ideal machine: phi' = rows @ twist, rad/s. Not to be written into."""
+    return _rows(_stances(config))
+
+
+@lru_cache
+def _rows(stances: tuple[Stance, ...]) -> np.ndarray:
+    heading, roller_angle, x, y, radius = np.array(stances).T
+    cos, sin, tan = np.cos(np.radians(heading)), np.sin(np.radians(heading)), np.tan(np.radians(roller_angle))
     along_x, along_y = cos + tan * sin, sin - tan * cos  # h - tan(psi) k in chassis axes
-    return np.array([along_x, along_y, x * along_y - y * along_x]).T / [[kind.radius] for kind in kinds]
+    return _fixed(np.array([along_x, along_y, x * along_y - y * along_x]).T / radius[:, None])
 
 
 def _tangents(config: Config) -> np.ndarray:
     """tan(psi) of every wheel, its hand included."""
-    signs = np.array([-1.0 if wheel.mirrored else 1.0 for wheel in config.wheels])
-    return np.tan(signs * np.radians([config.type_of(wheel).roller_angle_deg for wheel in config.wheels]))
+    return np.tan(np.radians([stance.roller_angle for stance in _stances(config)]))
 
 
 def inverse(rows: np.ndarray, distance: float) -> np.ndarray | None:
-    """(3, W): the twist that fits spin rates best, twist = inverse @ phi'; None if they leave a motion open.
+    """(3, W): the twist that fits spin rates best, twist = inverse @ phi'; None if they leave a motion open. Not to be
+    written into.
 
     distance (m), that of the wheels, makes a speed of the yaw rate.
     """
-    scale = _scale(distance)
-    spins, values, motions = np.linalg.svd(rows * scale, full_matrices=False)
+    return _inverse(rows.tobytes(), distance)
+
+
+@lru_cache
+def _inverse(rows: bytes, distance: float) -> np.ndarray | None:
+    scale, (spins, values, motions) = _scale(distance), _decomposed(rows, distance)
     if _rank(values) < len(MOTIONS):
         return None
-    return (scale[:, None] * motions.T / values) @ spins.T
+    return _fixed((scale[:, None] * motions.T / values) @ spins[:, : len(values)].T)
+
+
+@lru_cache
+def _decomposed(rows: bytes, distance: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Singular values and vectors of rows (W, 3) as bytes, their last column divided by the distance."""
+    spins, values, motions = np.linalg.svd(np.frombuffer(rows).reshape(-1, len(MOTIONS)) * _scale(distance))
+    return spins, values, motions
 
 
 def undetermined(rows: np.ndarray, distance: float) -> tuple[str, ...]:
     """The MOTIONS that spin rates leave open. distance: see `inverse`."""
-    _, values, motions = np.linalg.svd(rows * _scale(distance))
+    return _undetermined(rows.tobytes(), distance)
+
+
+@lru_cache
+def _undetermined(rows: bytes, distance: float) -> tuple[str, ...]:
+    _, values, motions = _decomposed(rows, distance)
     shares = (motions[_rank(values) :] ** 2).sum(axis=0)  # of each component in the free motions, squared
     return tuple(name for name, share in zip(MOTIONS, shares, strict=True) if share > RANK_TOLERANCE**2)
+
+
+def _fixed(values: np.ndarray) -> np.ndarray:
+    """The same, which nobody can change: it is handed out again."""
+    values.flags.writeable = False
+    return values
 
 
 def _scale(distance: float) -> np.ndarray:

@@ -5,6 +5,7 @@ They need every mass and inertia, and wheels with types and places, so they come
 
 import math
 from collections.abc import Iterator
+from functools import lru_cache
 from itertools import pairwise
 
 from omnisim.scene.masses import common_centre, point_masses
@@ -15,7 +16,7 @@ from omnisim.scene.schema import Config
 LINE_TOLERANCE = 1e-6  # area of a hull / (its longest distance)^2: below, its points lie on a line
 EDGE_TOLERANCE = 1e-9  # distance from the hull / its longest distance: below, a point lies on its edge
 
-Points = list[tuple[float, float]]
+Points = tuple[tuple[float, float], ...]
 
 
 def _inertia_rules(config: Config) -> Iterator[Problem]:
@@ -47,7 +48,7 @@ def _upright_rules(config: Config) -> Iterator[Problem]:
     given = "upright" in config.world.model_fields_set
     path = ("scene", "upright") if given else ("chassis",)
     what = "" if given else 'upright = "contacts", the default with a chassis, '
-    points = [wheel.position for wheel in config.wheels]
+    points = tuple(wheel.position for wheel in config.wheels)
     contacts = {1: "one contact", 2: "two contacts"}.get(len(points))
     if not config.chassis:
         yield Problem(path, 'must be "servo" without a chassis: one contact cannot carry roll and pitch')
@@ -67,7 +68,7 @@ def _balance_rules(config: Config) -> Iterator[Problem]:
 
 def outside(config: Config) -> str:
     """How far the common centre of mass lies outside of the wheels; empty if it does not, or if they are on a line."""
-    points = [wheel.position for wheel in config.wheels]
+    points = tuple(wheel.position for wheel in config.wheels)
     if len(points) < 3 or _on_a_line(points):
         return ""
     x, y, _ = common_centre(*point_masses(config))
@@ -99,16 +100,19 @@ def _command_rules(config: Config) -> Iterator[Problem]:
         yield Problem(("command",), f"singular: {what}; they leave open: {', '.join(motions)}{cure}")
 
 
+@lru_cache
 def _span(points: Points) -> float:
     return max(math.dist(a, b) for a in points for b in points)
 
 
+@lru_cache
 def _on_a_line(points: Points) -> bool:
     corner, *others = [points[index] for index in _hull(points)]
     area = sum(_cross(corner, a, b) for a, b in pairwise(others)) / 2
     return area <= LINE_TOLERANCE * _span(points) ** 2
 
 
+@lru_cache
 def _hull(points: Points) -> list[int]:
     """Indices of the corners of the convex hull, counterclockwise (Andrew's monotone chain)."""
     order = sorted(range(len(points)), key=points.__getitem__)

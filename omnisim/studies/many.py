@@ -1,6 +1,6 @@
 """Several scenes at once, each a whole Trajectory."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from os import PathLike
 
 from omnisim.results.trajectory import Trajectory
@@ -15,8 +15,8 @@ class Scenes:
     def __init__(self, scenes: list[Scene]):
         self.scenes = scenes
 
-    def __call__(self, run: int) -> tuple[int, Trajectory]:
-        return run, simulate(self.scenes[run])
+    def __call__(self, runs: Sequence[int]) -> list[tuple[int, Trajectory]]:
+        return [(run, simulate(self.scenes[run])) for run in runs]
 
     def lost(self, run: int, how: str) -> tuple[int, Trajectory]:
         raise RuntimeError(f"{self.scenes[run].source}: its process was {how}")

@@ -1,10 +1,10 @@
-"""One run of a study: from its number to its status and its measures."""
+"""Runs of a study: from their numbers to how they ended and what was measured."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from omnisim.results.assembly import outcome
 from omnisim.results.layout import COMPLETE
@@ -60,10 +60,24 @@ class Task:
             sample(other).everything()
         self.final = tuple(last_values(config)) if study.config.keep.trajectories == "final" else ()
 
-    def __call__(self, run: int) -> Row:
-        """Raises OSError where a trajectory cannot be kept; nothing else that fails in a run ends the study."""
+    def __call__(self, runs: Sequence[int]) -> list[Row]:
+        """What is known of these runs when they have run: all are begun, all march, all are measured. What Python does
+        for one after the other takes half as long as between two marches, which empty the caches of the processor.
+
+        Raises OSError where a trajectory cannot be kept; nothing else that fails in a run ends the study.
+        """
+        found: list[Any] = [None] * len(runs)
+        for stage in (self.begun, self.marched, self.measured):
+            found = [
+                entry if isinstance(entry, Row) else self.guarded(stage, run, entry)
+                for run, entry in zip(runs, found, strict=True)
+            ]
+        return found
+
+    def guarded(self, stage: Callable[[int, Any], Any], run: int, entry: Any) -> Any:
+        """What a stage makes of a run, or its Row if that fails."""
         try:
-            return self.row(run)
+            return stage(run, entry)
         except OSError:
             raise
         except MemoryError:
@@ -71,23 +85,26 @@ class Task:
         except Exception as error:
             return self.nothing(run, f"failed: a bug in omnisim: {type(error).__name__}: {error}".replace("\n", " "))
 
-    def row(self, run: int) -> Row:
-        """What is known of a run when it has run."""
+    def begun(self, run: int, _: None) -> Marching | Row:
+        """A run that can march; its Row if its scene is impossible, or if it needs more than that."""
         data = self.study.data(run)
         try:
             config = checked(data)
         except ConfigError as error:
             told = "; ".join(sentence(problem, data) for problem in error.problems)
             return self.nothing(run, f"{IMPOSSIBLE}: {told}")
-        if self.folder or config.solver.error is not None:
-            return self.whole(run)
-        marching = Marching(config)
+        return self.whole(run) if self.folder or config.solver.error is not None else Marching(config)
+
+    def marched(self, run: int, marching: Marching) -> Marching:
         marching.march()
+        return marching
+
+    def measured(self, run: int, marching: Marching) -> Row:
+        """The Row of a run that has marched."""
         found = marching.observables()
-        end = outcome(config, marching.run, found)
-        measures = self.measured(self.readings, found, config, end.sentence == COMPLETE)
-        final = self.measured(self.final, found, config, len(found.times) > 0)
-        return Row(run, end.sentence, end.time, marching.wall_time, measures, final)
+        end = outcome(marching.config, marching.run, found)
+        numbers = self.numbers(found, marching.config, end.sentence == COMPLETE, len(found.times) > 0)
+        return Row(run, end.sentence, end.time, marching.wall_time, *numbers)
 
     def nothing(self, run: int, status: str) -> Row:
         """The Row of a run without numbers."""
@@ -103,23 +120,24 @@ class Task:
         trajectory = simulate(scene)
         if self.folder:
             trajectory.save(self.folder / f"run_{run:06d}.h5", overwrite=True)
-        config = scene.config
-        measures = self.measured(self.readings, trajectory, config, trajectory.complete)
-        final = self.measured(self.final, trajectory, config, len(trajectory.time) > 0)
+        numbers = self.numbers(trajectory, scene.config, trajectory.complete, len(trajectory.time) > 0)
         a = trajectory.attributes
-        return Row(run, a["status"], a["stop_time"], a["wall_time"], measures, final)
+        return Row(run, a["status"], a["stop_time"], a["wall_time"], *numbers)
 
     def overrides(self, run: int) -> dict[str, object]:
         """What `load` sets for this run: values by dotted keys."""
         data = self.study.scene.document.data
         return {show_path(by_name(path, data)): value for path, value in self.study.settings(run)}
 
-    @staticmethod
-    def measured(
-        wanted: tuple[Reading, ...], found: Observables | Trajectory, config: Config, there: bool
-    ) -> tuple[float | None, ...]:
-        """The numbers of these readings; None where there is none."""
-        return tuple(number(reading, found, config) if there else None for reading in wanted)
+    def numbers(
+        self, found: Observables | Trajectory, config: Config, complete: bool, any_row: bool
+    ) -> tuple[tuple[float | None, ...], tuple[float | None, ...]]:
+        """The measures of a complete run, and the last state of one with any row; None where there is no number."""
+        wanted = (self.readings, complete), (self.final, any_row)
+        measures, final = (
+            tuple(number(reading, found, config) if there else None for reading in entries) for entries, there in wanted
+        )
+        return measures, final
 
 
 def number(reading: Reading, found: Observables | Trajectory, config: Config) -> float | None:

@@ -11,7 +11,7 @@ import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from typing import Any, NamedTuple, Protocol, TypeVar, cast
@@ -24,9 +24,9 @@ SHARE = 4  # batches that each worker can still expect
 
 
 class Task(Protocol[T_co]):
-    """What is done with each number, and what stands for one that has killed its process."""
+    """What is done with a few numbers, something for each, and what stands for one that has killed its process."""
 
-    def __call__(self, run: int) -> T_co: ...
+    def __call__(self, runs: Sequence[int]) -> Sequence[T_co]: ...
 
     def lost(self, run: int, how: str) -> T_co: ...
 
@@ -64,7 +64,7 @@ def serve(task: Task[Any], connection: Connection, inherited: list[Connection]) 
 def made(task: Task[Any], runs: tuple[int, ...]) -> list[Any] | Exception:
     """What the task makes of these numbers, or what it raised."""
     try:
-        return [task(run) for run in runs]
+        return list(task(runs))
     except Exception as error:
         return error
 
@@ -165,14 +165,9 @@ def here(task: Task[T_co], batches: Batches, stop: Callable[[], bool]) -> Iterat
     """The same in this process."""
     while batch := batches.next():
         begun = time.perf_counter()
-        rows: list[T_co] = []
-        for run in batch.runs:
-            if stop():
-                break
-            rows.append(task(run))
+        rows = list(task(batch.runs))
         batches.took(batch, time.perf_counter() - begun)
-        if rows:
-            yield rows
+        yield rows
         if stop():
             return
 

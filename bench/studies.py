@@ -1,0 +1,180 @@
+"""Thousands of runs: a study on one process and on all cores, beside a loop over `simulate` and MuJoCo's rollout.
+
+The mecanum platform of machine_scenes.py slides sideways for two seconds, by its torques, with a step that keeps the
+position within 1e-5 m; friction, the mass of the chassis and the place of every roller vary. MuJoCo rolls out as many
+models of other friction and mass, all at once, over as many threads; models, states and results are made before the
+clock starts. It writes nothing, a study writes its file.
+"""
+
+import statistics
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+import omnisim
+from bench.common import Claim, table
+from bench.machine_scenes import END, RAMP
+from bench.memory import MEGABYTE, peak_of
+from bench.peers.mujoco_peer import mujoco
+from bench.peers.mujoco_platform import HOW, LEVEL, Setup, model, scene
+from omnisim.studies.study import Study, load_study
+from omnisim.studies.sweep import sweep
+from omnisim.studies.task import Task
+from omnisim.studies.workers import cores, on_cores
+
+MOTION = "sideways"
+RUNS, FEW, MANY = 1000, 100, 10_000  # of a study; of what is slower, or only by the way; of a large study
+FRICTION, MASS = (0.5, 0.9), (19.0, 21.0)
+STUDY = """
+schema = 1
+scene = "platform.toml"
+vary = {{ "friction.coefficient" = {{ uniform = {friction} }}, "chassis.mass" = {{ uniform = {mass} }},
+          "wheels.*.phase_deg" = {{ uniform = [0, 40], each = true }} }}
+design = {{ kind = "random", count = {count} }}
+[measure]
+odometry_error = {{ dataset = "odometry/position_error", component = "norm", at = "end" }}
+worst_slip = {{ dataset = "wheels/*/slip_velocity", component = "norm", reduce = "max" }}
+drive_work = {{ dataset = "energy/drive_work", at = "end" }}
+"""
+
+
+def study_in(folder: Path, count: int) -> Path:
+    """A file of this study with so many runs."""
+    (folder / "platform.toml").write_text(scene(MOTION).text)
+    path = folder / f"study_{count}.toml"
+    path.write_text(STUDY.format(friction=list(FRICTION), mass=list(MASS), count=count))
+    return path
+
+
+def measure(rounds: int) -> dict:
+    """Runs a second of every contestant, round by round in turn; what a study takes beside its marches; its memory."""
+    with tempfile.TemporaryDirectory() as folder:
+        study = load_study(study_in(Path(folder), RUNS))
+        output = Path(folder) / "study.h5"
+        contestants: dict[str, Callable[[], int]] = {
+            "study, 1 process": lambda: swept(study, output, 1),
+            f"study, {cores()} processes": lambda: swept(study, output, cores()),
+            "loop over simulate": lambda: looped(study),
+        }
+        if mujoco is not None:
+            for contact, integrator, step in HOW:
+                setup = Setup(MOTION, LEVEL, contact, integrator, step)
+                contestants[f"MuJoCo rollout, {cores()} threads, {contact}, {integrator}, {step:g} s"] = rollout(setup)
+        rates: dict[str, list[float]] = {name: [] for name in contestants}
+        for number in range(rounds + 1):
+            for name, go in contestants.items():
+                begun = time.perf_counter()
+                done = go()
+                if number:
+                    rates[name].append(done / (time.perf_counter() - begun))
+        overhead = [beside_the_march(study) for _ in range(rounds)]
+        sizes = (FEW, RUNS, MANY) if rounds > 1 else (FEW, RUNS)
+        return {
+            "cores": cores(),
+            "rates": rates,
+            "overhead": overhead,
+            "peak": {str(count): peak(Path(folder), count) for count in sizes},
+        }
+
+
+def swept(study: Study, output: Path, workers: int) -> int:
+    sweep(study, output, workers=workers, overwrite=True)
+    return study.count
+
+
+def looped(study: Study) -> int:
+    """The same runs by hand, one trajectory after the other."""
+    task = Task(study)
+    for run in range(FEW):
+        omnisim.simulate(omnisim.load_text(study.scene.text, task.overrides(run)))
+    return FEW
+
+
+def beside_the_march(study: Study) -> float:
+    """Time that one process takes for the runs beside their marches, by that of the marches."""
+    task = Task(study)
+    begun = time.perf_counter()
+    rows = [row for rows in on_cores(task, list(range(RUNS)), 1, lambda: False) for row in rows]
+    whole, marches = time.perf_counter() - begun, sum(row.wall_time for row in rows)
+    return whole / marches - 1.0
+
+
+def peak(folder: Path, count: int) -> int:
+    """Largest resident memory of `omnisim sweep`, bytes: of the process that hands out the runs or of any other."""
+    command = [str(Path(sys.executable).with_name("omnisim")), "sweep", str(study_in(folder, count)), "--quiet"]
+    return peak_of([*command, "--force", "-o", str(folder / "peak.h5")])
+
+
+def rollout(setup: Setup) -> Callable[[], int]:
+    """MuJoCo's runs of a setup."""
+    from mujoco.rollout import Rollout
+
+    random, models = np.random.default_rng(1), []
+    for _ in range(FEW):
+        variant = model(setup)
+        variant.geom_friction[:, 0] = random.uniform(*FRICTION)
+        variant.body_mass[1] = random.uniform(*MASS)
+        models.append(variant)
+    data = [mujoco.MjData(models[0]) for _ in range(cores())]
+    state = np.empty(mujoco.mj_stateSize(models[0], mujoco.mjtState.mjSTATE_FULLPHYSICS))
+    mujoco.mj_getState(models[0], data[0], state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+    steps = round(END / setup.step)
+    control = np.zeros((1, steps, models[0].nu))
+    control[:, : round(RAMP / setup.step)] = [wheel.drive.torque[0] for wheel in scene(MOTION).config.wheels]
+    states = np.empty((FEW, steps, len(state)))
+    pool = Rollout(nthread=cores())
+
+    def go() -> int:
+        pool.rollout(models, data, state[None], control, state=states, skip_checks=False)
+        return FEW
+
+    return go
+
+
+def report(result: dict) -> str:
+    rows = [[name, f"{statistics.median(values):.0f}"] for name, values in result["rates"].items()]
+    peaks = [[count, f"{value / MEGABYTE:.0f}"] for count, value in result["peak"].items()]
+    return "\n\n".join(
+        [
+            table(["runs of 2 s", "runs a second"], rows),
+            f"Beside its marches a study takes {statistics.median(result['overhead']):.0%} of them.",
+            table(["runs of `omnisim sweep`", "peak of its largest process, MiB"], peaks),
+        ]
+    )
+
+
+def by(result: dict, one: str, other: str) -> float:
+    """Median of the ratios within a round."""
+    rates = result["rates"]
+    return statistics.median(a / b for a, b in zip(rates[one], rates[other], strict=True))
+
+
+def claims(result: dict) -> list[Claim]:
+    one, all_of_them, _, *theirs = result["rates"]
+    found = [
+        Claim(
+            f"a study of {RUNS} runs on {result['cores']} cores, runs a second by those on one",
+            by(result, all_of_them, one),
+            "at least",
+            0.95 * result["cores"],
+            0.5 * result["cores"],
+        ),
+        Claim(
+            "what a study takes beside its marches, by those",
+            statistics.median(result["overhead"]),
+            "at most",
+            0.3,
+            0.8,
+        ),
+    ]
+    if theirs:
+        fastest = max(theirs, key=lambda name: statistics.median(result["rates"][name]))
+        times = by(result, all_of_them, fastest)
+        found.append(
+            Claim("runs a second of a study, by those of MuJoCo's fastest rollout", times, "at least", 15.0, 8.0)
+        )
+    return found
