@@ -29,6 +29,7 @@ OPTIONS = {
     "boundscheck": None,
     "error_model": "numpy",
     "_nrt": False,
+    "nogil": True,  # other threads of Python run meanwhile
     "fastmath": {"contract"},
     "no_cfunc_wrapper": True,  # nobody calls kernels from C
 }
