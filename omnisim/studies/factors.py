@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Any
@@ -211,6 +211,20 @@ def unfit(key: str, targets: Sequence[KeyPath], values: Any, data: dict[str, Any
                 if any(problem.path[: len(target)] == target for target in targets):
                     return Problem(("vary", key), f"{show_value(value)}: {problem.message}")
     return None
+
+
+def drawn_values(varied: Sequence[Factor], shares: Iterable[float]) -> list[list[Any]]:
+    """The values of each factor by shares of the whole, 0 to 1: one, or one for each of its targets."""
+    left = iter(shares)
+    return [[factor.at(next(left)) for _ in range(factor.draws)] for factor in varied]
+
+
+def settings(varied: Sequence[Factor], values: Sequence[Sequence[Any]]) -> list[tuple[KeyPath, Any]]:
+    """The paths in the scene's data that such values set, and what each is set to."""
+    found: list[tuple[KeyPath, Any]] = []
+    for factor, own in zip(varied, values, strict=True):
+        found += zip(factor.targets, own if factor.each else [*own] * len(factor.targets), strict=True)
+    return found
 
 
 def with_values(data: Any, values: Sequence[tuple[KeyPath, Any]]) -> Any:

@@ -19,7 +19,7 @@ from omnisim.scene.problems import Problem, schema_problems
 from omnisim.scene.scene import Scene, load
 from omnisim.scene.toml_text import KeyPath, rewrite
 from omnisim.scene.validation import tuples
-from omnisim.studies.factors import Distribution, Factor, factors, with_values
+from omnisim.studies.factors import Distribution, Factor, drawn_values, factors, settings, with_values
 from omnisim.studies.schema import MOST_RUNS, StudyConfig
 
 DISTRIBUTIONS = {"mean", "uniform", "loguniform"}  # what tells one in a table of [vary]
@@ -90,15 +90,11 @@ class Study:
             return [[factor.listed[int(place)]] for factor, place in zip(self.factors, places, strict=True)]
         if self.kind == "zip":
             return [[factor.listed[run]] for factor in self.factors]
-        shares = iter(self.shares[run].tolist())
-        return [[factor.at(next(shares)) for _ in range(factor.draws)] for factor in self.factors]
+        return drawn_values(self.factors, self.shares[run].tolist())
 
     def settings(self, run: int) -> list[tuple[KeyPath, Any]]:
         """The paths in the scene's data that a run sets, and their values."""
-        found: list[tuple[KeyPath, Any]] = []
-        for factor, values in zip(self.factors, self.values(run), strict=True):
-            found += zip(factor.targets, values if factor.each else values * len(factor.targets), strict=True)
-        return found
+        return settings(self.factors, self.values(run))
 
     @cached_property
     def base(self) -> dict[str, Any]:

@@ -1,0 +1,160 @@
+"""Machines of one kind side by side: their arrays stand along a first axis, and all cores march them at once.
+
+Each machine is a run of its own. Which thread marches it, and with which others, changes no bit of it.
+"""
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+
+from omnisim.base import status
+from omnisim.base.calls import direct
+from omnisim.dynamics.packing import pack
+from omnisim.dynamics.parameters import DRIVE_INPUT, Parameters
+from omnisim.dynamics.state import YAW, Run, X, Y, places_in
+from omnisim.march.initial_state import begin
+from omnisim.march.many import march_each
+from omnisim.run.marching import FOR_EVER, Marching
+from omnisim.run.sensors import to_centre
+from omnisim.scene.schema import Config
+
+
+class OtherKind(ValueError):
+    """A machine that cannot stand beside the others."""
+
+
+class Machines:
+    """So many machines, at first all of one scene, marched by so many threads.
+
+    config: of a scene without rows between its start and its end, and without knots in its tables.
+    """
+
+    def __init__(self, config: Config, count: int, threads: int):
+        shares = max(1, min(threads, count))
+        self.scratch = [Marching(config) for _ in range(shares)]  # rows and log of each thread, and what is copied
+        self.first = self.scratch[0]
+        self.bounds = np.linspace(0, count, shares + 1).astype(int).tolist()
+        self.parameters: Parameters = stacked([with_piece(self.first.parameters)] * count)
+        self.runs: Run = stacked([self.first.run] * count)
+        self.clock = np.asarray(self.runs.clock)
+        self.clock["goal"], self.clock["pause"] = 0, FOR_EVER
+        self.at = places_in(self.first.parameters)
+        self.pool: ThreadPoolExecutor | None = None
+        self._share(0)  # compiles, before several threads need it
+
+    def put(self, i: int, config: Config) -> None:
+        """Machine i at the start of this scene. Raises OtherKind if it has other parts than the first."""
+        parameters, run = self.first.parameters, self.first.run  # which never march
+        if config is not self.first.config:
+            parameters = pack(config)
+            run = begin(config, parameters)
+        place(self.parameters, with_piece(parameters), i)
+        place(self.runs, run, i)
+        self.clock["goal"][i], self.clock["pause"][i] = 0, FOR_EVER
+
+    def drive(self, who: np.ndarray, wheels: np.ndarray, values: np.ndarray) -> None:
+        """Give drives (D,) of the machines `who` (N,) their inputs (N, D) from now on, as a Loop does."""
+        starts, inputs = self.parameters.starts, self.parameters.inputs
+        self.clock["piece"][who] = 0
+        starts[who, 1] = self.clock["step"][who] * self.clock["dt"][who]
+        inputs[np.ix_(who, [1], DRIVE_INPUT + wheels, [0])] = values[who][:, None, :, None]
+
+    def march(self, who: np.ndarray, steps: int) -> None:
+        """March the machines `who` (N,) on by so many steps, or up to where something stops them."""
+        self.clock["goal"][who] = np.minimum(self.clock["step"][who] + steps, self.clock["steps"][who])
+        if len(self.scratch) == 1:
+            self._share(0)
+            return
+        self.pool = self.pool or ThreadPoolExecutor(len(self.scratch), "omnisim")
+        for done in [self.pool.submit(self._share, share) for share in range(len(self.scratch))]:
+            done.result()
+
+    def _share(self, share: int) -> None:
+        own = self.scratch[share]
+        direct(
+            march_each, self.parameters, own.stages, self.runs, own.rows, own.log, *self.bounds[share : share + 2]
+        )
+
+    def close(self) -> None:
+        if self.pool:
+            self.pool.shutdown()
+
+    @property
+    def pose(self) -> np.ndarray:
+        """Of the chassis origins or wheel centres (N, 3): x, y, m, and yaw, rad."""
+        y = self.runs.y
+        x_centre, y_centre = self._to_centre()
+        return np.stack([y[:, X] - x_centre, y[:, Y] - y_centre, y[:, YAW]], axis=1)
+
+    @property
+    def twist(self) -> np.ndarray:
+        """Of the same points along the machines' own axes (N, 3): m/s, m/s, rad/s."""
+        y, v = self.runs.y, self.at.velocity
+        turn = y[:, self.at.yaw_rate]
+        x_centre, y_centre = self._to_centre()
+        world = np.stack([y[:, v] + turn * y_centre, y[:, v + 1] - turn * x_centre, turn], axis=1)
+        return in_axes(world, y[:, YAW])
+
+    @property
+    def spin_rates(self) -> np.ndarray:
+        """(N, W), rad/s"""
+        return self.runs.y[:, self.at.spin_rate :][:, : self.runs.rates.shape[1]]
+
+    @property
+    def normal_forces(self) -> np.ndarray:
+        """Of the floor on the wheels (N, W), N; 0 of a wheel in the air."""
+        loaded = np.asarray(self.runs.mode)["loaded"] > 0
+        return np.where(loaded, np.maximum(np.asarray(self.runs.monitors)["normal_force"], 0.0), 0.0)
+
+    @property
+    def failed(self) -> np.ndarray:
+        """Which (N,) have been stopped before their end."""
+        return ~np.isin(self.clock["status"], (status.RUNNING, status.COMPLETE))
+
+    def sentence(self, i: int) -> str:
+        """How the run of machine i has ended."""
+        clock, config = self.runs.clock[i], self.first.config
+        wheel = config.wheels[int(clock.wheel)].name
+        elapsed = int(clock.step) * float(clock.dt) + float(clock.elapsed)
+        return status.sentence(clock, elapsed, wheel, config.solver.method)
+
+    def _to_centre(self) -> np.ndarray:
+        return to_centre(np.asarray(self.parameters.machine)["centre"].T, self.runs.y[:, YAW])
+
+
+def in_axes(vectors: np.ndarray, yaw: np.ndarray) -> np.ndarray:
+    """Vectors (N, ..., 3) of x, y and a turn, from world axes into those of the machines at these yaws (N,)."""
+    yaw = yaw.reshape(-1, *[1] * (vectors.ndim - 2))
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    x, y, turn = np.moveaxis(vectors, -1, 0)
+    return np.stack([cos * x + sin * y, cos * y - sin * x, turn], axis=-1)
+
+
+def with_piece(parameters: Parameters) -> Parameters:
+    """Parameters whose tables have one more piece, which an input from outside begins."""
+    inputs = np.concatenate([parameters.inputs, parameters.inputs])
+    return parameters._replace(starts=np.array([0.0, np.inf]), inputs=inputs)
+
+
+def stacked(parts: Sequence[Any]) -> Any:
+    """Arrays, records, and NamedTuples of such along a first axis. What is None stays None."""
+    first = parts[0]
+    if first is None:
+        return None
+    if isinstance(first, tuple):
+        return type(first)(*map(stacked, zip(*parts, strict=True)))
+    found = np.stack(parts)
+    return found.view(np.recarray) if found.dtype.names else found
+
+
+def place(whole: Any, part: Any, i: int) -> None:
+    """Put what was not stacked in place i. Raises OtherKind where it has another shape."""
+    if isinstance(whole, tuple) and isinstance(part, tuple):
+        for inner, own in zip(whole, part, strict=True):
+            place(inner, own, i)
+    elif (whole is None) != (part is None) or (part is not None and whole.shape[1:] != np.shape(part)):
+        raise OtherKind("machines side by side have the same wheels, rollers, drives and methods")
+    elif part is not None:
+        whole[i] = part
