@@ -12,7 +12,8 @@ PACKAGE = HERE.parent / "omnisim"
 IMPORT = re.compile(r"^\s*(?:from|import) omnisim\.(\w+)", re.MULTILINE)
 # Rooms by column (of 4 halves) and floor; who imports stands above.
 PLACES = {
-    "pictures": (1, 7),
+    "gym": (0, 7),
+    "pictures": (2, 7),
     "studies": (0, 6),
     "run": (0, 5),
     "results": (0, 4),
@@ -24,6 +25,7 @@ PLACES = {
     "base": (1, 0),
 }
 SAID = {
+    "gym": "environments that learn",
     "studies": "many runs, measured",
     "run": "simulate, Loop, step search",
     "pictures": "plots, 3-D page",

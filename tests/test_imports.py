@@ -14,7 +14,7 @@ import omnisim
 pytestmark = pytest.mark.short
 PACKAGE = Path(omnisim.__file__).parent
 # A room imports from itself and from rooms above it in this list: data flows down, from the scene file to the pictures.
-ROOMS = ("base", "scene", "contact", "dynamics", "march", "results", "run", "studies", "cad", "pictures")
+ROOMS = ("base", "scene", "contact", "dynamics", "march", "results", "run", "studies", "gym", "cad", "pictures")
 ONLY = {
     "h5py": {"results.hdf5", "base.trajectory_file", "studies.result"},
     "pydantic": {
@@ -25,7 +25,9 @@ ONLY = {
         "studies.schema",
         "studies.factors",
         "studies.study",
+        "gym.options",
     },
+    "gymnasium": {"gym.follow", "gym.single"},
     "numba": {"base.kernel", "base.compiler", "base.calls"},
     "tomlkit": {"scene.toml_text"},
     "pandas": {"results.trajectory", "results.tables"},

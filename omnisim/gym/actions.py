@@ -1,8 +1,8 @@
 """What an action does: what becomes of the scene's drives, and the input of each drive by the action.
 
-    torque   each drive is a plain torque, at most its limit
-    rate     each drive follows a rate with the scene's own controller
-    twist    the same, with the rates of ideal wheels in a twist of the chassis (ideal_kinematics.py)
+torque   each drive is a plain torque, at most its limit
+rate     each drive follows a rate with the scene's own controller
+twist    the same, with the rates of ideal wheels in a twist of the chassis (ideal_kinematics.py)
 """
 
 import math
@@ -51,12 +51,12 @@ def actions(scene: Scene, kind: str, limits: tuple[float, ...]) -> Actions:
         others = [wheel.name for wheel in config.wheels if wheel.drive.given and not wheel.drive.controlled]
         if others:
             raise SceneError(
-                f'{scene.source}: wheels.{others[0]}.drive: must follow a rate where actions are a {kind}: kind "rate", '
-                'or "dc_motor" with proportional; or action = "torque"'
+                f"{scene.source}: wheels.{others[0]}.drive: must follow a rate where actions are a {kind}: "
+                'kind "rate", or "dc_motor" with proportional; or action = "torque"'
             )
     if kind == "twist":
         if config.chassis is None:
-            raise SceneError(f"{scene.source}: chassis: missing; a twist needs one; or action = \"rate\"")
+            raise SceneError(f'{scene.source}: chassis: missing; a twist needs one; or action = "rate"')
         inputs = wheel_rows(config)[wheels]
     count = inputs.shape[1]
     if len(limits) not in (0, 1, count):
@@ -74,7 +74,9 @@ def default_limits(scene: Scene, kind: str, wheels: np.ndarray) -> tuple[float, 
     torques = tuple(standstill_torque(wheel.drive) for wheel in driven)
     for wheel, torque in zip(driven, torques, strict=True):
         if not 0.0 < torque < math.inf:
-            raise SceneError(f"{scene.source}: wheels.{wheel.name}.drive: tells no largest torque; give the option limits")
+            raise SceneError(
+                f"{scene.source}: wheels.{wheel.name}.drive: tells no largest torque; give the option limits"
+            )
     return torques
 
 

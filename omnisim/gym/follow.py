@@ -49,8 +49,8 @@ class FollowVectorEnv(VectorEnv):
     vary     a table [vary] of a study: keys of the scene, drawn anew for every episode of every machine
     options  options.py has them: action, limits, control, loads, ahead, reach, tolerance, autoreset_mode, threads
 
-    Machine i draws from a generator of its own, seeded by `reset` with seed + i: its episodes are bit for bit those of a
-    single environment with that seed, whatever the other machines do.
+    Machine i draws from a generator of its own, seeded by `reset` with seed + i: its episodes are bit for bit those of
+    a single environment with that seed, whatever the other machines do.
 
     Raises SceneError as `load` does and where the scene does not take such actions, ValueError for anything else that
     cannot be meant.
@@ -111,9 +111,7 @@ class FollowVectorEnv(VectorEnv):
         self._begin(mask)
         return self._observed(), {}
 
-    def step(
-        self, actions: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+    def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """An action (N, A) for every machine, held for one control interval.
 
         With autoreset_mode "NextStep" a machine whose episode has ended begins another, with no reward, instead of

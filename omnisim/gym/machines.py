@@ -59,7 +59,8 @@ class Machines:
         starts, inputs = self.parameters.starts, self.parameters.inputs
         self.clock["piece"][who] = 0
         starts[who, 1] = self.clock["step"][who] * self.clock["dt"][who]
-        inputs[np.ix_(who, [1], DRIVE_INPUT + wheels, [0])] = values[who][:, None, :, None]
+        given = inputs[:, 1, :, 0]  # a view
+        given[np.ix_(who, DRIVE_INPUT + wheels)] = values[who]
 
     def march(self, who: np.ndarray, steps: int) -> None:
         """March the machines `who` (N,) on by so many steps, or up to where something stops them."""
@@ -73,9 +74,7 @@ class Machines:
 
     def _share(self, share: int) -> None:
         own = self.scratch[share]
-        direct(
-            march_each, self.parameters, own.stages, self.runs, own.rows, own.log, *self.bounds[share : share + 2]
-        )
+        direct(march_each, self.parameters, own.stages, self.runs, own.rows, own.log, *self.bounds[share : share + 2])
 
     def close(self) -> None:
         if self.pool:

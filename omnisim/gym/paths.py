@@ -26,7 +26,7 @@ def path(name: str, size: float = 1.0, speed: float = 0.5) -> np.ndarray:
     for what, value in (("size", size), ("speed", speed)):
         if not (isinstance(value, int | float) and 0.0 < value < math.inf):
             raise ValueError(f"path: {what} must be a finite number > 0, not {value!r}")
-    tables = []
+    tables: list[np.ndarray] = []
     begun = 0.0
     for leg in SHAPES[name]:
         poses = size * leg(np.linspace(0.0, 1.0, POINTS))

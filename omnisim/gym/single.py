@@ -1,6 +1,6 @@
 """The same environment with one machine."""
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from gymnasium import Env
@@ -14,7 +14,7 @@ class FollowEnv(Env):
     It takes the same scene, path, vary and options, but for autoreset_mode and threads.
     """
 
-    metadata = {"render_modes": []}
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
 
     def __init__(self, **options: Any):
         self.many = FollowVectorEnv(1, **options, autoreset_mode="Disabled", threads=1)

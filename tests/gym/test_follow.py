@@ -5,15 +5,15 @@ import warnings
 import numpy as np
 import pytest
 
-gymnasium = pytest.importorskip("gymnasium", reason="needs Gymnasium: pip install -e '.[test]'")
+import omnisim
 
-import omnisim  # noqa: E402
-import omnisim.gym  # noqa: E402
-from gymnasium.utils.env_checker import check_env  # noqa: E402
-from gymnasium.vector import AutoresetMode  # noqa: E402
+gymnasium = pytest.importorskip("gymnasium", reason="needs Gymnasium: pip install -e '.[test]'")
+check_env = pytest.importorskip("gymnasium.utils.env_checker").check_env
+AutoresetMode = pytest.importorskip("gymnasium.vector").AutoresetMode
+path = pytest.importorskip("omnisim.gym").path
 
 NAME = "omnisim/Follow-v0"
-SHORT = omnisim.gym.path("circle", size=0.05)  # 0.47 s
+SHORT = path("circle", size=0.05)  # 0.47 s
 VARY = {
     "friction.coefficient": {"uniform": [0.3, 0.8]},
     "chassis.mass": [15.0, 20.0, 25.0],
@@ -115,7 +115,9 @@ def test_an_episode_is_bit_for_bit_what_a_loop_does_with_the_same_inputs(action)
         assert np.array_equal(observed[13:17], loop.normal_forces)
         forward = loop.velocity @ [np.cos(loop.yaw), np.sin(loop.yaw)]
         assert abs(observed[6] - forward) < 1e-15 and observed[8] == loop.yaw_rate
-    repeated = omnisim.simulate(omnisim.load_text(loop.trajectory().attributes["scene"], {"time.end": 0.2, "time.output_interval": 0.2}))
+    repeated = omnisim.simulate(
+        omnisim.load_text(loop.trajectory().attributes["scene"], {"time.end": 0.2, "time.output_interval": 0.2})
+    )
     assert np.abs(repeated["body/position"][-1, :2] - inner.machines.pose[0, :2]).max() < 1e-12  # measured: 0
 
 
@@ -165,7 +167,7 @@ def test_a_run_that_cannot_go_on_is_terminated_with_its_sentence():
     lifted = omnisim.load("youbot", {"wrench": {"times": [0.0], "force": [[0.0, 0.0, 500.0]]}})
     some = many(2, scene=lifted)
     some.reset(seed=0)
-    observed, rewards, terminated, truncated, infos = some.step(np.zeros((2, 3), np.float32))
+    observed, _, terminated, truncated, infos = some.step(np.zeros((2, 3), np.float32))
     assert terminated.all() and not truncated.any() and np.isfinite(observed).all() and infos["_status"].all()
     assert "the machine tips at t = 0 s" in infos["status"][1]
 
@@ -206,7 +208,7 @@ def test_friction_and_mass_are_drawn_for_every_episode():
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        ({"action": "twst"}, '''option action = 'twst': must be "torque", "rate" or "twist"; did you mean 'twist'?'''),
+        ({"action": "twst"}, """option action = 'twst': must be "torque", "rate" or "twist"; did you mean 'twist'?"""),
         ({"controll": 50.0}, "option controll = 50.0: unknown key; did you mean 'control'?"),
         ({"control": 333.0}, "option control: 1 / 333 s must be a multiple of time.step = 0.0005 s"),
         ({"limits": [1.0, 2.0]}, "option limits: must be 1 or 3 numbers for actions of kind twist, not 2"),
@@ -218,7 +220,7 @@ def test_friction_and_mass_are_drawn_for_every_episode():
         ({"scene": "youbt"}, "youbt"),
         ({"scene": "six_rollers"}, "six_rollers: wheels: none has a drive that takes an input"),
         ({"scene": "thirty_two_rollers"}, 'must follow a rate where actions are a twist: kind "rate"'),
-        ({"scene": "thirty_two_rollers", "action": "rate"}, 'wheels.wheel.drive: must follow a rate'),
+        ({"scene": "thirty_two_rollers", "action": "rate"}, "wheels.wheel.drive: must follow a rate"),
         ({"vary": {"chassis.mas": [1.0]}}, "vary"),
         ({"vary": {"friction.coefficient": []}}, "must have one value or more"),
         ({"vary": {"chassis.mass": {"uniform": [-1.0, 1.0]}}}, "impossible: chassis.mass = -1.0"),
