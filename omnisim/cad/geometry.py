@@ -43,7 +43,7 @@ def of_type(kind: WheelType) -> np.record:
     """The record of a wheel of this type, not mirrored."""
     wheel = Wheel(name="wheel", type="wheel")
     values = wheel_values(kind, wheel, drive_law(wheel.drive), (0.0, 0.0))
-    return records(WHEEL, [values | {"rates": 0, "contacts": 0, "row": 0, "rows": 1}])[0]
+    return records(WHEEL, [values | {"rates": 0, "contacts": 0, "row": 0, "rows": 1, "holding_mobility": 0.0}])[0]
 
 
 # --- rollers on their wheel -----------------------------------------------------------------------

@@ -109,6 +109,6 @@ def start(key: Element, config: Config) -> None:
         speed.append(initial.yaw_rate)
     for wheel in config.wheels:
         count = config.type_of(wheel).roller_count
-        place += [math.radians(wheel.spin_angle_deg), *[0.0] * count]
+        place += [wheel.spin_angle, *[0.0] * count]
         speed += [wheel.spin_rate, *np.broadcast_to(wheel.roller_rates, count)]
     key.attrib |= {"qpos": numbers(*place), "qvel": numbers(*speed)}

@@ -13,6 +13,8 @@ from omnisim.contact.kinematics import slip_jacobian
 
 LIGHT = 1e8  # masses of the body, that an arm too short for its own inertia stands for: passed within nanoseconds
 
+HEAVY = 1e2  # masses of the body, that a spin which gives no way stands for until its contact holds firmly
+
 
 class Symmetric(NamedTuple):
     """A symmetric matrix over h and k."""
@@ -79,14 +81,14 @@ def holding_mass(machine, wheel, axis, j):
 
     The inverse of what they give way, spin spin^T / J + arm arm^T / Ia. A pointed tip has no arm, and its force along
     the roller's path is the body's to choose; an arm is taken as at least that at which the roller's inertia
-    appears LIGHT times the body's mass.
+    appears LIGHT times the body's mass. A spin that follows angles gives no way, and is taken as HEAVY times it.
     """
     arm_h, arm_k = j.roller_h, j.roller_k
     shortest = wheel.axial_inertia / (LIGHT * machine.mass)
     if arm_h * arm_h + arm_k * arm_k < shortest:
         length = math.sqrt(shortest / (axis.h * axis.h + axis.k * axis.k))
         arm_h, arm_k = length * axis.k, -length * axis.h
-    spin, roller = wheel.spin_mobility, wheel.axial_mobility
+    spin, roller = wheel.holding_mobility, wheel.axial_mobility
     cross = j.spin_h * arm_k - j.spin_k * arm_h
     given = yielding_along(yielding_along(isotropic(0.0), spin, j.spin_h, j.spin_k), roller, arm_h, arm_k)
     return inverse(given, spin * roller * cross * cross)

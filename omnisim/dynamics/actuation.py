@@ -1,6 +1,8 @@
 """Drives at an instant: what each is asked for, what its limits leave of that, and the torque on its wheel.
 
     torque, rate   the demand is a torque, kept within +-limit
+    follow         there is no demand: the table of angles gives the acceleration of the spin, and whatever torque that
+                   takes is found once the contacts are known
     motor          the demand is a voltage, kept within K phi' +- R_a I_max, which holds the current, and then within
                    +-limit, which is all there is; drives.py has the motor's equations
 
@@ -20,9 +22,28 @@ PLAY = 1e-12  # of a limit, between reaching and leaving it
 
 @kernel
 def drive_input(parameters, piece, t, w):
-    """What the drive of wheel w is given: torque (N m), target rate (rad/s) or voltage (V)."""
+    """What the drive of wheel w is given: torque (N m), target rate (rad/s), voltage (V), phi'' to follow."""
     value, slope = parameters.inputs[piece, DRIVE_INPUT + w, 0], parameters.inputs[piece, DRIVE_INPUT + w, 1]
     return value + slope * (t - parameters.starts[piece])
+
+
+@kernel
+def followed(parameters, stage, w):
+    """phi'' that a table of angles asks of wheel w, rad/s^2; 0 where the drive has none."""
+    if parameters.machine.follows and parameters.wheels[w].follows:
+        return drive_input(parameters, stage.piece, stage.t, w)
+    return 0.0
+
+
+@kernel
+def following_torque(parameters, w, acceleration, torque):
+    """Torque with which the drive of wheel w follows its angles, N m, where its spin has this acceleration, rad/s^2,
+    and all other torques on its axle sum up to `torque`; into the workspace. Of any other drive 0."""
+    if parameters.machine.follows and parameters.wheels[w].follows:
+        own = parameters.wheels[w].axle_inertia * acceleration - torque
+        parameters.workspace.parts[w].drive_torque = own
+        return own
+    return 0.0
 
 
 @kernel

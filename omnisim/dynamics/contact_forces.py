@@ -20,12 +20,21 @@ contact equations of the one wheel, while the body's acceleration follows at onc
 import math
 
 from omnisim.base.kernel import kernel, outlined
-from omnisim.contact.frame import Slip
+from omnisim.contact.frame import Axis, Slip
+from omnisim.contact.kinematics import Jacobian
 from omnisim.contact.mobility import Symmetric, across, yielding_along
 from omnisim.contact.set_valued import TINY, contact_forces, slip_direction, turned
-from omnisim.dynamics.normal_forces.solution import solve
-from omnisim.dynamics.normal_forces.tilt import place_load
-from omnisim.dynamics.planar_body import free_rate, push_of, yielding
+from omnisim.dynamics.normal_forces.solution import loads_known, solve
+from omnisim.dynamics.normal_forces.tilt import TILT_X, TILT_Y, place_load
+from omnisim.dynamics.planar_body import (
+    free_rate,
+    holding_force,
+    holds,
+    push_of,
+    pushed_equations,
+    set_holding,
+    yielding,
+)
 from omnisim.dynamics.state import TOUCHING
 from omnisim.dynamics.twist import Acceleration
 
@@ -35,7 +44,82 @@ MOST_ROUNDS = 100  # of loads
 TOLERANCE = 1e-15  # change of forces and loads, relative to the largest, and of a share
 STEADY = 1e-12  # correction of a direction by Newton's method: the next would be lost in rounding
 LOST = 1e-12  # of the load times the radius, a torque that is lost in rounding
+MOST_FIRM = 40  # rounds until spins that give no way are held
 ROUNDING = 1e-11  # a change below which, if it no longer falls, is rounding
+
+
+@kernel
+def find_forces(machine, wheels, workspace, load, equations, pushing, sought):
+    """All loads, and forces that are sought: the Acceleration of the body, and how regular the loads are."""
+    if sought:
+        acceleration, regular = find_contact_forces(machine, wheels, workspace, load, equations, pushing)
+    else:
+        acceleration, _, regular = solve(machine, workspace, load, equations, pushing)
+    if workspace.resting is not None and machine.follows:
+        acceleration, regular = hold_firmly(machine, wheels, workspace, load, (equations, acceleration), pushing)
+    return acceleration, regular
+
+
+@outlined
+def hold_firmly(machine, wheels, workspace, load, found, pushing):
+    """The same where sticking contacts hold wheels that follow angles: a spin gives no way, and they have been taken
+    to turn as easily as HEAVY says. What they would turn is taken off the slip acceleration that the contacts hold.
+
+    found: the BodyEquations, and the Acceleration by them. Each round leaves about 1 / HEAVY of the error before it.
+    """
+    equations, acceleration = found
+    regular = 1.0
+    last = math.inf
+    for _ in range(MOST_FIRM):
+        change, size = 0.0, TINY
+        for w in range(len(wheels)):
+            part, wheel = workspace.parts[w], wheels[w]
+            contact = workspace.contacts[part.first]
+            if wheel.follows and not part.slides and holds(part, contact):
+                force_h, force_k = holding_force(contact, acceleration)
+                more_h, more_k = hold_more(machine, wheel, contact, force_h, force_k)
+                push_x, push_y, push_yaw = push_of(machine, contact, more_h, more_k, 0.0)
+                equations = pushed_equations(equations, push_x, push_y, push_yaw)
+                if not loads_known(machine):
+                    push_tilt(workspace.loads.tilt[0], contact, TILT_Y, more_h, more_k)
+                    push_tilt(workspace.loads.tilt[1], contact, TILT_X, more_h, more_k)
+                change = max(change, max(abs(more_h), abs(more_k)))
+                size = max(size, max(abs(force_h), abs(force_k)))
+        if converged(change / size, last):
+            break
+        last = change / size
+        if any_sought(workspace):
+            acceleration, regular = find_contact_forces(machine, wheels, workspace, load, equations, pushing)
+        else:
+            acceleration, _, regular = solve(machine, workspace, load, equations, pushing)
+    return acceleration, regular
+
+
+@kernel
+def hold_more(machine, wheel, contact, force_h, force_k):
+    """Let a sticking contact hold a spin that gives no way, where this force (N) would turn it: how much more force."""
+    turned = wheel.holding_mobility * (contact.spin[0] * force_h + contact.spin[1] * force_k)
+    held_h, held_k = contact.holding[0, 3], contact.holding[1, 3]
+    axis = Axis(contact.axis[0], contact.axis[1], contact.axis[2])
+    j = Jacobian(contact.spin[0], contact.spin[1], 0.0, 0.0, contact.arm[0], contact.arm[1])
+    rate = Slip(contact.bias[0] - turned * contact.spin[0], contact.bias[1] - turned * contact.spin[1])
+    set_holding(machine, wheel, contact, axis, j, rate)
+    return contact.holding[0, 3] - held_h, contact.holding[1, 3] - held_k
+
+
+@kernel
+def push_tilt(row, contact, i, force_h, force_k):
+    """A row of tilt with one more force of a contact; i: its row of the levers."""
+    row[3] -= contact.lever[i, 0] * force_h + contact.lever[i, 1] * force_k
+
+
+@kernel
+def any_sought(workspace):
+    """Whether the force of some contact is sought."""
+    found = False
+    for w in range(len(workspace.parts)):
+        found = found or workspace.parts[w].sought == 1
+    return found
 
 
 @outlined

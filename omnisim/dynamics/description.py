@@ -240,6 +240,8 @@ def drive_reason(drive: Drive) -> str:
         return "spinning freely"
     if drive.kind == "torque":
         return f"torque {given(drive, 'N m')}"
+    if drive.kind == "follow":
+        return f"turned as {len(drive.times)} angles say (knots are step ends), by the torque that it takes"
     return rate_reason(drive) if drive.kind == "rate" else motor_reason(drive)
 
 

@@ -1,6 +1,6 @@
 """Impulses at the contacts that give slip the value it has come to: what is left of it when it ends is taken away."""
 
-from omnisim.base.kernel import outlined
+from omnisim.base.kernel import kernel, outlined
 from omnisim.contact.frame import Slip, outward
 from omnisim.contact.kinematics import slip_jacobian
 from omnisim.contact.mobility import inverse_mass, solution
@@ -20,14 +20,21 @@ from omnisim.dynamics.state import places
 from omnisim.dynamics.twist import body_motion, in_world, world_frame
 from omnisim.dynamics.wheel import contact_state
 
+FIRM_ROUNDS = 6  # where spins that follow angles are taken to turn as easily as HEAVY says
+
 
 @outlined
 def align_slip(parameters, run):
     """Change the speeds by the impulses that leave no slip to sticking contacts, and none across their direction to
-    creeping ones, all at once.
+    creeping ones, all at once; next to none in so many rounds where spins follow angles."""
+    rounds = FIRM_ROUNDS if parameters.machine.follows else 1
+    for _ in range(rounds):
+        align_slip_once(parameters, run)
 
-    The equations of planar_body.py for sticking contacts, with that slip in the place of the slip acceleration.
-    """
+
+@kernel
+def align_slip_once(parameters, run):
+    """The equations of planar_body.py for sticking contacts, with their slip in the place of the slip acceleration."""
     machine = parameters.machine
     workspace = parameters.workspace
     y = run.y
@@ -59,6 +66,8 @@ def align_slip(parameters, run):
             spin = contact.spin[0] * impulse_h + contact.spin[1] * impulse_k
             roller = contact.arm[0] * impulse_h + contact.arm[1] * impulse_k
             y[at.spin_rate + w] += spin * wheel.spin_mobility
+            if wheel.follows:  # its drive holds the rate against the impulse
+                y[at.drive_work] -= spin * y[at.spin_rate + w]
             y[rate_place(parameters, run.mode[w], w, 0)] += roller * wheel.axial_mobility
     linear = in_world(body, change)
     y[at.velocity] += linear.x

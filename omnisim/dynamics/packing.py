@@ -9,6 +9,7 @@ import numpy as np
 
 from omnisim.base.records import blank, records
 from omnisim.contact.friction import LAWS
+from omnisim.contact.mobility import HEAVY
 from omnisim.dynamics.parameters import (
     ARTICULATED,
     CONTACT,
@@ -30,6 +31,7 @@ from omnisim.dynamics.parameters import (
     Workspace,
 )
 from omnisim.dynamics.state import TOUCHING, Contents, places_of
+from omnisim.scene.cubic import cubic_curvature
 from omnisim.scene.drives import DriveLaw, Motor, drive_law
 from omnisim.scene.ideal_kinematics import inverse, rms_distance, wheel_rows
 from omnisim.scene.masses import common_centre, exact_moments, point_masses
@@ -56,7 +58,7 @@ def pack(config: Config) -> Parameters:
         twists = inverse(rows, rms_distance(config))
     machine["odometry"] = twists is not None
     if twists is not None:
-        spin_angles = np.radians([wheel.spin_angle_deg for wheel in config.wheels])
+        spin_angles = np.array([wheel.spin_angle for wheel in config.wheels])
         wheels = [wheel | {"odometry": tuple(column)} for wheel, column in zip(wheels, twists.T, strict=True)]
         machine["odometry_yaw"] = math.radians(config.initial.yaw_deg) - twists[2] @ spin_angles
     most = max(kind.roller_count for kind in types)
@@ -76,6 +78,9 @@ def pack(config: Config) -> Parameters:
         for w in range(len(wheels))
     ]
     wheels = [wheel | start for wheel, start in zip(wheels, starts, strict=True)]
+    for wheel in wheels:
+        heavy = 1.0 / (HEAVY * machine["mass"] * wheel["radius"] ** 2)
+        wheel["holding_mobility"] = heavy if wheel["follows"] else wheel["spin_mobility"]
     machine["slip_mobility"] = max(slip_mobility_bound(machine, wheel) for wheel in wheels)
     counts = tuple(kind.roller_count for kind in types)
     constants = records(MACHINE, [machine])[0], records(WHEEL, wheels), rows_of(wheels), sectors(counts).copy()
@@ -159,6 +164,7 @@ def machine_values(config: Config, types: list[WheelType], laws: list[DriveLaw])
         "motors": bool(motors),
         "currents": any(motor.inductance > 0.0 for motor in motors),
         "current_relaxation": max((m.resistance / m.inductance for m in motors if m.inductance > 0.0), default=0.0),
+        "follows": any(law.follows for law in laws),
         "sampled": any(law.sample_time > 0.0 for law in laws),
         "odometry_yaw": 0.0,
         "pushed": any(any(force) or torque for force, torque in zip(*config.wrench.table[1:], strict=True)),
@@ -216,7 +222,9 @@ def wheel_values(
         "roller_mass": kind.roller.mass,
         "transverse_inertia": kind.roller.inertia_transverse,
         "axial_inertia": kind.roller.inertia_axial,
-        "spin_mobility": 1.0 / (axle + law.rotor_inertia),
+        "rotor_part": 1.0 if law.follows else law.rotor_inertia / (axle + law.rotor_inertia),
+        "spin_mobility": 0.0 if law.follows else 1.0 / (axle + law.rotor_inertia),
+        "follows": law.follows,
         "axial_mobility": 1.0 / kind.roller.inertia_axial,
         "bearing_viscosity": kind.roller.bearing_viscosity,
         "bearing_torque": kind.roller.bearing_torque,
@@ -316,9 +324,17 @@ def merge_tables(config: Config, rows: np.ndarray) -> tuple[np.ndarray, np.ndarr
     times, forces, yaw_torques = config.wrench.table
     wrench = times, tuple((*force, torque) for force, torque in zip(forces, yaw_torques, strict=True))
     command = (config.command.times, config.command.twist) if config.command else None
-    drives = tuple(None if wheel.drive.follows_command else wheel.drive.table for wheel in config.wheels)
+    drives = tuple(None if wheel.drive.follows_command else drive_table(wheel) for wheel in config.wheels)
     starts, inputs = merged(wrench, command, drives, rows.tobytes())
     return starts.copy(), inputs.copy()
+
+
+def drive_table(wheel: Wheel) -> Table:
+    """What the drive of a wheel is given, by time: of one that follows angles the accelerations that they ask for."""
+    drive = wheel.drive
+    if drive.kind != "follow":
+        return drive.table
+    return drive.times, tuple(cubic_curvature(drive.times, drive.angle, wheel.spin_rate))
 
 
 @lru_cache(maxsize=4)  # tables may be long; variants of a machine have the same again and again

@@ -35,6 +35,7 @@ MACHINE = np.dtype(
         ("motors", np.int64),  # 1: there are motors, whose energies are states
         ("currents", np.int64),  # 1: some have an inductance: a current for each wheel
         ("current_relaxation", np.float64),  # fastest rate at which a current settles, R_a / L, 1/s
+        ("follows", np.int64),  # 1: some drives turn their wheels as tables of angles say
         ("sampled", np.int64),  # 1: some controllers read their rates at samples
         ("odometry", np.int64),  # 1: the ideal kinematics of the wheels tell a pose
         ("odometry_yaw", np.float64),  # of that pose at spin angles 0, rad
@@ -72,7 +73,11 @@ WHEEL = np.dtype(
         ("roller_mass", np.float64),  # of one roller, kg
         ("transverse_inertia", np.float64),  # It of one roller, kg m^2
         ("axial_inertia", np.float64),  # Ia of one roller, kg m^2
-        ("spin_mobility", np.float64),  # 1 / (J_k + rotor): of what the drive has to turn, 1/(kg m^2)
+        # 1 / (J_k + rotor): of what the drive has to turn, 1/(kg m^2); 0 where it follows angles
+        ("spin_mobility", np.float64),
+        ("holding_mobility", np.float64),  # the same for a sticking contact: not quite 0, see holding_mass
+        ("rotor_part", np.float64),  # of the torque on the axle, for the rotor; 1 where the drive follows angles
+        ("follows", np.int64),  # 1: its drive turns it as a table of angles says
         ("axial_mobility", np.float64),  # 1 / Ia, 1/(kg m^2)
         ("bearing_viscosity", np.float64),  # N m s
         ("bearing_torque", np.float64),  # N m
@@ -151,6 +156,7 @@ PART = np.dtype(
         ("current", np.float64),  # A
         ("drive_torque", np.float64),  # tau on the disk about k, N m
         ("free_spin", np.float64),  # J phi'' without the contacts, N m
+        ("followed", np.float64),  # phi'' that a table of angles asks for, rad/s^2; else 0
         ("tilt", np.float64, (2,)),  # the wheel without its contacts in the rows of tilt, N m
         ("normal_force", np.float64),  # N, N; below 0 of a wheel that the floor does not carry
         ("share_margin", np.float64),  # torque with which both contacts alone would push back to the edge, N m

@@ -17,10 +17,10 @@ from omnisim.base.trigonometry import cos_sin
 from omnisim.contact.friction import VISCOUS
 from omnisim.contact.tracking import rho_rate, roller_axis
 from omnisim.dynamics.actuation import rest_motors
-from omnisim.dynamics.contact_forces import find_contact_forces
+from omnisim.dynamics.contact_forces import find_forces
 from omnisim.dynamics.indices import rho_place
 from omnisim.dynamics.multibody.right_hand_side import multibody_rhs
-from omnisim.dynamics.normal_forces.solution import given_load, loads_known, solve
+from omnisim.dynamics.normal_forces.solution import given_load, loads_known
 from omnisim.dynamics.normal_forces.tilt import set_body_tilt
 from omnisim.dynamics.planar_body import free_equations, inclined_equations
 from omnisim.dynamics.sliding_wheel import press_wheel, slide_wheel, slides_alone
@@ -90,18 +90,16 @@ def reduced_rhs(parameters, stage):
                 sought = sought + part.sought
                 pushing = pushing or mode[w].shared == 1
     if others or not known:
-        regular = 1.0
-        if sought:
-            acceleration, regular = find_contact_forces(machine, wheels, workspace, load, equations, pushing)
-        else:
-            acceleration, _, regular = solve(machine, workspace, load, equations, pushing)
+        acceleration, regular = find_forces(machine, wheels, workspace, load, equations, pushing, sought)
         for w in range(len(wheels)):
             if stage.monitoring:
                 stage.monitors[w].regular = regular
             if not workspace.parts[w].slides:
-                heat += move_wheel(parameters, stage, w, acceleration)
+                loss, work = move_wheel(parameters, stage, w, acceleration)
+                heat, power = heat + loss, power + work
             elif not known:
-                heat += press_wheel(parameters, stage, w)
+                loss, work = press_wheel(parameters, stage, w)
+                heat, power = heat + loss, power + work
     else:
         mobility = machine.mobility
         acceleration = Acceleration(

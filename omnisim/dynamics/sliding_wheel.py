@@ -13,6 +13,7 @@ from omnisim.contact.frame import Slip, frame_on_chassis, outward
 from omnisim.contact.friction import VISCOUS, friction
 from omnisim.contact.kinematics import slip_jacobian
 from omnisim.contact.set_valued import SLIP
+from omnisim.dynamics.actuation import following_torque
 from omnisim.dynamics.indices import rate_place
 from omnisim.dynamics.normal_forces.solution import loads_known
 from omnisim.dynamics.normal_forces.tilt import TILT_X, TILT_Y, rotor_part, set_point, tilt_rows
@@ -74,20 +75,24 @@ def slide_wheel(parameters, stage, w, body, load, equations):
     if stage.monitoring:
         set_part(parameters, mode, w, free, body, load)
     dy[rate_place(parameters, mode, w, 0)] += rolling * wheel.axial_mobility
-    dy[places(parameters).spin_rate + w] = (free.spin + spin) * wheel.spin_mobility
+    dy[places(parameters).spin_rate + w] = (free.spin + spin) * wheel.spin_mobility + free.followed
+    power += following_torque(parameters, w, free.followed, free.spin + spin) * state.twist.spin
     return pushed_equations(equations, push.x, push.y, free.yaw_moment + yaw), loss, power
 
 
 @kernel
 def press_wheel(parameters, stage, w):
-    """Rates of a wheel that slides under the load that has been found for it, and its heat, W."""
+    """Rates of a wheel that slides under the load that has been found for it; its heat, and the power of a drive that
+    follows angles, W."""
     wheel = parameters.wheels[w]
     part = parameters.workspace.parts[w]
     mode = stage.mode[w]
     dy = stage.dy
     normal = max(part.normal_force, 0.0) if mode.loaded else 0.0
     dy[rate_place(parameters, mode, w, 0)] += part.rolling * normal * wheel.axial_mobility
-    dy[places(parameters).spin_rate + w] = (part.free_spin + part.turning * normal) * wheel.spin_mobility
+    spin = part.free_spin + part.turning * normal
+    place = places(parameters).spin_rate + w
+    dy[place] = spin * wheel.spin_mobility + part.followed
     if stage.monitoring:
         contact = parameters.workspace.contacts[wheel.contacts]
         monitors = stage.monitors[w]
@@ -95,4 +100,4 @@ def press_wheel(parameters, stage, w):
         contact.torque *= normal
         monitors.factor[0] = contact.factor * normal
         monitors.normal_force = part.normal_force
-    return part.heat * normal
+    return part.heat * normal, following_torque(parameters, w, part.followed, spin) * stage.y[place]

@@ -11,7 +11,7 @@ from omnisim.contact.friction import VISCOUS, friction
 from omnisim.contact.kinematics import Jacobian, joint_rate, slip_acceleration, slip_jacobian
 from omnisim.contact.set_valued import CREEP, SLIP, STICK
 from omnisim.contact.tracking import roller_axis
-from omnisim.dynamics.actuation import actuate
+from omnisim.dynamics.actuation import actuate, followed, following_torque
 from omnisim.dynamics.indices import contact_count, rate_place, roller_of, sector_of
 from omnisim.dynamics.normal_forces.solution import held_body, loads_known
 from omnisim.dynamics.normal_forces.tilt import place_load, rotor_part, set_tilt, tilt_rows
@@ -48,7 +48,8 @@ def free_wheel(parameters, stage, w, body):
         for side in range(TOUCHING):
             dy[rate_place(parameters, mode, w, side)] = 0.0
     spin = drive - rollers.bearing_k - body.twist.yaw * rollers.g_h
-    return FreeWheel(state, rollers, demand, drive, spin, spin_rate * rollers.g_h - rollers.bearing_n)
+    yaw_moment = spin_rate * rollers.g_h - rollers.bearing_n
+    return FreeWheel(state, rollers, demand, drive, spin, followed(parameters, stage, w), yaw_moment)
 
 
 @kernel
@@ -59,12 +60,13 @@ def set_part(parameters, mode, w, free, body, load):
     state = free.state
     rollers = free.rollers
     part.drive_torque, part.free_spin = free.drive, free.spin
+    part.followed = free.followed
     part.contacts = contact_count(mode)
     part.loaded = mode.loaded
     part.normal_force = load
     gyroscopic = wheel.axle_inertia * state.twist.spin * body.twist.yaw
     gyroscopic += body.twist.yaw * rollers.g_k - state.twist.spin * rollers.g_n
-    about_k = rotor_part(wheel, mode.shared) * free.spin - free.drive
+    about_k = rotor_part(wheel, mode.shared) * free.spin - free.drive - wheel.axle_inertia * free.followed
     part.tilt[0], part.tilt[1] = tilt_rows(wheel, gyroscopic - rollers.bearing_h, about_k)
 
 
@@ -143,7 +145,8 @@ def find_friction(parameters, mode, w, side, body, state, j):
     slip = state.slip
     contact.rest = parameters.workspace.resting is not None and mode.grip[side] != SLIP
     if parameters.workspace.resting is not None and contact.rest:
-        spin = 0.0 if mode.shared else parameters.workspace.parts[w].free_spin * wheel.spin_mobility
+        part = parameters.workspace.parts[w]
+        spin = 0.0 if mode.shared else part.free_spin * wheel.spin_mobility + part.followed
         roller = bearing_torque(wheel, state.joint) * wheel.axial_mobility if machine.bearing_friction else 0.0
         still = Acceleration(0.0, 0.0, 0.0)
         bias = slip_acceleration(wheel, state, wheel_motion(wheel, body.twist, still, spin, roller))
@@ -169,7 +172,8 @@ def find_friction(parameters, mode, w, side, body, state, j):
 
 @kernel
 def move_wheel(parameters, stage, w, acceleration):
-    """Forces on wheel w from the body's acceleration and the loads, and the rates that follow."""
+    """Forces on wheel w from the body's acceleration and the loads, and the rates that follow; its heat, and the power
+    of a drive that follows angles, W."""
     machine = parameters.machine
     wheel = parameters.wheels[w]
     workspace = parameters.workspace
@@ -190,10 +194,10 @@ def move_wheel(parameters, stage, w, acceleration):
             rolling, turning, heat = twist(axis, contact.turn, contact.torque, rolling, turning, heat)
         dy[rate_place(parameters, mode, w, side)] += rolling * wheel.axial_mobility
         spin, loss = spin + turning, loss + heat
-    dy[at.spin_rate + w] = 0.0 if mode.shared else spin * wheel.spin_mobility
+    dy[at.spin_rate + w] = 0.0 if mode.shared else spin * wheel.spin_mobility + part.followed
     if stage.monitoring:
         monitor_loads(mode, part, workspace.contacts[part.first], stage.monitors[w])
-    return loss
+    return loss, following_torque(parameters, w, part.followed, spin) * stage.y[at.spin_rate + w]
 
 
 @kernel

@@ -107,7 +107,7 @@ def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, n
     y[at.velocity : at.yaw_rate] = velocity[0] - yaw_rate * to_centre[1], velocity[1] + yaw_rate * to_centre[0]
     if machine.odometry:
         y[at.odometry : at.odometry + 2] = config.initial.position
-    spin_angles = np.radians([wheel.spin_angle_deg for wheel in config.wheels])
+    spin_angles = np.array([wheel.spin_angle for wheel in config.wheels])
     spin_rates = np.array([wheel.spin_rate for wheel in config.wheels])
     y[at.spin_angle :][:count], y[at.spin_rate :][:count] = spin_angles, spin_rates
     for own, wheel, number in zip(rates, config.wheels, wheels["rollers"].tolist(), strict=True):

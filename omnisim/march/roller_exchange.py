@@ -25,8 +25,11 @@ def comes_to_rest_between(parameters, run, w, t):
     """Whether a wheel that has just turned back now rests on two rollers; if so, it does from here on.
 
     Its swings about the edge have become too short to follow, and the neighbour would push it back as well, or not on.
+    A wheel that a table of angles turns is carried by one: nothing tells how two would share its load.
     """
     wheel = parameters.wheels[w]
+    if wheel.follows:
+        return False
     mode = run.mode[w]
     at = places(parameters)
     edge = roller_end(wheel, mode.roller, mode.direction)
@@ -82,7 +85,8 @@ def edge_torque_of(parameters, mode, w, slope, monitors):
     """That torque by the derivative `slope` and the by-products `monitors` of a state."""
     if mode.shared:
         return monitors.share_margin
-    return mode.direction * slope[places(parameters).spin_rate + w] / parameters.wheels[w].spin_mobility
+    wheel = parameters.wheels[w]
+    return mode.direction * slope[places(parameters).spin_rate + w] * (wheel.axle_inertia + wheel.rotor_inertia)
 
 
 @kernel

@@ -87,7 +87,7 @@ class Loop(Marching, Sensors):
             raise KeyError(f"no wheel is called {wheel!r}; wheels: {', '.join(self.names)}")
         w = self.names[wheel]
         drive = self.scene.config.wheels[w].drive
-        if drive.given is None:
+        if drive.given is None or drive.kind == "follow":
             raise ValueError(f"wheel '{wheel}' has a drive of kind '{drive.kind}', which takes no input")
         self._hold({DRIVE_INPUT + w: finite(f"the input of wheel '{wheel}'", value)})
 

@@ -26,6 +26,7 @@ class DriveKeys(NamedTuple):
 DRIVE_KEYS = {
     "free": DriveKeys(),
     "torque": DriveKeys(("torque",), needed=("torque",)),
+    "follow": DriveKeys(("angle",), needed=("times", "angle")),
     "rate": DriveKeys(("rate",), needed=("proportional",), optional=("integral", "torque_limit")),
     "dc_motor": DriveKeys(
         ("voltage", "rate"),
@@ -47,6 +48,8 @@ class Drive(Table):
 
     free      nothing
     torque    a torque (N m)
+    follow    angles (rad) at `times` (s): it turns the wheel exactly as a cubic through them does, whatever torque that
+              takes; the cubic begins with the wheel's spin rate, and ends without acceleration
     rate      a controller of the spin rate: a target (rad/s; absent: that of [command]), proportional gain (N m s/rad),
               integral gain (N m/rad), and the largest torque (N m)
     dc_motor  a voltage (V), or a controller that gives it to follow a target rate as above: proportional gain
@@ -68,6 +71,7 @@ class Drive(Table):
     kind: Kind
     times: Reals = ()
     torque: Tabulated = 0.0
+    angle: Reals = ()
     rate: Tabulated = None  # type: ignore[assignment]  # where [command] gives it
     proportional: Positive = 0.0
     integral: NonNegative = 0.0
@@ -108,7 +112,7 @@ class Drive(Table):
 
     @property
     def table(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Times, and torques, target rates or voltages; 0 where nothing is given or [command] gives it.
+        """Times, and torques, angles, target rates or voltages; 0 where nothing is given or [command] gives it.
 
         A constant is a table of one point, since tables are held outside.
         """

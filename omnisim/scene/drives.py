@@ -1,6 +1,7 @@
 """Drives as numbers: whatever its kind, a drive is asked for gain u - damping phi' + integral z, within its limit.
 
     torque      u the torque                                    a torque        gain 1
+    follow      u the acceleration of the spin that a table of angles asks for, whatever torque that takes
     rate        u the target rate, z the integrated error       a torque        gain = damping = proportional
     dc_motor    u the voltage                                   a voltage       gain 1
                 u the target rate, z the integrated error       a voltage       gain = damping = proportional
@@ -36,7 +37,8 @@ class Motor(NamedTuple):
 
 class DriveLaw(NamedTuple):
     """The numbers of a drive: gain (of its demand, N m or V, by unit of u), damping and integral (by rad/s and rad),
-    derivative (by rad/s^2), limit of the demand, sample time (s; 0: none), inertia of the rotor at the wheel (kg m^2).
+    derivative (by rad/s^2), limit of the demand, sample time (s; 0: none), inertia of the rotor at the wheel (kg m^2);
+    whether it follows a table of angles.
     """
 
     gain: float
@@ -47,6 +49,7 @@ class DriveLaw(NamedTuple):
     sample_time: float = 0.0
     rotor_inertia: float = 0.0
     motor: Motor | None = None
+    follows: bool = False
 
     @property
     def integrates(self) -> bool:
@@ -55,6 +58,8 @@ class DriveLaw(NamedTuple):
 
 
 def drive_law(drive: Drive) -> DriveLaw:
+    if drive.kind == "follow":
+        return DriveLaw(0.0, follows=True)
     law = DriveLaw(drive.proportional, drive.proportional, drive.integral) if drive.controlled else DriveLaw(1.0)
     if drive.kind != "dc_motor":
         return law._replace(limit=drive.torque_limit)
@@ -94,6 +99,8 @@ def standstill_torque(drive: Drive) -> float:
     if drive.kind == "free":
         return 0.0
     law = drive_law(drive)
+    if law.follows:
+        return math.inf
     most = law.limit if drive.controlled else min(max(map(abs, drive.table[1])), law.limit)
     return law.motor.constant * min(most / law.motor.resistance, law.motor.current_limit) if law.motor else most
 

@@ -242,6 +242,15 @@ def wrong_hands(config: Config) -> Iterator[Problem]:
         yield Problem(("wheels",), f"{what}; expected headings or roller angles that differ")
 
 
+def contradicting_angles(config: Config) -> Iterator[Problem]:
+    """More wheels that follow angles than the machine has motions, each of which may hold the floor."""
+    following = [index for index, wheel in enumerate(config.wheels) if wheel.drive.kind == "follow"]
+    if config.friction.law == "coulomb" and len(following) > len(MOTIONS):
+        what = f"{len(following)} wheels follow angles, and more than three may contradict each other"
+        message = f"{what}, but this law lets all hold the floor; expected one that always slips, as regularized does"
+        yield Problem(("friction", "law"), message)
+
+
 def beyond_the_wheels(config: Config) -> Iterator[Problem]:
     """Where contacts carry a machine this is an error; a servo holds it, which no floor does."""
     if config.chassis and config.upright == "servo" and (outside := machine_rules.outside(config)):
@@ -327,6 +336,7 @@ CHECKS: tuple[Check, ...] = (
     gyrations,
     wheels_in_one_place,
     wrong_hands,
+    contradicting_angles,
     beyond_the_wheels,
     weak_motors,
     weak_drives,

@@ -12,6 +12,7 @@ from omnisim.scene.schema import FRICTION_KEYS, GRID_TOLERANCE, Config, Wheel, i
 from omnisim.scene.toml_text import KeyPath
 
 MAX_STEPS = 10**10
+SAME_ANGLE = 1e-9  # rad
 DECIMAL_TOLERANCE = 1e-12  # relative, for limits that a scene reaches exactly but types in decimals
 
 
@@ -92,6 +93,8 @@ def _wheel_rules(config: Config) -> Iterator[Problem]:
                 allowed = f"one finite number, or a list of roller_count = {count} finite numbers"
                 yield Problem((*path, "roller_rates"), f"must be {allowed}, not {given}")
         yield from _drive_rules((*path, "drive"), wheel.drive)
+        if wheel.drive.kind == "follow":
+            yield from _follow_rules(path, wheel, config.time.end)
 
 
 def _place_rules(config: Config) -> Iterator[Problem]:
@@ -131,6 +134,19 @@ def _drive_rules(path: KeyPath, drive: Drive) -> Iterator[Problem]:
         yield from _given_rules(path, drive.given, getattr(drive, drive.given), drive.times)
     elif drive.follows_command and drive.times:
         yield Problem((*path, "rate"), "missing; times need a list of as many rates")
+
+
+def _follow_rules(path: KeyPath, wheel: Wheel, end: float) -> Iterator[Problem]:
+    """A table of angles tells the spin at every instant of the run, and nothing else does."""
+    times = wheel.drive.times
+    if times and (len(times) < 2 or times[0] != 0.0 or times[-1] < end or any(a == b for a, b in pairwise(times))):
+        allowed = f"two times or more, without repetition, from 0 to time.end = {end:g} or beyond"
+        yield Problem((*path, "drive", "times"), f"must be {allowed}")
+    angles = wheel.drive.angle
+    given = "spin_angle_deg" in wheel.model_fields_set
+    if given and angles and abs(math.radians(wheel.spin_angle_deg) - angles[0]) > SAME_ANGLE:
+        allowed = f"absent, or where the angles of the drive begin, {math.degrees(angles[0]):.12g}"
+        yield Problem((*path, "spin_angle_deg"), f"must be {allowed}")
 
 
 def _motor_rules(path: KeyPath, drive: Drive, present: set[str]) -> Iterator[Problem]:

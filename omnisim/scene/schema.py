@@ -240,6 +240,11 @@ class Wheel(Table):
     roller_rates: Rates = 0.0
     drive: Drive = Drive(kind="free")
 
+    @property
+    def spin_angle(self) -> float:
+        """At t = 0, rad: where a table of angles begins, if the drive follows one."""
+        return self.drive.angle[0] if self.drive.kind == "follow" else math.radians(self.spin_angle_deg)
+
 
 class Wrench(Table):
     """[wrench]: force (N) and yaw torque (N m) on the body, linear between `times` (s)."""

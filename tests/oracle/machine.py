@@ -222,7 +222,8 @@ class Machine:
         self.tables = []
         for index, wheel in enumerate(self.wheels):
             drive = wheel.entry.get("drive", {})
-            torque = drive.get("torque", 0.0) if drive.get("kind") == "torque" else 0.0
+            drive = drive if drive.get("kind") == "torque" else {}
+            torque = drive.get("torque", 0.0)
             values = np.reshape(torque, (-1, 1))
             self.tables.append((np.array(drive.get("times", [0.0])), values, slice(index, index + 1)))
         times = np.array(wrench.get("times", [0.0]))

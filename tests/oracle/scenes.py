@@ -38,6 +38,19 @@ HEAVY = (
     "wrench.force=[[5.0, -9.0, 3.0], [8.0, 2.0, -6.0], [0.0, 4.0, 9.0]]", "wrench.yaw_torque=[0.5, -1.0, 0.7]",
     "time.end=0.12", "time.step=1e-5", "time.output_interval=0.02",
 )  # fmt: skip
+
+
+def following(*wheels):
+    """Overrides by which these wheels follow angles: forward and back by an edge or more."""
+    times, angles = [0.0, 0.03, 0.05, 0.09, 0.12, 0.15], [0.0, 0.3, 0.2, -0.4, -0.1, 0.5]
+    overrides = []
+    for number, wheel in enumerate(wheels):
+        turned = [(1.0 + 0.3 * number) * angle for angle in angles]
+        overrides.append(f"wheels.{wheel}.drive={{kind='follow', times={times}, angle={turned}}}")
+        overrides += [f"wheels.{wheel}.spin_angle_deg=0.0", f"wheels.{wheel}.spin_rate={4.0 - number}"]
+    return tuple(overrides)
+
+
 LAWS = ("regularized", "saturated", "viscous", "none")
 MACHINES = {"three skew wheels": (SKEW, ()), "the same with a servo": (SKEW, ("scene.upright=servo",))}
 MACHINES["four mecanum wheels"] = (MECANUM, HEAVY)

@@ -10,7 +10,7 @@ import pytest
 
 import omnisim
 from oracle.machine import AXIS, POSITION, ROTATION, UP, VELOCITY, Machine, cross
-from oracle.scenes import BASE, CASES, HEAVY, LAWS, MACHINES, MECANUM, MOVING, PUSHED, SKEW
+from oracle.scenes import BASE, CASES, HEAVY, LAWS, MACHINES, MECANUM, MOVING, PUSHED, SKEW, following
 from oracle.states import Given, states
 
 COULOMB = "friction={law='coulomb', coefficient=0.4}"
@@ -32,6 +32,17 @@ SCENES |= {
     "four mecanum wheels on a servo, coulomb": (MECANUM, [*HEAVY, COULOMB, "scene.upright=servo", FINE], Given),
     "kiwi under control": ("kiwi", [DRIVEN], Given),
     "mixed wheels under control": ("mixed", [DRIVEN], Given),
+    "three skew wheels that follow angles": (SKEW, [*following("front", "left", "right"), FINE], Given),
+    "three skew wheels that follow angles, coulomb": (
+        SKEW,
+        [*following("front", "left", "right"), COULOMB, FINE],
+        Given,
+    ),
+    "two of four mecanum wheels follow angles": (
+        MECANUM,
+        [*HEAVY, *following("front_right", "rear_left"), FINE],
+        Given,
+    ),
     "youbot under control": ("youbot", [DRIVEN, "command.twist=[[0, 0, 0], [0.3, 0.2, 0.5]]"], Given),
 }
 

@@ -18,6 +18,7 @@ MECANUM, OMNI = "wheel_types.mecanum", "wheel_types.omni"
 X_FOR_O = [
     f"wheels.{name}.mirrored={value}" for name, value in zip(WHEELS, ("true", "false", "false", "true"), strict=True)
 ]
+FOLLOWING = [f"wheels.{name}.drive={{kind='follow', times=[0, 10], angle=[0, 1]}}" for name in WHEELS]
 CORNERS = ((1, 1), (1, -1), (-1, 1), (-1, -1))
 
 
@@ -71,6 +72,7 @@ DOUBTS = {
     "kg mm^2 of a disk": (plausibility.gyrations, "youbot", [f"{MECANUM}.disk.inertia_diameter=213"], "disk.inertia_diameter = 213", "its radius of gyration is 23.1 m, of a body that reaches 0.0525 m"),
     "kg mm^2 of a chassis": (plausibility.gyrations, "youbot", ["chassis.inertia=[151100, 380100, 504200]"], "chassis.inertia[2] = 504200", "expected 0.00389 to 14 kg m^2 for 20 kg"),
     "flatter than a plate": (plausibility.gyrations, "youbot", [f"{MECANUM}.disk.inertia_diameter=1e-4"], "disk.inertia_diameter = 0.0001", "less than half of inertia_axle, 0.0001296"),
+    "angles that contradict each other": (plausibility.contradicting_angles, "youbot on torques", FOLLOWING, "friction.law = 'coulomb'", "4 wheels follow angles, and more than three may contradict each other"),
     "beyond the wheels": (plausibility.beyond_the_wheels, "youbot", ["chassis.center_of_mass=[0.4, 0, 0.05]", "scene.upright=servo"], "chassis.center_of_mass = [0.4, 0, 0.05]", "0.116 m beyond the line from 'front_right' to 'front_left'; expected between the wheels"),
     "a motor held by its friction": (plausibility.weak_motors, "soccer_robot", ["wheels.front_left.drive.friction_torque=0.5"], "wheels.front_left.drive.voltage = ", "at most 0.229 N m at the wheel, where friction of 0.5 N m holds it"),
     "drives held by bearings": (plausibility.weak_drives, "youbot", [f"{MECANUM}.roller.bearing_torque=2"], "wheels.front_left.drive.torque_limit", "in sideways motion all drives at their limits give 177 N, of which friction takes 984 N"),

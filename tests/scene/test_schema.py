@@ -160,7 +160,7 @@ DEFECTS = {
     "output after the end": ("= 0.05", "= 4.0", 9, "time.output_interval = 4.0", "= 0.5; must be an integer"),
     "too many steps": (STEP, "step = 1e-10", 8, "time.step = 1e-10", "2e+10 steps; must be at most 1e+10"),
     "vanishing step": (STEP, "step = 1e-320", 8, "time.step = 1e-320", "steps; must be at most 1e+10"),
-    "drive without a kind": (DRIVE, "drive.torque = 1", 28, "wheels.wheel.drive.kind", 'must be "free", "torque", "rate" or "dc_motor"'),
+    "drive without a kind": (DRIVE, "drive.torque = 1", 28, "wheels.wheel.drive.kind", 'must be "free", "torque", "follow", "rate" or "dc_motor"'),
     "drive without a torque": (DRIVE, "drive.kind = 'torque'", 28, "wheels.wheel.drive.torque", "missing; must be a fi"),
     "free drive with torque": ('"torque", times = [0, 1],', '"free",', 28, "wheels.wheel.drive.torque = [0, 0", "not a key"),
     "drive without times": ("times = [0, 1], ", "", 28, "wheels.wheel.drive.times", "missing; a list for torque needs a list of"),

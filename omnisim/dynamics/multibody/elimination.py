@@ -13,6 +13,7 @@ with A about O: that of the disk and, of each roller, It (1 - a a) + m (rho^2 - 
 3 x 3, and the work is that of one pass over the bodies in and one back.
 """
 
+import math
 from typing import NamedTuple
 
 from omnisim.base.kernel import kernel
@@ -141,7 +142,7 @@ def articulate(parameters, w, y):
         lift = plus(lift, times(wheel.roller_mass, rho))
         inertia = added(inertia, added(axial(wheel.transverse_inertia, 0.0, axis), at_point(wheel.roller_mass, rho)))
         mass += wheel.roller_mass
-    spin_inertia = dot(axle, turned_by(inertia, axle)) + wheel.rotor_inertia
+    spin_inertia = math.inf if wheel.follows else dot(axle, turned_by(inertia, axle)) + wheel.rotor_inertia
     return Articulated(axle, inertia, lift, mass, spin_inertia, torque, force), loss
 
 
@@ -156,7 +157,8 @@ def resistance(art, angular, acceleration):
 
 @kernel
 def transmitted(art, needed, drive, held):
-    """Acceleration of the spin, and the Wrench3 of the axle on the wheel, where `needed` is without that acceleration.
+    """Acceleration of the spin, and the Wrench3 of the axle on the wheel, where `needed` is without that acceleration,
+    or with that which a table of angles asks for: to all else such a spin is of infinite inertia.
 
     drive: torque on the disk about k, N m; held: the spin is, by two rollers on the floor.
     """

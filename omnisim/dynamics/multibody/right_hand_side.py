@@ -15,8 +15,8 @@ from omnisim.contact.friction import VISCOUS
 from omnisim.contact.kinematics import Jacobian
 from omnisim.contact.set_valued import CREEP
 from omnisim.contact.tracking import explicit_contact, implicit_contact
-from omnisim.dynamics.actuation import actuate, rest_motors
-from omnisim.dynamics.contact_forces import find_contact_forces
+from omnisim.dynamics.actuation import actuate, followed, following_torque, rest_motors
+from omnisim.dynamics.contact_forces import find_forces
 from omnisim.dynamics.indices import body_place, carries, contact_count, roller_index, roller_of
 from omnisim.dynamics.multibody.chassis import (
     Balance,
@@ -55,7 +55,7 @@ from omnisim.dynamics.multibody.rigid_body import (
     vector_at,
 )
 from omnisim.dynamics.normal_forces.servo import find_servo
-from omnisim.dynamics.normal_forces.solution import given_load, held_body, loads_known, solve
+from omnisim.dynamics.normal_forces.solution import given_load, held_body, loads_known
 from omnisim.dynamics.normal_forces.tilt import TILT_X, TILT_Y, place_load
 from omnisim.dynamics.planar_body import holds, set_contact
 from omnisim.dynamics.state import YAW, X, Y, places
@@ -111,10 +111,7 @@ def multibody_rhs(parameters, stage):
         pushing = pushing or mode[w].shared == 1
         if workspace.resting is not None and holds(part, workspace.contacts[part.first]):
             equations = held_body(machine, workspace.loads, workspace.contacts[part.first], equations)
-    if sought:
-        acceleration, regular = find_contact_forces(machine, wheels, workspace, load, equations, pushing)
-    else:
-        acceleration, _, regular = solve(machine, workspace, load, equations, pushing)
+    acceleration, regular = find_forces(machine, wheels, workspace, load, equations, pushing, sought)
     angular = times(acceleration.yaw, UP)
     linear = plus(times(acceleration.x, carrier.x), times(acceleration.y, carrier.y))
     for w in range(len(wheels)):
@@ -130,7 +127,7 @@ def multibody_rhs(parameters, stage):
             monitors.demand = part.demand
             monitors.share, monitors.share_margin = 1.0, 0.0
             monitor_loads(mode[w], part, workspace.contacts[part.first], monitors)
-        move_bodies(parameters, stage, w, carrier, linear, angular)
+        power = power + move_bodies(parameters, stage, w, carrier, linear, angular)
     reference = plus(linear, plus(cross(angular, carrier.arm), cross(rate, cross(rate, carrier.arm))))
     rate_states(dy, body_place(parameters, -1, 0), carrier.body, reference, angular)
     dy[at.drift], dy[at.drift + 1] = 0.0, 0.0
@@ -163,9 +160,11 @@ def join_wheel(parameters, stage, w, carrier):
     _, along_x = transmitted(art, resistance(art, nothing, carrier.x), 0.0, held)
     _, along_y = transmitted(art, resistance(art, nothing, carrier.y), 0.0, held)
     _, turning = transmitted(art, resistance(art, UP, cross(UP, arm)), 0.0, held)
-    needed = moving(art, carrier.body.rate, spin_rate, arm, nothing, nothing)
+    asked = followed(parameters, stage, w)
+    needed = moving(art, carrier.body.rate, spin_rate, arm, nothing, nothing, asked)
     _, free = transmitted(art, needed, drive, held)
     part = workspace.parts[w]
+    part.followed = asked
     part.slides = 0
     part.contacts = contact_count(mode)
     part.loaded = mode.loaded
@@ -185,10 +184,10 @@ def join_wheel(parameters, stage, w, carrier):
 
 
 @kernel
-def moving(art, rate, spin_rate, arm, angular, linear):
-    """The Wrench3 that a wheel needs as it moves, without an acceleration of its spin: rate, angular and linear
+def moving(art, rate, spin_rate, arm, angular, linear, spin):
+    """The Wrench3 that a wheel needs as it moves with this acceleration of its spin: rate, angular and linear
     acceleration of the chassis (of C) in world axes; arm: O from C."""
-    bent = plus(angular, times(spin_rate, cross(rate, art.axle)))
+    bent = plus(angular, plus(times(spin_rate, cross(rate, art.axle)), times(spin, art.axle)))
     centre = plus(linear, plus(cross(angular, arm), cross(rate, cross(rate, arm))))
     needed = resistance(art, bent, centre)
     return Wrench3(plus(needed.moment, art.torque), plus(needed.force, art.force))
@@ -305,7 +304,8 @@ def felt_from_floor(carrier, arm, art, given, held):
 
 @kernel
 def move_bodies(parameters, stage, w, carrier, linear, angular):
-    """Accelerations of the bodies of a wheel, and what its joints carry, from those of the chassis (of C)."""
+    """Accelerations of the bodies of a wheel, and what its joints carry, from those of the chassis (of C); the power of
+    a drive that follows angles, W."""
     machine = parameters.machine
     wheel = parameters.wheels[w]
     workspace = parameters.workspace
@@ -319,7 +319,7 @@ def move_bodies(parameters, stage, w, carrier, linear, angular):
     disk = rigid_body(y, body_place(parameters, w, 0))
     arm = minus(disk.position, carrier.centre)
     spin_rate = dot(minus(disk.rate, rate), art.axle)
-    needed = moving(art, rate, spin_rate, arm, angular, linear)
+    needed = moving(art, rate, spin_rate, arm, angular, linear, part.followed)
     for side in range(part.contacts):
         contact = workspace.contacts[part.first + side]
         point = place_of(parameters, mode, w, side, y, contact.l)
@@ -327,6 +327,7 @@ def move_bodies(parameters, stage, w, carrier, linear, angular):
         given = handed_on(point.axis, point.rho, point.arm, force, torque)
         needed = Wrench3(minus(needed.moment, given.moment), minus(needed.force, given.force))
     spin, axle = transmitted(art, needed, workspace.articulated[w].drive, mode.shared == 1)
+    spin += part.followed
     dy[at.spin_rate + w] = spin
     bent = plus(angular, plus(times(spin_rate, cross(rate, art.axle)), times(spin, art.axle)))
     centre = plus(linear, plus(cross(angular, arm), cross(rate, cross(rate, arm))))
@@ -350,3 +351,5 @@ def move_bodies(parameters, stage, w, carrier, linear, angular):
         dy[wheel.rates + i] = rolling
         lifted = RollerMotion(plus(motion.linear, against_gravity(machine)), motion.angular)
         load_joint(workspace.joints[w, i + 1], wheel, axis, roller.rate, lifted, floor)
+    turned = wheel.axle_inertia * part.followed - dot(art.axle, needed.moment)  # by all but the drive
+    return following_torque(parameters, w, part.followed, turned) * spin_rate

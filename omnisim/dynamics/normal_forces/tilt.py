@@ -39,8 +39,11 @@ def tilt_rows(wheel, about_h, about_k):
 
 @kernel
 def rotor_part(wheel, spin_held):
-    """Part of the torque on an axle that turns the rotor of its motor, 1."""
-    return 0.0 if spin_held else wheel.rotor_inertia * wheel.spin_mobility
+    """Part of the torque on an axle that the chassis does not feel, 1: that which turns the rotor of its motor.
+
+    Of a drive that follows angles all of it: the chassis feels what turns the disk as they say, J_k phi''.
+    """
+    return 0.0 if spin_held else wheel.rotor_part
 
 
 @kernel
