@@ -1,0 +1,144 @@
+"""Environments: steps of 64 machines that follow a path, on all cores, beside MuJoCo's rollout of as many models.
+
+Each step of an environment is 10 ms of one machine. omnisim's go through omnisim.gym, with observations and rewards:
+the youBot on its circle, steered by the twist of the path and feedback of its error, and by random twists, under which
+its wheels slip and stop all the time; and the mecanum platform of machine_scenes.py, which MuJoCo has too, as it slides
+sideways by constant torques for as long as RAMP. MuJoCo rolls out 64 models of the platform, over as many threads; its
+controls are known before, and it returns states alone.
+"""
+
+import statistics
+import time
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+from gymnasium import make_vec
+from gymnasium.vector import VectorEnv
+
+import omnisim
+from bench.common import Claim, table
+from bench.machine_scenes import RAMP
+from bench.peers.mujoco_peer import mujoco
+from bench.peers.mujoco_platform import HOW, LEVEL, Setup, model, scene
+from omnisim.studies.workers import cores
+
+NAME = "omnisim.gym:omnisim/Follow-v0"
+MACHINES, CONTROL = 64, 100.0  # machines; Hz
+GAIN = 3.0  # of the feedback, 1/s
+MOTION = "sideways"
+STEPS, FEW = round(RAMP * CONTROL), 10  # of each machine in a round; of those that slip
+COARSE = 0.01  # step, s: the youBot ends 3e-6 m off after 4 s on a circle
+FOLLOWING, AS_PACKAGED, WILD = "youBot, follows a circle", "youBot, follows, packaged step", "youBot, random twists"
+SLIDING = "platform, by torques"
+
+
+def measure(rounds: int) -> dict:
+    """Steps a second of every contestant, round by round in turn."""
+    contestants: dict[str, Callable[[], int]] = {
+        FOLLOWING: following,
+        f"{FOLLOWING}, 1 thread": lambda: following(1),
+        AS_PACKAGED: lambda: following(step=None),
+        WILD: wild,
+        SLIDING: sliding,
+    }
+    if mujoco is not None:
+        for contact, integrator, step in HOW:
+            setup = Setup(MOTION, LEVEL, contact, integrator, step)
+            contestants[f"platform, MuJoCo rollout, {contact}, {integrator}, {step:g} s"] = rollout(setup)
+    rates: dict[str, list[float]] = {name: [] for name in contestants}
+    for number in range(rounds + 1):
+        for name, go in contestants.items():
+            begun = time.perf_counter()
+            done = go()
+            if number:
+                rates[name].append(MACHINES * done / (time.perf_counter() - begun))
+    return {"cores": cores(), "rates": rates}
+
+
+@cache
+def youbots(threads: int | None, step: float | None) -> VectorEnv:
+    """On their circle; step: in place of that of the packaged scene, s."""
+    scene = omnisim.load("youbot", {"time.step": step} if step else {})
+    return make_vec(NAME, MACHINES, scene=scene, threads=threads, autoreset_mode="Disabled")
+
+
+@cache
+def platforms() -> VectorEnv:
+    """Anywhere, by torques."""
+    torques = [abs(wheel.drive.torque[0]) for wheel in scene(MOTION).config.wheels]
+    still = [[0.0, 0.0, 0.0, 0.0], [RAMP, 0.0, 0.0, 0.0]]
+    options = {"action": "torque", "limits": torques, "path": still, "reach": 10.0, "autoreset_mode": "Disabled"}
+    return make_vec(NAME, MACHINES, scene=scene(MOTION), **options)
+
+
+def following(threads: int | None = None, step: float | None = COARSE) -> int:
+    many = youbots(threads, step)
+    limits = many.actions.limits
+    observed, _ = many.reset(seed=0)
+    for _ in range(STEPS):
+        observed, *_ = many.step((observed[:, 3:6] + GAIN * observed[:, :3]) / limits)
+    return STEPS
+
+
+def wild() -> int:
+    many, random = youbots(None, COARSE), np.random.default_rng(0)
+    many.reset(seed=0)
+    for _ in range(FEW):
+        many.step(random.uniform(-1.0, 1.0, many.action_space.shape))
+    return FEW
+
+
+def sliding() -> int:
+    many = platforms()
+    actions = np.tile(np.sign([wheel.drive.torque[0] for wheel in scene(MOTION).config.wheels]), (MACHINES, 1))
+    many.reset(seed=0)
+    for _ in range(STEPS):
+        many.step(actions)
+    return STEPS
+
+
+def rollout(setup: Setup) -> Callable[[], int]:
+    """The platform in MuJoCo, its motors held for each control interval."""
+    from mujoco.rollout import Rollout
+
+    models = [model(setup) for _ in range(MACHINES)]
+    data = [mujoco.MjData(models[0]) for _ in range(cores())]
+    state = np.empty(mujoco.mj_stateSize(models[0], mujoco.mjtState.mjSTATE_FULLPHYSICS))
+    mujoco.mj_getState(models[0], data[0], state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+    steps = round(RAMP / setup.step)
+    control = np.empty((1, steps, models[0].nu))
+    control[:] = [wheel.drive.torque[0] for wheel in scene(MOTION).config.wheels]
+    states = np.empty((MACHINES, steps, len(state)))
+    pool = Rollout(nthread=cores())
+
+    def go() -> int:
+        pool.rollout(models, data, state[None], control, state=states, skip_checks=False)
+        return STEPS
+
+    return go
+
+
+def report(result: dict) -> str:
+    rows = [[name, f"{statistics.median(values):.0f}"] for name, values in result["rates"].items()]
+    return table([f"{MACHINES} machines on {result['cores']} cores", "steps of 10 ms a second"], rows)
+
+
+def by(result: dict, one: str, other: str) -> float:
+    """Median of the ratios within a round."""
+    rates = result["rates"]
+    return statistics.median(a / b for a, b in zip(rates[one], rates[other], strict=True))
+
+
+def claims(result: dict) -> list[Claim]:
+    alone = f"{FOLLOWING}, 1 thread"
+    threads = by(result, FOLLOWING, alone)
+    text = f"steps of {MACHINES} youBots on {result['cores']} cores, by those on one"
+    found = [Claim(text, threads, "at least", 0.9 * result["cores"], 0.5 * result["cores"])]
+    theirs = [name for name in result["rates"] if "MuJoCo" in name]
+    if theirs:
+        fastest = max(theirs, key=lambda name: statistics.median(result["rates"][name]))
+        times = by(result, SLIDING, fastest)
+        text = "environment steps of the platform, by those of MuJoCo's fastest rollout"
+        found.append(Claim(text, times, "at least", 5.0, 2.5))
+    return found
