@@ -32,7 +32,7 @@ from gymnasium.vector.utils import batch_space
 
 from omnisim.gym import paths
 from omnisim.gym.actions import actions, held_by, prepared
-from omnisim.gym.machines import Machines, OtherKind, in_axes
+from omnisim.gym.machines import Machines, OtherKind
 from omnisim.gym.options import read
 from omnisim.gym.variety import Variety
 from omnisim.run.loop import stepped
@@ -159,17 +159,28 @@ class FollowVectorEnv(VectorEnv):
 
     def _observed(self) -> np.ndarray:
         """(N, observation); of a machine that is no longer finite zeros."""
-        pose, now = self.machines.pose, self.step_of
-        targets = np.concatenate([self.path.poses[now][:, None], self.path.ahead[now]], axis=1)
-        errors = in_axes(targets - pose[:, None], pose[:, 2])
+        pose, targets = self.machines.pose, self.path.poses[self.step_of]
+        world = [targets - pose[:, None], self.path.rates[self.step_of][:, None], self.machines.twist[:, None]]
+        own = in_axes(np.concatenate(world, axis=1), pose[:, 2])
+        errors, twists = own[:, :-2], own[:, -2:]
         errors[..., 2] = np.remainder(errors[..., 2] + math.pi, 2.0 * math.pi) - math.pi
-        parts = [errors[:, 0], in_axes(self.path.rates[now], pose[:, 2]), self.machines.twist, self.machines.spin_rates]
+        parts = [errors[:, 0], twists.reshape(self.num_envs, -1), self.machines.spin_rates]
         if self.options.loads:
             parts.append(self.machines.normal_forces)
         found = np.concatenate([*parts, errors[:, 1:].reshape(self.num_envs, -1)], axis=1)
-        return np.where(np.isfinite(found).all(axis=1, keepdims=True), found, 0.0)
+        found[~np.isfinite(found).all(axis=1)] = 0.0
+        return found
 
     def _reward(self, observed: np.ndarray) -> np.ndarray:
         distance, angle = self.options.tolerance
         x, y, yaw = observed[:, :3].T
         return np.exp(-(x * x + y * y) / distance**2 - (yaw / angle) ** 2)
+
+
+def in_axes(vectors: np.ndarray, yaw: np.ndarray) -> np.ndarray:
+    """Vectors (N, M, 3) of x, y and a turn, from world axes into those of machines at these yaws (N,)."""
+    cos, sin = np.cos(yaw)[:, None], np.sin(yaw)[:, None]
+    x, y = vectors[..., 0], vectors[..., 1]
+    found = vectors.copy()
+    found[..., 0], found[..., 1] = cos * x + sin * y, cos * y - sin * x
+    return found

@@ -13,7 +13,7 @@ from omnisim.base import status
 from omnisim.base.calls import direct
 from omnisim.dynamics.packing import pack
 from omnisim.dynamics.parameters import DRIVE_INPUT, Parameters
-from omnisim.dynamics.state import YAW, Run, X, Y, places_in
+from omnisim.dynamics.state import YAW, Run, places_in
 from omnisim.march.initial_state import begin
 from omnisim.march.many import march_each
 from omnisim.run.marching import FOR_EVER, Marching
@@ -83,18 +83,18 @@ class Machines:
     @property
     def pose(self) -> np.ndarray:
         """Of the chassis origins or wheel centres (N, 3): x, y, m, and yaw, rad."""
-        y = self.runs.y
-        x_centre, y_centre = self._to_centre()
-        return np.stack([y[:, X] - x_centre, y[:, Y] - y_centre, y[:, YAW]], axis=1)
+        pose = self.runs.y[:, : YAW + 1].copy()
+        pose[:, :YAW] -= self._to_centre().T
+        return pose
 
     @property
     def twist(self) -> np.ndarray:
-        """Of the same points along the machines' own axes (N, 3): m/s, m/s, rad/s."""
-        y, v = self.runs.y, self.at.velocity
-        turn = y[:, self.at.yaw_rate]
-        x_centre, y_centre = self._to_centre()
-        world = np.stack([y[:, v] + turn * y_centre, y[:, v + 1] - turn * x_centre, turn], axis=1)
-        return in_axes(world, y[:, YAW])
+        """Of the same points (N, 3), world axes: m/s, m/s, rad/s."""
+        twist = self.runs.y[:, self.at.velocity : self.at.yaw_rate + 1].copy()
+        x, y = self._to_centre()
+        twist[:, 0] += twist[:, 2] * y
+        twist[:, 1] -= twist[:, 2] * x
+        return twist
 
     @property
     def spin_rates(self) -> np.ndarray:
@@ -110,7 +110,8 @@ class Machines:
     @property
     def failed(self) -> np.ndarray:
         """Which (N,) have been stopped before their end."""
-        return ~np.isin(self.clock["status"], (status.RUNNING, status.COMPLETE))
+        found = self.clock["status"]
+        return (found != status.RUNNING) & (found != status.COMPLETE)
 
     def sentence(self, i: int) -> str:
         """How the run of machine i has ended."""
@@ -121,14 +122,6 @@ class Machines:
 
     def _to_centre(self) -> np.ndarray:
         return to_centre(np.asarray(self.parameters.machine)["centre"].T, self.runs.y[:, YAW])
-
-
-def in_axes(vectors: np.ndarray, yaw: np.ndarray) -> np.ndarray:
-    """Vectors (N, ..., 3) of x, y and a turn, from world axes into those of the machines at these yaws (N,)."""
-    yaw = yaw.reshape(-1, *[1] * (vectors.ndim - 2))
-    cos, sin = np.cos(yaw), np.sin(yaw)
-    x, y, turn = np.moveaxis(vectors, -1, 0)
-    return np.stack([cos * x + sin * y, cos * y - sin * x, turn], axis=-1)
 
 
 def with_piece(parameters: Parameters) -> Parameters:

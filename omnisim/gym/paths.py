@@ -75,14 +75,13 @@ SHAPES: dict[str, list[Callable[[np.ndarray], np.ndarray]]] = {
 class Path(NamedTuple):
     """A path at the control instants: how many steps it takes, poses (x, y, yaw) and their rates, world axes.
 
-    poses, rates: (steps + 1, 3). ahead: (steps + 1, A, 3), the poses so many seconds later as the option `ahead` says.
-    Beyond its end a path rests.
+    poses: (steps + 1, 1 + A, 3), each followed by those so many seconds later as the option `ahead` says; rates:
+    (steps + 1, 3). Beyond its end a path rests.
     """
 
     steps: int
     poses: np.ndarray
     rates: np.ndarray
-    ahead: np.ndarray
 
 
 def sampled(table: np.ndarray, interval: float, ahead: tuple[float, ...]) -> Path:
@@ -94,9 +93,8 @@ def sampled(table: np.ndarray, interval: float, ahead: tuple[float, ...]) -> Pat
     def at(moments: np.ndarray) -> np.ndarray:
         return np.stack([np.interp(moments, times, values) for values in table[:, 1:].T], axis=-1)
 
-    poses = at(instants)
     rates = (at(instants + 0.5 * interval) - at(instants - 0.5 * interval)) / interval
-    return Path(steps, poses, rates, at(instants[:, None] + np.array(ahead)))
+    return Path(steps, at(instants[:, None] + np.array([0.0, *ahead])), rates)
 
 
 def checked(given: Any) -> np.ndarray:

@@ -39,11 +39,12 @@ def test_the_heading_of_a_round_path_is_its_direction(name):
 def test_rates_and_what_lies_ahead_are_those_of_the_table():
     table = path("circle")
     found = paths.sampled(table, 0.02, (0.1, 5.0))
-    assert found.steps == 472 and found.poses.shape == (473, 3) and found.ahead.shape == (473, 2, 3)
-    assert np.abs(found.ahead[:-5, 0] - found.poses[5:]).max() < 1e-14  # measured: 9e-16
-    assert np.array_equal(found.ahead[-1, 1], table[-1, 1:])  # it rests at its end
+    assert found.steps == 472 and found.poses.shape == (473, 3, 3) and found.rates.shape == (473, 3)
+    poses = found.poses[:, 0]
+    assert np.abs(found.poses[:-5, 1] - poses[5:]).max() < 1e-14  # measured: 9e-16
+    assert np.array_equal(found.poses[-1, 2], table[-1, 1:])  # it rests at its end
     moved = np.cumsum(0.02 * found.rates, axis=0)
-    assert np.abs(moved[:-1] - 0.01 * found.rates[:-1] - found.poses[:-1]).max() < 1e-4  # trapezoids; measured: 2.5e-5
+    assert np.abs(moved[:-1] - 0.01 * found.rates[:-1] - poses[:-1]).max() < 1e-4  # trapezoids; measured: 2.5e-5
 
 
 @pytest.mark.parametrize("options", [{"size": 0.0}, {"size": np.inf}, {"speed": -1.0}, {"speed": "fast"}])
