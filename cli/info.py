@@ -10,6 +10,7 @@ import click
 from omnisim.base.formatting import aligned, columns
 
 from .compiling import compilation_noted
+from .plot import study_in
 from .screen import BAD_INPUT, Failure, warn
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ UPRIGHT_DEG = 89.99  # a slope beyond is a wall
 @click.command()
 @click.argument("source", metavar="SCENE|FILE")
 def info(source: str) -> None:
-    """Say what SCENE models, what it leaves out and why; or what the trajectory FILE holds.
+    """Say what SCENE models, what it leaves out and why; or what FILE holds, a trajectory or a study.
 
     \b
     omnisim info scene.toml
@@ -34,7 +35,11 @@ def info(source: str) -> None:
     """
     from omnisim.base.files import is_hdf5
 
-    if is_hdf5(source):
+    if study := study_in((source,)):
+        from omnisim.studies.report import about
+
+        click.echo(about(study))
+    elif is_hdf5(source):
         click.echo(about_trajectory(source))
     else:
         from omnisim.scene.scene import load

@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import sys
 import time
-from collections import Counter
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,8 +20,6 @@ if TYPE_CHECKING:
     from omnisim.studies.result import StudyResult
     from omnisim.studies.sweep import Done
     from omnisim.studies.task import Task
-
-KINDS_OF_FAILURE = 5  # that the summary tells
 
 
 @click.command()
@@ -135,39 +132,16 @@ class Follower(StopWish):
 
 
 def summary(task: Task, found: StudyResult, path: Path, ran: int, seconds: float) -> str:
-    """What a study has found, for people: the range of every measure, with the runs that have it, and failures."""
-    import numpy as np
-
-    from omnisim.results.layout import COMPLETE
-    from omnisim.studies.result import NOT_RUN
+    """What a study has found, with the commands that repeat the runs that it names."""
+    from omnisim.studies.report import findings, title
     from omnisim.studies.sweep import repeat
 
-    a = found.attributes
-    status = found["status"].ravel()
-    scene = task.study.scene
-    named: list[int] = []
+    lines, named = findings(found)
     told = {
-        "study": f"{a['runs']} runs of {visible(scene.config.title or scene.name)} ({a['design']})",
+        "study": title(found),
         "speed": f"{ran / max(seconds, 1e-9):.3g} runs/s: {ran} in {seconds:.3g} s" if ran else "",
-        "complete": f"{np.sum(status == COMPLETE)} of {a['finished']} that have ended",
+        **lines,
+        "file": f"{visible(str(path))} ({path.stat().st_size / 1e6:.2g} MB)",
     }
-    for name in found.measures:
-        values = found[name].ravel()
-        if np.isfinite(values).any():
-            least, most = int(np.nanargmin(values)), int(np.nanargmax(values))
-            units = found.variables[name].units
-            told[name] = f"{values[least]:.6g} (run {least}) to {values[most]:.6g} {units} (run {most})"
-            named.append(most)
-    for reason, count in Counter(_reason(text) for text in status if text not in (COMPLETE, NOT_RUN)).most_common(
-        KINDS_OF_FAILURE
-    ):
-        run = next(i for i, text in enumerate(status) if _reason(text) == reason)
-        told[f"{count} not"] = f"{status[run]} (run {run})"
-        named.append(run)
-    told["file"] = f"{visible(str(path))} ({path.stat().st_size / 1e6:.2g} MB)"
-    again = [f"run {run}: {repeat(task, run)}" for run in dict.fromkeys(named)]  # on one line each, to be copied
+    again = [f"run {run}: {repeat(task, run)}" for run in named]  # on one line each, to be copied
     return "\n".join([aligned({key: value for key, value in told.items() if value}), *again])
-
-
-def _reason(status: str) -> str:
-    return status.partition(":")[0].partition(" at t")[0]

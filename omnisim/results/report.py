@@ -20,6 +20,7 @@ MOTOR_PEAKS = (
     ("current", "current", "A"),
     ("power from the supply", "electrical_power", "W"),
 )
+ROUNDING = 1e-12  # relative
 BEARING_LOADS = ("radial_force", "axial_force", "tilting_moment")
 
 
@@ -38,16 +39,19 @@ def extremes(trajectory: Recorded) -> str:
         lines = [(heading, *(f"{name}, {units}" for name, _, units in shown))]
         for wheel in trajectory.wheels if len(trajectory.time) else ():
             if f"interval_max/wheels/{wheel}/{shown[0][1]}" in trajectory:
-                lines.append((wheel, *(_range(trajectory, f"wheels/{wheel}/{path}") for _, path, _ in shown)))
+                lines.append((wheel, *(_range(trajectory, wheel, path) for _, path, _ in shown)))
         tables += [columns(lines)] if len(lines) > 1 else []
     return "\n\n".join(tables)
 
 
-def _range(trajectory: Recorded, path: str) -> str:
-    """The least and the largest value in the march, or the largest of what has no sign."""
-    most = largest(trajectory, path)
-    least = f"interval_min/{path}"
-    return f"{trajectory[least].min():.4g} to {most:.4g}" if least in trajectory else f"{most:.4g}"
+def _range(trajectory: Recorded, wheel: str, path: str) -> str:
+    """The least and the largest value of a wheel's quantity in the march, or the largest of what has no sign; 0 where
+    beside another wheel it is rounding."""
+    noise = ROUNDING * max(_magnitude(trajectory, f"wheels/{other}/{path}") for other in trajectory.wheels)
+    most = largest(trajectory, f"wheels/{wheel}/{path}")
+    least = f"interval_min/wheels/{wheel}/{path}"
+    values = [trajectory[least].min(), most] if least in trajectory else [most]
+    return " to ".join(f"{0.0 if abs(value) < noise else value:.4g}" for value in values)
 
 
 def largest(trajectory: Recorded, path: str) -> float:
