@@ -98,8 +98,10 @@ class FollowVectorEnv(VectorEnv):
         seed: of machine 0; those of the others follow it. Or one for each, None for a machine that goes on with its
         generator.
         """
-        super().reset(seed=seed if isinstance(seed, int) else None)
-        seeds = [seed + i for i in range(self.num_envs)] if isinstance(seed, int) else seed or [None] * self.num_envs
+        if isinstance(seed, int | np.integer):
+            super().reset(seed=int(seed))
+            seed = [int(seed) + i for i in range(self.num_envs)]
+        seeds = [None] * self.num_envs if seed is None else seed
         if len(seeds) != self.num_envs:
             raise ValueError(f"seed: must be one number, or {self.num_envs}, not {len(seeds)}")
         mask = np.asarray((options or {}).get("reset_mask", np.ones(self.num_envs, bool)))

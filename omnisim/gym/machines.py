@@ -4,7 +4,7 @@ Each machine is a run of its own. Which thread marches it, and with which others
 """
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from typing import Any
 
 import numpy as np
@@ -69,8 +69,12 @@ class Machines:
             self._share(0)
             return
         self.pool = self.pool or ThreadPoolExecutor(len(self.scratch), "omnisim")
-        for done in [self.pool.submit(self._share, share) for share in range(len(self.scratch))]:
-            done.result()
+        shares = [self.pool.submit(self._share, share) for share in range(len(self.scratch))]
+        try:
+            for share in shares:
+                share.result()
+        finally:
+            wait(shares)  # after Ctrl-C too: nobody may touch a machine that marches
 
     def _share(self, share: int) -> None:
         own = self.scratch[share]

@@ -7,16 +7,20 @@ from gymnasium import Env
 
 from omnisim.gym.follow import FollowVectorEnv
 
+OF_MANY = {"num_envs", "autoreset_mode", "threads"}
+
 
 class FollowEnv(Env):
     """A machine that is to follow a path: a FollowVectorEnv of one machine that begins no episode by itself.
 
-    It takes the same scene, path, vary and options, but for autoreset_mode and threads.
+    It takes the same scene, path, vary and options, but for autoreset_mode and threads. Raises what that does.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
 
     def __init__(self, **options: Any):
+        for name in OF_MANY & set(options):
+            raise ValueError(f"option {name}: only for a vector environment, as gymnasium.make_vec makes it")
         self.many = FollowVectorEnv(1, **options, autoreset_mode="Disabled", threads=1)
         self.observation_space = self.many.single_observation_space
         self.action_space = self.many.single_action_space

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from omnisim.base.arguments import shown
 from omnisim.scene.document import Document, sentence
 from omnisim.scene.problems import ConfigError, Problem
 from omnisim.scene.scene import Scene, SceneError
@@ -12,6 +13,7 @@ from omnisim.scene.schema import Config
 from omnisim.scene.toml_text import rewrite
 from omnisim.scene.validation import checked, tuples
 from omnisim.studies.factors import Distribution, Factor, drawn_values, factors, settings, with_values
+from omnisim.studies.schema import VARIES
 from omnisim.studies.study import StudyError
 
 LAST = np.nextafter(1.0, 0.0)  # a share of the whole
@@ -21,6 +23,8 @@ class Variety:
     """The scenes that a scene and a table [vary] make. Raises StudyError for what is wrong with the table."""
 
     def __init__(self, scene: Scene, vary: Mapping[str, Any] | None):
+        if not isinstance(vary, Mapping | None):
+            raise StudyError(f"vary: must be a table of keys of the scene, each with {VARIES}, not {shown(vary)}")
         table = {"vary": dict(vary or {})}
         found = list(factors(table["vary"], scene.document.data, True))
         problems = [entry for entry in found if isinstance(entry, Problem)]

@@ -1,5 +1,9 @@
 """The environment omnisim/Follow-v0, one machine and many."""
 
+import subprocess
+import sys
+import threading
+import time
 import warnings
 
 import numpy as np
@@ -107,7 +111,12 @@ CASES = [
     ("soccer_robot", "torque", {}),
     pytest.param("youbot", "twist", {"solver.method": "radau5"}, marks=pytest.mark.long),
     pytest.param("youbot", "twist", {"solver.formulation": "multibody"}, marks=pytest.mark.long),
-    pytest.param("kiwi", "twist", {"friction.law": "regularized", "solver.method": "auto"}, marks=pytest.mark.long),
+    pytest.param(
+        "kiwi",
+        "twist",
+        {"friction": {"law": "regularized", "slip_speed": 0.05}, "solver.method": "auto"},
+        marks=pytest.mark.long,
+    ),
 ]
 
 
@@ -227,6 +236,8 @@ def test_friction_and_mass_are_drawn_for_every_episode():
         ({"control": 333.0}, "option control: 1 / 333 s must be a multiple of time.step = 0.0005 s"),
         ({"limits": [1.0, 2.0]}, "option limits: must be 1 or 3 numbers for actions of kind twist, not 2"),
         ({"limits": [1.0, -2.0, 1.0]}, "option limits[1] = -2.0: must be a list of finite numbers > 0"),
+        ({"threads": 2}, "option threads: only for a vector environment"),
+        ({"vary": [1]}, "vary: must be a table of keys of the scene"),
         ({"path": "oval"}, "path: no path is called 'oval'; must be line, square, circle, figure_eight"),
         ({"path": [[0.0, 0.0, 0.0]]}, "path: a table must be (K, 4), K >= 2, of time, x, y and yaw, not (1, 3)"),
         ({"path": [[0.0] * 4, [0.0] * 4]}, "path: times must begin at 0 and increase"),
@@ -255,3 +266,37 @@ def test_actions_that_are_no_numbers_are_refused():
         some.step(np.full((2, 3), np.nan))
     with pytest.raises(ValueError, match=r"seed: must be one number, or 2, not 3"):
         some.reset(seed=[1, 2, 3])
+
+
+def test_other_threads_of_python_run_while_machines_march():
+    some = many(32, vary=VARY, threads=1)
+    some.reset(seed=0)
+    moments, over = [], threading.Event()
+
+    def watch():
+        while not over.wait(0.001):
+            moments.append(time.perf_counter())
+
+    thread = threading.Thread(target=watch)
+    thread.start()
+    some.machines.drive(~some.over, some.actions.wheels, some.actions.of(np.ones((32, 3))))
+    begun = time.perf_counter()
+    some.machines.march(~some.over, 100)  # one call
+    took = time.perf_counter() - begun
+    over.set()
+    thread.join()
+    within = [moment for moment in moments if 0.1 * took < moment - begun < 0.9 * took]
+    assert len(within) > 5  # measured: 63, in 0.09 s; holding the lock, none
+
+
+def test_a_package_without_gymnasium_says_what_to_install():
+    program = "import sys; sys.modules['gymnasium'] = None; import omnisim.gym"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert done.stderr.splitlines()[-1] == "ImportError: omnisim.gym needs Gymnasium: pip install 'omnisim-engine[gym]'"
+
+
+def test_the_environment_of_one_goes_through_gymnasiums_own_vectors_too():
+    ours, theirs = many(2), gymnasium.make_vec(NAME, 2, "sync", scene="youbot", path=SHORT)
+    acted = actions(50, 2, 3)
+    for one, other in zip(episodes(ours, acted, 5), episodes(theirs, acted, 5), strict=True):
+        assert np.array_equal(one, other)
