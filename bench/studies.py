@@ -32,9 +32,13 @@ FRICTION, MASS = (0.5, 0.9), (19.0, 21.0)
 STUDY = """
 schema = 1
 scene = "platform.toml"
-vary = {{ "friction.coefficient" = {{ uniform = {friction} }}, "chassis.mass" = {{ uniform = {mass} }},
-          "wheels.*.phase_deg" = {{ uniform = [0, 40], each = true }} }}
-design = {{ kind = "random", count = {count} }}
+[vary]
+"friction.coefficient" = {{ uniform = {friction} }}
+"chassis.mass" = {{ uniform = {mass} }}
+"wheels.*.phase_deg" = {{ uniform = [0, 40], each = true }}
+[design]
+kind = "random"
+count = {count}
 [measure]
 odometry_error = {{ dataset = "odometry/position_error", component = "norm", at = "end" }}
 worst_slip = {{ dataset = "wheels/*/slip_velocity", component = "norm", reduce = "max" }}
