@@ -65,12 +65,12 @@ class Machines:
     def march(self, who: np.ndarray, steps: int) -> None:
         """March the machines `who` (N,) on by so many steps, or up to where something stops them."""
         self.clock["goal"][who] = np.minimum(self.clock["step"][who] + steps, self.clock["steps"][who])
-        if len(self.scratch) == 1:
-            self._share(0)
-            return
-        self.pool = self.pool or ThreadPoolExecutor(len(self.scratch), "omnisim")
-        shares = [self.pool.submit(self._share, share) for share in range(len(self.scratch))]
+        others = range(1, len(self.scratch))
+        if others and not self.pool:
+            self.pool = ThreadPoolExecutor(len(others), "omnisim")
+        shares = [self.pool.submit(self._share, share) for share in others] if self.pool else []
         try:
+            self._share(0)  # by the thread that asks
             for share in shares:
                 share.result()
         finally:
