@@ -10,6 +10,7 @@ import click
 from .bench import bench
 from .compare import compare
 from .export import export
+from .fit import fit
 from .info import info
 from .new import new
 from .plot import plot
@@ -68,6 +69,7 @@ def cli() -> None:
     omnisim info authors_testbench          what a scene models, and why
     omnisim run scene.toml                  writes scene.h5
     omnisim sweep study.toml                many runs, keys of the scene varied
+    omnisim fit fit.toml -o fitted          keys of a scene estimated from logs of a machine
     omnisim info scene.h5                   what a trajectory holds
     omnisim export scene.h5 scene.csv       for spreadsheets; .parquet, .mat
     omnisim view scene.h5                   the machine in 3-D, as a web page
@@ -80,7 +82,7 @@ def cli() -> None:
     """
 
 
-for command in (new, run, sweep, info, plot, view, export, compare, bench, wheel, warmup):
+for command in (new, run, sweep, fit, info, plot, view, export, compare, bench, wheel, warmup):
     cli.add_command(command)
 
 

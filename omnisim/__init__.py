@@ -13,6 +13,7 @@
         loop.command(0.3, 0.0, 0.5 * (0.2 - loop.yaw))
 
     found = omnisim.sweep("study.toml", "study.h5")       many runs, keys of the scene varied, on all cores
+    found = omnisim.fit("fit.toml")                       keys of a scene estimated from logs of a machine
 
 `omnisim --help` and a mistyped scene wait for no compiler: names are found on first use. __init__.pyi has their types.
 """
@@ -33,6 +34,8 @@ _HOMES = {
     "Trajectory": ("results.trajectory", "Trajectory"),
     "TrajectoryError": ("base.trajectory_file", "TrajectoryError"),
     "__version__": ("base.version", "VERSION"),
+    "FitError": ("fitting.logs", "FitError"),
+    "fit": ("fitting.fitting", "fit"),
     "load": ("scene.scene", "load"),
     "load_text": ("scene.scene", "load_text"),
     "open_trajectory": ("results.trajectory", "open_trajectory"),

@@ -1,6 +1,8 @@
 """Types of the public names, which __init__.py finds on first use."""
 
 from omnisim.base.trajectory_file import TrajectoryError as TrajectoryError
+from omnisim.fitting.fitting import fit as fit
+from omnisim.fitting.logs import FitError as FitError
 from omnisim.pictures import plots as plots
 from omnisim.pictures import viewer as viewer
 from omnisim.results import comparison as analysis
@@ -20,6 +22,7 @@ from omnisim.studies.sweep import sweep as sweep
 
 __version__: str
 __all__ = [
+    "FitError",
     "Loop",
     "Scene",
     "SceneError",
@@ -28,6 +31,7 @@ __all__ = [
     "__version__",
     "analysis",
     "export",
+    "fit",
     "load",
     "load_text",
     "open_study",

@@ -14,7 +14,7 @@ import omnisim
 pytestmark = pytest.mark.short
 PACKAGE = Path(omnisim.__file__).parent
 # A room imports from itself and from rooms above it in this list: data flows down, from the scene file to the pictures.
-ROOMS = ("base", "scene", "contact", "dynamics", "march", "results", "run", "studies", "gym", "cad", "pictures")
+ROOMS = ("base", "scene", "contact", "dynamics", "march", "results", "run", "studies", "gym", "fitting", "cad", "pictures")
 ONLY = {
     "h5py": {"results.hdf5", "base.trajectory_file", "studies.result"},
     "pydantic": {
@@ -26,6 +26,8 @@ ONLY = {
         "studies.factors",
         "studies.study",
         "gym.options",
+        "fitting.schema",
+        "fitting.fit_file",
     },
     "gymnasium": {"gym.follow", "gym.single"},
     "numba": {"base.kernel", "base.compiler", "base.calls"},
@@ -33,7 +35,7 @@ ONLY = {
     "pandas": {"results.trajectory", "results.tables"},
     "xarray": {"results.trajectory", "results.tables", "studies.result"},
     "pyarrow": {"results.tables"},
-    "scipy": {"results.tables", "studies.study"},
+    "scipy": {"results.tables", "studies.study", "fitting.least_squares", "fitting.uncertainty"},
     "distributed": {"studies.cluster"},
     "matplotlib": {"results.trajectory", "cad.drawing"}
     | {
@@ -51,6 +53,7 @@ ONLY = {
             "paper",
             "overview",
             "studies",
+            "fits",
         )
     },
 }

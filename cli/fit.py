@@ -1,0 +1,176 @@
+"""`omnisim fit`: keys of a scene estimated from logs of a machine."""
+
+from __future__ import annotations
+
+import math
+import sys
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from omnisim.base.formatting import aligned, visible
+
+from .compiling import compilation_noted
+from .screen import BAD_INPUT, Failure, StopWish, is_watched, note
+
+if TYPE_CHECKING:
+    from omnisim.fitting.least_squares import Trial
+    from omnisim.fitting.paths import Errors
+    from omnisim.fitting.result import FitResult
+
+NAMES = ("fitted.toml", "fit.json", "paths.png", "residuals.png")
+
+
+@click.command()
+@click.argument("fit_file", metavar="FIT.toml")
+@click.option("-o", "output", metavar="FOLDER", help="Folder for fitted.toml, fit.json and pictures.")
+@click.option("--workers", type=click.IntRange(1), metavar="N", help="Processes; else one for each core.")
+@click.option("--force", is_flag=True, help="Replace files that exist.")
+@click.option("--quiet", is_flag=True, help="Print errors only.")
+def fit(fit_file: str, output: str | None, workers: int | None, force: bool, quiet: bool) -> None:
+    """Estimate keys of a scene from logs of the machine, as FIT.toml says: with deviations, intervals, what the logs
+    cannot tell, and the error of every log before and after, beside that of ideal kinematics.
+
+    Ctrl-C ends the search with the best so far. Without a folder the result is only printed.
+
+    \b
+    omnisim fit omni4.toml -o omni4_fit
+    omnisim run omni4_fit/fitted.toml
+    """
+    from omnisim.fitting.fit_file import load_fit
+    from omnisim.fitting.fitting import fit as search
+    from omnisim.fitting.simulation import Interrupted, prepared
+
+    folder = None if output is None else output_folder(output, force)
+    made = load_fit(fit_file)
+    with compilation_noted([made.scene], quiet):
+        prepared(made)
+    try:
+        with Follower(quiet) as follower:
+            found = search(made, workers=workers, progress=follower)
+    except (Interrupted, KeyboardInterrupt):
+        raise Failure("interrupted; nothing was written") from None
+    if not quiet:
+        click.echo(summary(found))
+    if folder is not None:
+        write(found, folder, force)
+        if not quiet:
+            click.echo(f"folder  {visible(str(folder))}")
+    if found.solution.interrupted:
+        raise Failure("interrupted; the estimates are the best so far")
+
+
+def output_folder(text: str, force: bool) -> Path:
+    """The folder to write to, or Failure if it could or should not be written."""
+    folder = Path(text)
+    shown = visible(text)
+    if folder.exists() and not folder.is_dir():
+        raise Failure(f"{shown}: not a folder", BAD_INPUT)
+    if not folder.absolute().parent.is_dir():
+        raise Failure(f"{shown}: there is no folder {visible(str(folder.parent))}", BAD_INPUT)
+    there = [name for name in NAMES if (folder / name).exists()]
+    if there and not force:
+        raise Failure(f"{visible(str(folder / there[0]))}: exists already; --force replaces it", BAD_INPUT)
+    return folder
+
+
+def write(found: FitResult, folder: Path, force: bool) -> None:
+    """All files of the result, pictures if there is matplotlib; Failure if they cannot be written."""
+    from .output import deliver
+
+    images = found.files(folder)
+    try:
+        import matplotlib
+
+        matplotlib.use("agg")
+        from omnisim.pictures import plots
+
+        from .plot import encoded
+
+        images |= {
+            folder / name: encoded(draw(found), ".png")
+            for name, draw in (("paths.png", plots.fit_paths), ("residuals.png", plots.fit_residuals))
+        }
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] != "matplotlib":
+            raise
+        note("no pictures: they need matplotlib: pip install 'omnisim-engine[plot]'")
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise Failure(f"{visible(str(folder))}: cannot be made: {error.strerror}") from None
+    deliver(images, force)
+
+
+class Follower(StopWish):
+    """Follows a search: a line for each point if stderr is a terminal, and Ctrl-C or SIGTERM as a wish to stop."""
+
+    def __init__(self, quiet: bool):
+        super().__init__()
+        self.quiet = quiet
+
+    def __enter__(self) -> Follower:
+        self.listen()
+        return self
+
+    def __call__(self, trial: Trial) -> bool:
+        """Whether to stop."""
+        if is_watched(self.quiet):
+            with suppress(OSError):
+                stream: Any = getattr(sys.stderr, "stream", sys.stderr)
+                stream.write(f"point {trial.number}: {trial.rms:.4g} deviations off, best {trial.best:.4g}\n")
+                stream.flush()
+        return self.stop
+
+    def _on_signal(self, *_: object) -> None:
+        super()._on_signal()
+        if not self.quiet:
+            note("stopping, with the best so far; another Ctrl-C gives up")
+
+
+def summary(found: FitResult) -> str:
+    """What a fit has found, for people."""
+    made = found.fit
+    used = sum(entry.log.use == "fit" for entry in found.logs)
+    position, yaw = found.known.correlated_rows
+    told = {
+        "fit": f"{visible(made.scene.config.title or made.scene.name)}: {len(made.parameters)} keys from {used} of "
+        f"{len(found.logs)} logs",
+        "search": f"{found.status}; {found.solution.trials} points, {found.runs} runs",
+        "step": f"half of it changes no place by more than {1e3 * found.step_error:.2g} mm",
+        "rows": f"{position:.3g} of positions and {yaw:.3g} of yaw count as one: residuals follow each other",
+    }
+    if found.early:
+        told["early"] = f"{found.early} runs with these estimates stop before their log ends"
+    width = max(map(len, found.estimates))
+    lines = [aligned(told), "", f"{'estimate':{width}}  {'value':>11}  {'deviation':>10}  95 % interval"]
+    for key, one in found.estimates.items():
+        lines.append(f"{key:{width}}  {one.value:11.6g}  {shown(one.deviation)}  {shown(one.low)} to {shown(one.high)}")
+    lines += [f"  {sentence}" for sentence in found.known.untold]
+    for key, value in (found.ideal or {}).items():
+        lines.append(f"{key:{width}}  {value:11.6g}  by ideal kinematics")
+    lines += ["", *table(found)]
+    return "\n".join(lines)
+
+
+def shown(value: float) -> str:
+    return f"{value:10.4g}" if math.isfinite(value) else f"{'unknown':>10}"
+
+
+def table(found: FitResult) -> list[str]:
+    """Errors of all logs: at the end, and along the path."""
+    heads = ("before", "after", "ideal, nominal", "ideal, fitted")
+    width = max(len(entry.log.file) for entry in found.logs)
+    lines = [f"{'error at the end, rms':{width}}        " + "".join(f"{head:>24}" for head in heads)]
+    for entry in found.logs:
+        cells = "".join(f"{cell(one):>24}" for one in entry.errors().values())
+        lines.append(f"{visible(entry.log.file):{width}}  {entry.log.use:6}{cells}")
+    return lines
+
+
+def cell(one: Errors | None) -> str:
+    if one is None:
+        return "none"
+    return f"{1e3 * one.end_position:.0f} mm {math.degrees(one.end_yaw):.1f} deg, {1e3 * one.rms_position:.0f}"

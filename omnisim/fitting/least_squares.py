@@ -1,0 +1,133 @@
+"""Weighted least squares of paths against logs, with the Jacobian by runs in parallel.
+
+Of every compared row k but the first, where each run starts, the residual is
+
+    (p_k - q_k) / s_p        p, q  simulated and measured position, m
+    (y_k - w_k) / s_y        y, w  simulated and measured yaw, rad
+                             s     weights: standard deviations, m and rad
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from omnisim.fitting.fit_file import Fit
+from omnisim.fitting.logs import FitError
+from omnisim.fitting.paths import Path, measured
+from omnisim.fitting.simulation import Interrupted
+
+DIFFERENCE = 1e-3  # of a parameter's range, each way
+TOLERANCE = 1e-6  # of cost and step, relative, at which the search ends
+MOST_TRIALS = 50
+
+
+class Paths(Protocol):
+    """A way from values of the parameters to paths: for each point the path of each log."""
+
+    def __call__(self, points: np.ndarray, logs: list[int]) -> list[list[Path]]: ...
+
+
+class Trial(NamedTuple):
+    """A point that the search has tried: how often it has, the weighted root mean square there and the best so far."""
+
+    number: int
+    rms: float
+    best: float
+
+
+class Solution(NamedTuple):
+    """values (P,) of the parameters; paths of the fitted logs; residuals (m,), x, y and yaw of each row, log by log;
+    jacobian (m, P), None if the search was interrupted before there was one; whether it has converged."""
+
+    values: np.ndarray
+    paths: list[Path]
+    residuals: np.ndarray
+    jacobian: np.ndarray | None
+    converged: bool
+    interrupted: bool
+    trials: int
+
+
+class Search:
+    """The unknowns, residuals and Jacobian of a fit, by one way to its paths.
+
+    used: numbers of the parameters that are searched; the others keep their start.
+    """
+
+    def __init__(self, fit: Fit, paths: Paths, used: Sequence[int], told: Callable[[Trial], object]):
+        self.fit = fit
+        self.paths = paths
+        self.used = list(used)
+        self.told = told
+        self.logs = fit.fitted
+        weights = fit.config.weights
+        self.weights = np.array([weights.position, weights.position, weights.yaw])
+        self.measured = [measured(fit.logs[i], fit.compared(fit.logs[i])) for i in self.logs]
+        self.trials = 0
+        self.best: tuple[float, np.ndarray, list[Path], np.ndarray] | None = None
+        self.jacobian_there: np.ndarray | None = None
+
+    def values(self, unknowns: np.ndarray) -> np.ndarray:
+        """All parameters (P,)."""
+        found = self.fit.start.copy()
+        found[self.used] = unknowns
+        return found
+
+    def residuals(self, unknowns: np.ndarray) -> np.ndarray:
+        """(m,) of these unknowns."""
+        paths = self.paths(self.values(unknowns)[None], self.logs)[0]
+        found = self.compared(paths)
+        rms = float(np.sqrt(np.mean(found**2)))
+        self.trials += 1
+        if self.best is None or rms < self.best[0]:
+            self.best = (rms, unknowns.copy(), paths, found)
+        self.told(Trial(self.trials, rms, self.best[0]))
+        return found
+
+    def compared(self, paths: list[Path]) -> np.ndarray:
+        """(m,) residuals of these paths."""
+        rows = [
+            np.column_stack([path.position - log.position, path.yaw - log.yaw])[1:] / self.weights
+            for path, log in zip(paths, self.measured, strict=True)
+        ]
+        return np.concatenate(rows).ravel()
+
+    def jacobian(self, unknowns: np.ndarray) -> np.ndarray:
+        """(m, P) by central differences, one-sided where a range ends."""
+        values = self.values(unknowns)
+        reach = DIFFERENCE * (self.fit.high - self.fit.low)
+        points = np.array([
+            np.clip(values + sign * reach * (np.arange(len(values)) == i), self.fit.low, self.fit.high)
+            for i in self.used for sign in (-1.0, 1.0)
+        ])  # fmt: skip
+        paths = self.paths(points, self.logs)
+        columns = []
+        for n, i in enumerate(self.used):
+            below, above = (self.compared(paths[2 * n + side]) for side in (0, 1))
+            columns.append((above - below) / (points[2 * n + 1, i] - points[2 * n, i]))
+        self.jacobian_there = np.column_stack(columns)
+        return self.jacobian_there
+
+    def solve(self) -> Solution:
+        """The best unknowns, by the trust region reflective method of SciPy, which stays within the bounds. Raises
+        FitError without SciPy."""
+        try:
+            from scipy.optimize import least_squares  # here: SciPy comes with an extra
+        except ModuleNotFoundError:
+            raise FitError("omnisim fit needs SciPy: pip install 'omnisim-engine[study]'") from None
+        low, high = self.fit.low[self.used], self.fit.high[self.used]
+        converged = interrupted = False
+        try:
+            end = least_squares(
+                self.residuals, self.fit.start[self.used], self.jacobian, (low, high), x_scale=high - low,
+                ftol=TOLERANCE, xtol=TOLERANCE, gtol=None, max_nfev=MOST_TRIALS,
+            )  # fmt: skip
+            converged = end.status > 0
+        except Interrupted:
+            interrupted = True
+        if self.best is None:
+            raise Interrupted
+        _, unknowns, paths, residuals = self.best
+        values = self.values(unknowns)
+        return Solution(values, paths, residuals, self.jacobian_there, converged, interrupted, self.trials)
