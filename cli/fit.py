@@ -144,26 +144,31 @@ def summary(found: FitResult) -> str:
     }
     if found.early:
         told["early"] = f"{found.early} runs with these estimates stop before their log ends"
+    told |= {f"note {i}": visible(sentence) for i, sentence in enumerate(found.known.untold, 1)}
+    return "\n".join([aligned(told), "", *estimates(found), "", *table(found)])
+
+
+def estimates(found: FitResult) -> list[str]:
+    """Values with deviations and intervals, and those that ideal kinematics takes."""
+    ideal = found.ideal or {}
     width = max(map(len, found.estimates))
-    lines = [aligned(told), "", f"{'estimate':{width}}  {'value':>11}  {'deviation':>10}  95 % interval"]
+    lines = [f"{'estimate':{width}}{'value':>12}{'deviation':>12}{'95 % interval':>26}{'ideal kinematics':>19}"]
     for key, one in found.estimates.items():
-        lines.append(f"{key:{width}}  {one.value:11.6g}  {shown(one.deviation)}  {shown(one.low)} to {shown(one.high)}")
-    lines += [f"  {sentence}" for sentence in found.known.untold]
-    for key, value in (found.ideal or {}).items():
-        lines.append(f"{key:{width}}  {value:11.6g}  by ideal kinematics")
-    lines += ["", *table(found)]
-    return "\n".join(lines)
+        interval = f"{shown(one.low)} to {shown(one.high)}"
+        kinematic = shown(ideal[key]) if key in ideal else ""
+        lines.append(f"{key:{width}}{shown(one.value):>12}{shown(one.deviation):>12}{interval:>26}{kinematic:>19}")
+    return lines
 
 
 def shown(value: float) -> str:
-    return f"{value:10.4g}" if math.isfinite(value) else f"{'unknown':>10}"
+    return f"{value:.5g}" if math.isfinite(value) else "unknown"
 
 
 def table(found: FitResult) -> list[str]:
     """Errors of all logs: at the end, and along the path."""
     heads = ("before", "after", "ideal, nominal", "ideal, fitted")
     width = max(len(entry.log.file) for entry in found.logs)
-    lines = [f"{'error at the end, rms':{width}}        " + "".join(f"{head:>24}" for head in heads)]
+    lines = [f"{'at the end, rms':{width}}      " + "".join(f"{head:>24}" for head in heads)]
     for entry in found.logs:
         cells = "".join(f"{cell(one):>24}" for one in entry.errors().values())
         lines.append(f"{visible(entry.log.file):{width}}  {entry.log.use:6}{cells}")
@@ -173,4 +178,4 @@ def table(found: FitResult) -> list[str]:
 def cell(one: Errors | None) -> str:
     if one is None:
         return "none"
-    return f"{1e3 * one.end_position:.0f} mm {math.degrees(one.end_yaw):.1f} deg, {1e3 * one.rms_position:.0f}"
+    return f"{1e3 * one.end_position:.0f} mm {math.degrees(one.end_yaw):.1f} deg, {1e3 * one.rms_position:.0f} mm"

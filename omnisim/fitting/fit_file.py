@@ -17,7 +17,7 @@ from omnisim.fitting.logs import FitError, Log, log_problems, read_log
 from omnisim.fitting.parameters import Parameter, Point, parameters, point
 from omnisim.fitting.schema import FitConfig
 from omnisim.scene.document import MOST_BYTES, Document, InputError, decoded, parsed
-from omnisim.scene.problems import Problem, schema_problems
+from omnisim.scene.problems import Problem, did_you_mean, schema_problems
 from omnisim.scene.scene import Scene, load
 from omnisim.scene.toml_text import KeyPath, rewrite
 from omnisim.scene.validation import tuples
@@ -94,19 +94,22 @@ class Fit:
 
 
 def load_fit(source: str | PathLike[str] | Mapping[str, Any]) -> Fit:
-    """The fit in a file, or that a dict says; files that it names stand beside it, or where a dict is used.
+    """The fit in a file, or else the packaged one of that name, or that a dict says; files that it names stand beside
+    it, or where a dict is used.
 
     Raises FitError or SceneError for everything that is wrong with it, its scene or its logs.
     """
     if isinstance(source, Mapping):
         data = dict(source)
         return _checked(Document(data, rewrite("", [], data), TEXT), Path())
-    path = Path(path_text("fit", source, "a path or a dict"))
+    path = Path(path_text("fit", source, "a path, the name of a packaged fit, or a dict"))
+    if not path.exists() and str(path) in packaged_fits():
+        path = packaged_fits()[str(path)]
     shown = visible(str(path))
     try:
         text = decoded(read_small(path, MOST_BYTES), shown)
     except OSError as error:
-        raise FitError(f"{shown}: {error.strerror}") from None
+        raise FitError(f"{shown}: {error.strerror}{hint(path)}") from None
     except InputError as error:
         raise FitError(str(error)) from None
     try:
@@ -114,6 +117,22 @@ def load_fit(source: str | PathLike[str] | Mapping[str, Any]) -> Fit:
     except InputError as error:
         raise FitError(str(error)) from None
     return _checked(document, path.parent)
+
+
+def hint(path: Path) -> str:
+    """What to say where there is no such file."""
+    return (
+        ""
+        if path.exists()
+        else f"{did_you_mean(path.stem, packaged_fits()) or '.'} Packaged fits: {', '.join(packaged_fits())}"
+    )
+
+
+def packaged_fits() -> dict[str, Path]:
+    """The fits that come with the package, beside their logs."""
+    from importlib.resources import files  # here: slow to import, and a fit file does not need it
+
+    return {path.stem: path for path in sorted(Path(str(files("omnisim.data") / "measured")).glob("*.toml"))}
 
 
 def _checked(document: Document, folder: Path) -> Fit:

@@ -5,6 +5,8 @@ Of every compared row k but the first, where each run starts, the residual is
     (p_k - q_k) / s_p        p, q  simulated and measured position, m
     (y_k - w_k) / s_y        y, w  simulated and measured yaw, rad
                              s     weights: standard deviations, m and rad
+
+What the logs do not tell is held where it starts by a pull that is far too weak for what they do tell.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,6 +22,7 @@ from omnisim.fitting.simulation import Interrupted
 DIFFERENCE = 1e-3  # of a parameter's range, each way
 TOLERANCE = 1e-6  # of cost and step, relative, at which the search ends
 MOST_TRIALS = 50
+PULL = 1e-3  # of a parameter towards its start, deviations by range: without it SciPy creeps where J is singular
 
 
 class Paths(Protocol):
@@ -65,6 +68,7 @@ class Search:
         self.weights = np.array([weights.position, weights.position, weights.yaw])
         self.measured = [measured(fit.logs[i], fit.compared(fit.logs[i])) for i in self.logs]
         self.trials = 0
+        self.reach = fit.high[self.used] - fit.low[self.used]
         self.best: tuple[float, np.ndarray, list[Path], np.ndarray] | None = None
         self.jacobian_there: np.ndarray | None = None
 
@@ -75,7 +79,7 @@ class Search:
         return found
 
     def residuals(self, unknowns: np.ndarray) -> np.ndarray:
-        """(m,) of these unknowns."""
+        """(m + P,) of these unknowns, and their pulls."""
         paths = self.paths(self.values(unknowns)[None], self.logs)[0]
         found = self.compared(paths)
         rms = float(np.sqrt(np.mean(found**2)))
@@ -83,7 +87,7 @@ class Search:
         if self.best is None or rms < self.best[0]:
             self.best = (rms, unknowns.copy(), paths, found)
         self.told(Trial(self.trials, rms, self.best[0]))
-        return found
+        return np.append(found, PULL * (unknowns - self.fit.start[self.used]) / self.reach)
 
     def compared(self, paths: list[Path]) -> np.ndarray:
         """(m,) residuals of these paths."""
@@ -94,7 +98,7 @@ class Search:
         return np.concatenate(rows).ravel()
 
     def jacobian(self, unknowns: np.ndarray) -> np.ndarray:
-        """(m, P) by central differences, one-sided where a range ends."""
+        """(m + P, P) by central differences, one-sided where a range ends."""
         values = self.values(unknowns)
         reach = DIFFERENCE * (self.fit.high - self.fit.low)
         points = np.array([
@@ -107,7 +111,7 @@ class Search:
             below, above = (self.compared(paths[2 * n + side]) for side in (0, 1))
             columns.append((above - below) / (points[2 * n + 1, i] - points[2 * n, i]))
         self.jacobian_there = np.column_stack(columns)
-        return self.jacobian_there
+        return np.vstack([self.jacobian_there, np.diag(PULL / self.reach)])
 
     def solve(self) -> Solution:
         """The best unknowns, by the trust region reflective method of SciPy, which stays within the bounds. Raises
@@ -120,7 +124,7 @@ class Search:
         converged = interrupted = False
         try:
             end = least_squares(
-                self.residuals, self.fit.start[self.used], self.jacobian, (low, high), x_scale=high - low,
+                self.residuals, self.fit.start[self.used], self.jacobian, (low, high), x_scale=self.reach,
                 ftol=TOLERANCE, xtol=TOLERANCE, gtol=None, max_nfev=MOST_TRIALS,
             )  # fmt: skip
             converged = end.status > 0

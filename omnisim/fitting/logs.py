@@ -84,6 +84,9 @@ def read_log(entry: LogEntry, i: int, folder: Path, wheels: tuple[str, ...]) -> 
         rows = text_rows(path)
     except OSError as error:
         return [Problem(("logs", i, "file"), f"cannot be read: {error.strerror or error}")]
+    shown = visible(str(path))
+    if len(rows.cells) < FEWEST:
+        raise FitError(f"{shown}: {len(rows.cells)} rows; a log has {FEWEST} or more")
     places = {}
     problems = []
     names = [*([] if entry.columns else rows.names)]
@@ -104,9 +107,6 @@ def read_log(entry: LogEntry, i: int, folder: Path, wheels: tuple[str, ...]) -> 
             problems.append(Problem(("logs", i, "columns"), f"{what} for what wheel {wheel} turns; one of {choices}"))
     if problems:
         return problems
-    shown = visible(str(path))
-    if len(rows.cells) < FEWEST:
-        raise FitError(f"{shown}: {len(rows.cells)} rows; a log has {FEWEST} or more")
     values = {key: numbers(rows, key, at, shown) * factor(entry, key) for key, at in places.items()}
     time = values[TIME]
     back = np.flatnonzero(np.diff(time) <= 0.0)

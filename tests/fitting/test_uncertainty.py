@@ -1,0 +1,111 @@
+"""What logs tell: intervals that cover, rows that follow each other, and what cannot be told."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from logs import noisy, tour
+
+from omnisim.fitting.fit_file import load_fit
+from omnisim.fitting.fitting import what_is_known
+from omnisim.fitting.ideal import IdealPaths
+from omnisim.fitting.least_squares import Search
+from omnisim.fitting.logs import Log
+from omnisim.fitting.uncertainty import correlation_time
+from omnisim.scene.ideal_kinematics import wheel_rows
+
+pytest.importorskip("scipy")
+TRUE = np.array([1.05, 0.98, 1.01, 0.97, 1.08, 0.02, -0.03])  # radii, places, tracked point of omni4_squares
+REPEATS = 100
+
+
+@pytest.fixture(scope="module")
+def known():
+    """The packaged fit with two logs of 40 s that ideal kinematics makes with TRUE values."""
+    fit = load_fit("omni4_squares")
+    time = np.arange(0.0, 40.01, 0.1)
+    angles = tour(time, wheel_rows(fit.scene.config))
+    weights = fit.config.weights.model_copy(update={"every": None})
+    fit = replace(fit, config=fit.config.model_copy(update={"weights": weights}))
+    logs = []
+    for turned in (angles, angles[:, ::-1]):
+        log = Log("made.csv", "fit", time, np.zeros((len(time), 2)), np.zeros(len(time)), turned)
+        path = IdealPaths(replace(fit, logs=(log,))).path(TRUE, log)
+        logs.append(replace(log, position=path.position, yaw=path.yaw))
+    return replace(fit, logs=tuple(logs))
+
+
+def solved(fit):
+    search = Search(fit, IdealPaths(fit), range(len(fit.parameters)), lambda trial: None)
+    found = search.solve()
+    return found, what_is_known(fit, found, search.weights)
+
+
+def test_logs_without_noise_give_back_what_made_them(known):
+    found, _ = solved(known)
+    np.testing.assert_allclose(found.values, TRUE, atol=2e-8)  # 3e-10 measured
+
+
+@pytest.mark.long
+def test_95_percent_intervals_cover_the_truth_in_90_to_99_percent_of_noisy_repeats(known):
+    """Of 100 repeats with noise on every pose, the first included, for each of seven parameters."""
+    random = np.random.default_rng(5)
+    covered = np.zeros(len(TRUE))
+    for _ in range(REPEATS):
+        _, told = solved(replace(known, logs=tuple(noisy(log, random) for log in known.logs)))
+        covered += (told.low <= TRUE) & (told.high >= TRUE)
+    print(covered)
+    assert (covered >= 90).all() and (covered <= 99).all()
+
+
+def test_white_noise_counts_every_row_and_a_running_mean_one_of_as_many():
+    """Integrated autocorrelation time of a mean over k rows of white noise: k."""
+    random = np.random.default_rng(0)
+    noise = random.normal(size=(20000, 2))
+    assert correlation_time([noise[:9000], noise[9000:]]) == pytest.approx(1.0, abs=0.1)  # 1.02 measured
+    means = np.apply_along_axis(lambda column: np.convolve(column, np.ones(10) / 10, "valid"), 0, noise)
+    assert correlation_time([means]) == pytest.approx(10.0, rel=0.15)
+
+
+def test_what_no_log_depends_on_is_told_and_the_rest_is_as_it_was(known):
+    """Friction does nothing to ideal kinematics."""
+    fit = load_fit({
+        **known.document.data,
+        "free": {"friction.coefficient": {"start": 0.5, "from": 0.1, "to": 1.2}, **known.document.data["free"]},
+        "logs": [{**entry, "file": str(load_fit_folder() / entry["file"])} for entry in known.document.data["logs"]],
+    })  # fmt: skip
+    found, told = solved(replace(fit, logs=known.logs, config=known.config))
+    assert "the logs cannot tell friction.coefficient: its interval is as wide as its range" in told.untold
+    assert (told.low[0], told.high[0]) == (0.1, 1.2)
+    np.testing.assert_allclose(found.values[1:], TRUE, atol=1e-6)
+    assert np.isfinite(told.deviation).all() and (told.deviation[1:] < 1e-3).all()
+
+
+def load_fit_folder():
+    from omnisim.fitting.fit_file import packaged_fits
+
+    return packaged_fits()["omni4_squares"].parent
+
+
+def test_a_turn_by_itself_cannot_tell_radii_from_places(known):
+    """Turning on the spot gives one number, the yaw, for a factor on all radii and one on all places: R / L."""
+    free = {
+        "wheel_types.a.radius": {
+            "scale": True, "start": 1.0, "from": 0.8, "to": 1.25,
+            "also": [f"wheel_types.{name}.{key}" for name in "abcd" for key in ("radius", "roller_distance")
+                     if (name, key) != ("a", "radius")],
+        },
+        "wheels.*.position": {"scale": True, "start": 1.0, "from": 0.8, "to": 1.25},
+    }  # fmt: skip
+    fit = load_fit({
+        **known.document.data, "free": free,
+        "logs": [{**entry, "file": str(load_fit_folder() / entry["file"])} for entry in known.document.data["logs"]],
+    })  # fmt: skip
+    time = known.logs[0].time
+    angles = -np.outer(3.0 * time, np.ones(4))
+    log = replace(known.logs[0], position=np.zeros((len(time), 2)), angles=angles)
+    fit = replace(fit, logs=(log,), config=known.config)
+    log = replace(log, yaw=IdealPaths(fit).path(np.ones(2), log).yaw)
+    _, told = solved(replace(fit, logs=(noisy(log, np.random.default_rng(1)),)))
+    assert any("apart" in sentence or "hardly tell" in sentence for sentence in told.untold), told.untold
+    assert abs(told.correlation[0, 1]) > 0.999
