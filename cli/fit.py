@@ -117,6 +117,8 @@ class Follower(StopWish):
 
     def __call__(self, trial: Trial) -> bool:
         """Whether to stop."""
+        if trial.number == 1 and not self.quiet:
+            note("searching; Ctrl-C ends it with the best so far")
         if is_watched(self.quiet):
             with suppress(OSError):
                 stream: Any = getattr(sys.stderr, "stream", sys.stderr)

@@ -13,7 +13,8 @@ IMPORT = re.compile(r"^\s*(?:from|import) omnisim\.(\w+)", re.MULTILINE)
 # Rooms by column (of 4 halves) and floor; who imports stands above.
 PLACES = {
     "gym": (0, 7),
-    "pictures": (2, 7),
+    "pictures": (2, 8),
+    "fitting": (2, 7),
     "studies": (0, 6),
     "run": (0, 5),
     "results": (0, 4),
@@ -26,6 +27,7 @@ PLACES = {
 }
 SAID = {
     "gym": "environments that learn",
+    "fitting": "machines fitted to logs",
     "studies": "many runs, measured",
     "run": "simulate, Loop, step search",
     "pictures": "plots, 3-D page",

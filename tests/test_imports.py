@@ -14,7 +14,9 @@ import omnisim
 pytestmark = pytest.mark.short
 PACKAGE = Path(omnisim.__file__).parent
 # A room imports from itself and from rooms above it in this list: data flows down, from the scene file to the pictures.
-ROOMS = ("base", "scene", "contact", "dynamics", "march", "results", "run", "studies", "gym", "fitting", "cad", "pictures")
+ROOMS = (
+    "base", "scene", "contact", "dynamics", "march", "results", "run", "studies", "gym", "fitting", "cad", "pictures",
+)  # fmt: skip
 ONLY = {
     "h5py": {"results.hdf5", "base.trajectory_file", "studies.result"},
     "pydantic": {

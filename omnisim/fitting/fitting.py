@@ -48,15 +48,16 @@ def fit(
     hands = workers or cores()
     simulated = SimulatedPaths(made, hands, lambda: wish[0])
     before = SimulatedPaths(made, hands)(made.start[None], everything)[0]
+    ideal = ideal_paths(made)
+    begin = np.array([(ideal[0] or {}).get(one.key, one.start) for one in made.parameters])  # far on the way at once
     search = Search(made, simulated, range(len(made.parameters)), told)
-    found = search.solve()
+    found = search.solve(begin)
     after, finer = (SimulatedPaths(made, hands, finer=times) for times in (1, FINER))
     paths = after(found.values[None], everything)[0]
     step_error = max(
         float(np.hypot(*(a.position - b.position).T).max())
         for a, b in zip(paths, finer(found.values[None], everything)[0], strict=True)
     )
-    ideal = ideal_paths(made)
     logs = tuple(
         LogResult(log, made.compared(log), before[i], paths[i], *(entry and entry[i] for entry in ideal[1:]))
         for i, log in enumerate(made.logs)
@@ -91,7 +92,7 @@ def ideal_paths(made: Fit) -> Ideal:
     used = [i for i in range(len(made.parameters)) if matters(made, paths, i)]
     if not used:
         return {}, nominal, nominal
-    found = Search(made, paths, used, lambda trial: None).solve()
+    found = Search(made, paths, used, lambda trial: None).solve(made.start)
     values = {made.parameters[i].key: float(found.values[i]) for i in used}
     return values, nominal, paths(found.values[None], everything)[0]
 

@@ -19,7 +19,7 @@ from omnisim.fitting.logs import FitError
 from omnisim.fitting.paths import Path, measured
 from omnisim.fitting.simulation import Interrupted
 
-DIFFERENCE = 1e-3  # of a parameter's range, each way
+DIFFERENCE = 1e-3  # of a parameter's range
 TOLERANCE = 1e-6  # of cost and step, relative, at which the search ends
 MOST_TRIALS = 50
 PULL = 1e-3  # of a parameter towards its start, deviations by range: without it SciPy creeps where J is singular
@@ -70,6 +70,7 @@ class Search:
         self.trials = 0
         self.reach = fit.high[self.used] - fit.low[self.used]
         self.best: tuple[float, np.ndarray, list[Path], np.ndarray] | None = None
+        self.last: tuple[np.ndarray, list[Path]] | None = None
         self.jacobian_there: np.ndarray | None = None
 
     def values(self, unknowns: np.ndarray) -> np.ndarray:
@@ -78,9 +79,14 @@ class Search:
         found[self.used] = unknowns
         return found
 
+    def paths_at(self, unknowns: np.ndarray) -> list[Path]:
+        if self.last is None or not np.array_equal(self.last[0], unknowns):
+            self.last = (unknowns.copy(), self.paths(self.values(unknowns)[None], self.logs)[0])
+        return self.last[1]
+
     def residuals(self, unknowns: np.ndarray) -> np.ndarray:
         """(m + P,) of these unknowns, and their pulls."""
-        paths = self.paths(self.values(unknowns)[None], self.logs)[0]
+        paths = self.paths_at(unknowns)
         found = self.compared(paths)
         rms = float(np.sqrt(np.mean(found**2)))
         self.trials += 1
@@ -98,24 +104,19 @@ class Search:
         return np.concatenate(rows).ravel()
 
     def jacobian(self, unknowns: np.ndarray) -> np.ndarray:
-        """(m + P, P) by central differences, one-sided where a range ends."""
-        values = self.values(unknowns)
-        reach = DIFFERENCE * (self.fit.high - self.fit.low)
-        points = np.array([
-            np.clip(values + sign * reach * (np.arange(len(values)) == i), self.fit.low, self.fit.high)
-            for i in self.used for sign in (-1.0, 1.0)
-        ])  # fmt: skip
+        """(m + P, P) by differences into each range."""
+        above = unknowns + DIFFERENCE * self.reach > self.fit.high[self.used]
+        steps = np.where(above, -DIFFERENCE, DIFFERENCE) * self.reach
+        points = np.array([self.values(unknowns + step) for step in np.diag(steps)])
         paths = self.paths(points, self.logs)
-        columns = []
-        for n, i in enumerate(self.used):
-            below, above = (self.compared(paths[2 * n + side]) for side in (0, 1))
-            columns.append((above - below) / (points[2 * n + 1, i] - points[2 * n, i]))
+        base = self.compared(self.paths_at(unknowns))
+        columns = [(self.compared(path) - base) / step for path, step in zip(paths, steps, strict=True)]
         self.jacobian_there = np.column_stack(columns)
         return np.vstack([self.jacobian_there, np.diag(PULL / self.reach)])
 
-    def solve(self) -> Solution:
-        """The best unknowns, by the trust region reflective method of SciPy, which stays within the bounds. Raises
-        FitError without SciPy."""
+    def solve(self, begin: np.ndarray) -> Solution:
+        """The best values from a point (P,) on, by the trust region reflective method of SciPy, which stays within the
+        ranges. Raises FitError without SciPy."""
         try:
             from scipy.optimize import least_squares  # here: SciPy comes with an extra
         except ModuleNotFoundError:
@@ -124,7 +125,7 @@ class Search:
         converged = interrupted = False
         try:
             end = least_squares(
-                self.residuals, self.fit.start[self.used], self.jacobian, (low, high), x_scale=self.reach,
+                self.residuals, begin[self.used], self.jacobian, (low, high), x_scale=self.reach,
                 ftol=TOLERANCE, xtol=TOLERANCE, gtol=None, max_nfev=MOST_TRIALS,
             )  # fmt: skip
             converged = end.status > 0

@@ -37,7 +37,7 @@ def known():
 
 def solved(fit):
     search = Search(fit, IdealPaths(fit), range(len(fit.parameters)), lambda trial: None)
-    found = search.solve()
+    found = search.solve(fit.start)
     return found, what_is_known(fit, found, search.weights)
 
 

@@ -22,6 +22,8 @@ WHEELS = {
     "fm202": 1,
     "kiwi": 3,
     "mixed": 4,
+    "omni3": 3,
+    "omni4": 4,
     "platform24v": 4,
     "six_rollers": 1,
     "soccer_kit": 3,
