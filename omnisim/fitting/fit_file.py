@@ -70,7 +70,7 @@ class Fit:
         """What the scene says, lists as tuples."""
         return tuples(self.scene.document.data)
 
-    def settings(self, values: Sequence[float]) -> list[tuple[KeyPath, Any]]:
+    def settings(self, values: Sequence[float] | np.ndarray) -> list[tuple[KeyPath, Any]]:
         """The paths in the scene's data that values of the parameters set, and to what."""
         return [
             setting
@@ -78,9 +78,9 @@ class Fit:
             for setting in one.settings(float(value))
         ]
 
-    def point(self, values: Sequence[float]) -> Point:
+    def point(self, values: Sequence[float] | np.ndarray) -> Point:
         """The tracked point with values of the parameters."""
-        return point(self.config.tracked, self.parameters, values)
+        return point(self.config.tracked, self.parameters, [float(value) for value in values])
 
     def compared(self, log: Log) -> np.ndarray:
         """The rows of a log that are compared: the first, the last, and between them those that are the time `every`

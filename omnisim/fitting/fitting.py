@@ -49,21 +49,24 @@ def fit(
     simulated = SimulatedPaths(made, hands, lambda: wish[0])
     before = SimulatedPaths(made, hands)(made.start[None], everything)[0]
     ideal = ideal_paths(made)
-    begin = np.array([(ideal[0] or {}).get(one.key, one.start) for one in made.parameters])  # far on the way at once
     search = Search(made, simulated, range(len(made.parameters)), told)
-    found = search.solve(begin)
+    far = np.array(
+        [(ideal[0] or {}).get(one.key, one.start) for one in made.parameters]
+    )  # on the way, unless wheels slip
+    found = search.solve(far if search.nearer(far, before) else made.start)
     after, finer = (SimulatedPaths(made, hands, finer=times) for times in (1, FINER))
     paths = after(found.values[None], everything)[0]
     step_error = max(
         float(np.hypot(*(a.position - b.position).T).max())
         for a, b in zip(paths, finer(found.values[None], everything)[0], strict=True)
     )
+    values, nominal, fitted = ideal
     logs = tuple(
-        LogResult(log, made.compared(log), before[i], paths[i], *(entry and entry[i] for entry in ideal[1:]))
+        LogResult(log, made.compared(log), before[i], paths[i], nominal[i], fitted[i])
         for i, log in enumerate(made.logs)
     )
     known = what_is_known(made, found, search.weights)
-    return FitResult(made, found, known, logs, ideal[0], step_error, simulated.ran, after.early)
+    return FitResult(made, found, known, logs, values, step_error, simulated.ran, after.early)
 
 
 def what_is_known(made: Fit, found: Solution, weights: np.ndarray) -> Uncertainty:
@@ -77,7 +80,7 @@ def what_is_known(made: Fit, found: Solution, weights: np.ndarray) -> Uncertaint
     )
 
 
-Ideal = tuple[dict[str, float] | None, list[Path] | None, list[Path] | None]
+Ideal = tuple[dict[str, float] | None, list[Path | None], list[Path | None]]
 
 
 def ideal_paths(made: Fit) -> Ideal:
@@ -88,13 +91,14 @@ def ideal_paths(made: Fit) -> Ideal:
     try:
         nominal = paths(made.start[None], everything)[0]
     except ValueError:
-        return None, None, None
+        nothing: list[Path | None] = [None] * len(everything)
+        return None, nothing, nothing
     used = [i for i in range(len(made.parameters)) if matters(made, paths, i)]
     if not used:
-        return {}, nominal, nominal
+        return {}, [*nominal], [*nominal]
     found = Search(made, paths, used, lambda trial: None).solve(made.start)
     values = {made.parameters[i].key: float(found.values[i]) for i in used}
-    return values, nominal, paths(found.values[None], everything)[0]
+    return values, [*nominal], [*paths(found.values[None], everything)[0]]
 
 
 def matters(made: Fit, paths: IdealPaths, i: int) -> bool:

@@ -114,6 +114,12 @@ class Search:
         self.jacobian_there = np.column_stack(columns)
         return np.vstack([self.jacobian_there, np.diag(PULL / self.reach)])
 
+    def nearer(self, values: np.ndarray, others: list[Path]) -> bool:
+        """Whether the paths with these values (P,) are nearer to the logs than others, of all logs."""
+        mine = self.paths(values[None], self.logs)[0]
+        cost, other = (float(np.sum(self.compared(paths) ** 2)) for paths in (mine, [others[i] for i in self.logs]))
+        return cost < other
+
     def solve(self, begin: np.ndarray) -> Solution:
         """The best values from a point (P,) on, by the trust region reflective method of SciPy, which stays within the
         ranges. Raises FitError without SciPy."""

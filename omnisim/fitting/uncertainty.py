@@ -15,6 +15,7 @@ freedom as the sum of m_c / tau_c - P - S.
 """
 
 from collections.abc import Sequence
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -151,6 +152,6 @@ def alike(parameters: Sequence[Parameter], correlation: np.ndarray) -> list[str]
     """Pairs of estimates that hardly differ in what they do."""
     return [
         f"the logs hardly tell {parameters[i].key} from {parameters[j].key}: correlation {correlation[i, j]:.3f}"
-        for i, j in zip(*np.triu_indices(len(parameters), 1), strict=True)
+        for i, j in combinations(range(len(parameters)), 2)
         if abs(correlation[i, j]) > ALIKE
     ]
