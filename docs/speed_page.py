@@ -24,6 +24,7 @@ PAGES = {
     "engines": ("Against general engines", ("mujoco_peer", "mujoco_platform", "drake_peer")),
     "laws": ("Laws and formulations", ("laws", "formulations")),
     "cost": ("Machines, rollers, memory", ("whole_machines", "kernels", "scaling", "startup", "memory")),
+    "many": ("Thousands of runs", ("studies", "gym")),
     "hard_cases": ("Hard cases", ("hard_cases",)),
 }
 SECTIONS = [name for _, names in PAGES.values() for name in names]
