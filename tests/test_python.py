@@ -42,7 +42,14 @@ def test_no_public_name_is_hidden_by_a_module():
     """A room of the same name would take its place as soon as somebody imports it."""
     assert not {path.stem for path in (ROOT / "omnisim").iterdir()} & set(omnisim.__all__)
     assert set(omnisim.__all__) <= set(dir(omnisim))
-    assert set(omnisim.plots.__all__) == {"VIEWS", "PlotError", "study", *omnisim.plots.VIEWS}
+    assert set(omnisim.plots.__all__) == {
+        "VIEWS",
+        "PlotError",
+        "study",
+        "fit_paths",
+        "fit_residuals",
+        *omnisim.plots.VIEWS,
+    }
 
 
 @pytest.mark.short

@@ -89,6 +89,7 @@ def test_a_folder_that_cannot_be_is_refused_before_anything_runs(fit, tmp_path):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals")
+@pytest.mark.long
 def test_an_interrupt_keeps_the_best_so_far_and_says_so(tmp_path):
     """Of a packaged fit that takes long; the estimates are written."""
     program = "import sys; from omnisim_cli.main import main; sys.argv = ['omnisim', *sys.argv[1:]]; main()"
