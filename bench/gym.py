@@ -8,7 +8,6 @@ controls are known before, and it returns states alone.
 """
 
 import statistics
-import time
 from collections.abc import Callable
 from functools import cache
 
@@ -17,10 +16,10 @@ from gymnasium import make_vec
 from gymnasium.vector import VectorEnv
 
 import omnisim
-from bench.common import Claim, table
+from bench.common import Claim, median_ratio, rates_in_turn, table
 from bench.machine_scenes import RAMP
 from bench.peers.mujoco_peer import mujoco
-from bench.peers.mujoco_platform import HOW, LEVEL, Setup, model, scene
+from bench.peers.mujoco_platform import HOW, LEVEL, Setup, model, rollout, scene
 from omnisim.studies.workers import cores
 
 NAME = "omnisim.gym:omnisim/Follow-v0"
@@ -45,15 +44,8 @@ def measure(rounds: int) -> dict:
     if mujoco is not None:
         for contact, integrator, step in HOW:
             setup = Setup(MOTION, LEVEL, contact, integrator, step)
-            contestants[f"platform, MuJoCo rollout, {contact}, {integrator}, {step:g} s"] = rollout(setup)
-    rates: dict[str, list[float]] = {name: [] for name in contestants}
-    for number in range(rounds + 1):
-        for name, go in contestants.items():
-            begun = time.perf_counter()
-            done = go()
-            if number:
-                rates[name].append(MACHINES * done / (time.perf_counter() - begun))
-    return {"cores": cores(), "rates": rates}
+            contestants[f"platform, MuJoCo rollout, {contact}, {integrator}, {step:g} s"] = rolled(setup)
+    return {"cores": cores(), "rates": rates_in_turn(contestants, rounds)}
 
 
 @cache
@@ -78,7 +70,7 @@ def following(threads: int | None = None, step: float | None = COARSE) -> int:
     observed, _ = many.reset(seed=0)
     for _ in range(STEPS):
         observed, *_ = many.step((observed[:, 3:6] + GAIN * observed[:, :3]) / limits)
-    return STEPS
+    return MACHINES * STEPS
 
 
 def wild() -> int:
@@ -86,7 +78,7 @@ def wild() -> int:
     many.reset(seed=0)
     for _ in range(FEW):
         many.step(random.uniform(-1.0, 1.0, many.action_space.shape))
-    return FEW
+    return MACHINES * FEW
 
 
 def sliding() -> int:
@@ -95,28 +87,13 @@ def sliding() -> int:
     many.reset(seed=0)
     for _ in range(STEPS):
         many.step(actions)
-    return STEPS
+    return MACHINES * STEPS
 
 
-def rollout(setup: Setup) -> Callable[[], int]:
-    """The platform in MuJoCo, its motors held for each control interval."""
-    from mujoco.rollout import Rollout
-
-    models = [model(setup) for _ in range(MACHINES)]
-    data = [mujoco.MjData(models[0]) for _ in range(cores())]
-    state = np.empty(mujoco.mj_stateSize(models[0], mujoco.mjtState.mjSTATE_FULLPHYSICS))
-    mujoco.mj_getState(models[0], data[0], state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
-    steps = round(RAMP / setup.step)
-    control = np.empty((1, steps, models[0].nu))
-    control[:] = [wheel.drive.torque[0] for wheel in scene(MOTION).config.wheels]
-    states = np.empty((MACHINES, steps, len(state)))
-    pool = Rollout(nthread=cores())
-
-    def go() -> int:
-        pool.rollout(models, data, state[None], control, state=states, skip_checks=False)
-        return STEPS
-
-    return go
+def rolled(setup: Setup) -> Callable[[], int]:
+    """The platform in MuJoCo."""
+    go = rollout(setup, [model(setup) for _ in range(MACHINES)], RAMP)
+    return lambda: MACHINES * STEPS if go() else 0
 
 
 def report(result: dict) -> str:
@@ -124,21 +101,16 @@ def report(result: dict) -> str:
     return table([f"{MACHINES} machines on {result['cores']} cores", "steps of 10 ms a second"], rows)
 
 
-def by(result: dict, one: str, other: str) -> float:
-    """Median of the ratios within a round."""
-    rates = result["rates"]
-    return statistics.median(a / b for a, b in zip(rates[one], rates[other], strict=True))
-
-
 def claims(result: dict) -> list[Claim]:
     alone = f"{FOLLOWING}, 1 thread"
-    threads = by(result, FOLLOWING, alone)
+    rates = result["rates"]
+    threads = median_ratio(rates[FOLLOWING], rates[alone])
     text = f"steps of {MACHINES} youBots on {result['cores']} cores, by those on one"
     found = [Claim(text, threads, "at least", 0.9 * result["cores"], 0.5 * result["cores"])]
-    theirs = [name for name in result["rates"] if "MuJoCo" in name]
+    theirs = [name for name in rates if "MuJoCo" in name]
     if theirs:
-        fastest = max(theirs, key=lambda name: statistics.median(result["rates"][name]))
-        times = by(result, SLIDING, fastest)
+        fastest = max(theirs, key=lambda name: statistics.median(rates[name]))
+        times = median_ratio(rates[SLIDING], rates[fastest])
         text = "environment steps of the platform, by those of MuJoCo's fastest rollout"
         found.append(Claim(text, times, "at least", 5.0, 2.5))
     return found

@@ -17,11 +17,11 @@ from pathlib import Path
 import numpy as np
 
 import omnisim
-from bench.common import Claim, table
-from bench.machine_scenes import END, RAMP
+from bench.common import Claim, median_ratio, rates_in_turn, table
+from bench.machine_scenes import END
 from bench.memory import MEGABYTE, peak_of
 from bench.peers.mujoco_peer import mujoco
-from bench.peers.mujoco_platform import HOW, LEVEL, Setup, model, scene
+from bench.peers.mujoco_platform import HOW, LEVEL, Setup, model, rollout, scene
 from omnisim.studies.study import Study, load_study
 from omnisim.studies.sweep import sweep
 from omnisim.studies.task import Task
@@ -70,14 +70,8 @@ def measure(rounds: int) -> dict:
         if mujoco is not None:
             for contact, integrator, step in HOW[:2]:  # the third is slower by far
                 setup = Setup(MOTION, LEVEL, contact, integrator, step)
-                contestants[f"MuJoCo rollout, {cores()} threads, {contact}, {integrator}, {step:g} s"] = rollout(setup)
-        rates: dict[str, list[float]] = {name: [] for name in contestants}
-        for number in range(rounds + 1):
-            for name, go in contestants.items():
-                begun = time.perf_counter()
-                done = go()
-                if number:
-                    rates[name].append(done / (time.perf_counter() - begun))
+                contestants[f"MuJoCo rollout, {cores()} threads, {contact}, {integrator}, {step:g} s"] = rolled(setup)
+        rates = rates_in_turn(contestants, rounds)
         overhead = [beside_the_march(study) for _ in range(rounds)]
         sizes = (FEW, RUNS, MANY) if rounds > 1 else (FEW, RUNS)
         return {
@@ -123,30 +117,16 @@ def peak(folder: Path, count: int) -> int:
     return peak_of([*command, "--force", "-o", str(folder / "peak.h5")])
 
 
-def rollout(setup: Setup) -> Callable[[], int]:
-    """MuJoCo's runs of a setup."""
-    from mujoco.rollout import Rollout
-
+def rolled(setup: Setup) -> Callable[[], int]:
+    """MuJoCo's runs, of other friction and mass."""
     random, models = np.random.default_rng(1), []
     for _ in range(FEW):
         variant = model(setup)
         variant.geom_friction[:, 0] = random.uniform(*FRICTION)
         variant.body_mass[1] = random.uniform(*MASS)
         models.append(variant)
-    data = [mujoco.MjData(models[0]) for _ in range(cores())]
-    state = np.empty(mujoco.mj_stateSize(models[0], mujoco.mjtState.mjSTATE_FULLPHYSICS))
-    mujoco.mj_getState(models[0], data[0], state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
-    steps = round(END / setup.step)
-    control = np.zeros((1, steps, models[0].nu))
-    control[:, : round(RAMP / setup.step)] = [wheel.drive.torque[0] for wheel in scene(MOTION).config.wheels]
-    states = np.empty((FEW, steps, len(state)))
-    pool = Rollout(nthread=cores())
-
-    def go() -> int:
-        pool.rollout(models, data, state[None], control, state=states, skip_checks=False)
-        return FEW
-
-    return go
+    go = rollout(setup, models, END)
+    return lambda: FEW if go() else 0
 
 
 def report(result: dict) -> str:
@@ -161,18 +141,13 @@ def report(result: dict) -> str:
     )
 
 
-def by(result: dict, one: str, other: str) -> float:
-    """Median of the ratios within a round."""
-    rates = result["rates"]
-    return statistics.median(a / b for a, b in zip(rates[one], rates[other], strict=True))
-
-
 def claims(result: dict) -> list[Claim]:
-    one, all_of_them, _, _, *theirs = result["rates"]
+    rates = result["rates"]
+    one, all_of_them, _, _, *theirs = rates
     found = [
         Claim(
             f"a study of {RUNS} runs on {result['cores']} cores, runs a second by those on one",
-            by(result, all_of_them, one),
+            median_ratio(rates[all_of_them], rates[one]),
             "at least",
             0.95 * result["cores"],
             0.5 * result["cores"],
@@ -186,8 +161,8 @@ def claims(result: dict) -> list[Claim]:
         ),
     ]
     if theirs:
-        fastest = max(theirs, key=lambda name: statistics.median(result["rates"][name]))
-        times = by(result, all_of_them, fastest)
+        fastest = max(theirs, key=lambda name: statistics.median(rates[name]))
+        times = median_ratio(rates[all_of_them], rates[fastest])
         found.append(
             Claim("runs a second of a study, by those of MuJoCo's fastest rollout", times, "at least", 15.0, 8.0)
         )

@@ -23,6 +23,7 @@ from omnisim.cad.robot_description import numbers
 from omnisim.dynamics.packing import pack
 from omnisim.results.trajectory import Trajectory
 from omnisim.scene.scene import Scene
+from omnisim.studies.workers import cores
 
 SHAPES = {LEVEL: wheel_scene.level_ellipsoid, SMOOTH: wheel_scene.smooth_ellipsoid}
 STRAIGHT = ("forward", "sideways")  # motions whose odometry needs no yaw
@@ -141,6 +142,22 @@ class Running:
             "yaw_error": abs(2.0 * math.atan2(turn, w) - run["body/yaw"][-1]),
             "short": 1.0 - math.hypot(x, y) / reported,
         }
+
+
+def rollout(setup: Setup, models: list, end: float) -> Callable[[], object]:
+    """MuJoCo's runs of these models of a setup up to `end`, s, all at once over all cores; models, states and results
+    are made before."""
+    from mujoco.rollout import Rollout
+
+    first, data = models[0], [mujoco.MjData(models[0]) for _ in range(cores())]
+    state = np.empty(mujoco.mj_stateSize(first, mujoco.mjtState.mjSTATE_FULLPHYSICS))
+    mujoco.mj_getState(first, data[0], state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+    steps = round(end / setup.step)
+    control = np.zeros((1, steps, first.nu))
+    control[:, : round(RAMP / setup.step)] = [wheel.drive.torque[0] for wheel in scene(setup.motion).config.wheels]
+    states = np.empty((len(models), steps, len(state)))
+    pool = Rollout(nthread=cores())
+    return partial(pool.rollout, models, data, state[None], control, state=states, skip_checks=False)
 
 
 def measure(rounds: int) -> dict:

@@ -92,7 +92,8 @@ def test_a_folder_that_cannot_be_is_refused_before_anything_runs(fit, tmp_path):
 @pytest.mark.long
 def test_an_interrupt_keeps_the_best_so_far_and_says_so(tmp_path):
     """Of a packaged fit that takes long; the estimates are written."""
-    program = "import sys; from omnisim_cli.main import main; sys.argv = ['omnisim', *sys.argv[1:]]; main()"
+    hearing = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"  # else not in the background
+    program = f"{hearing}; from omnisim_cli.main import main; main()"
     process = subprocess.Popen(
         [sys.executable, "-c", program, "fit", "omni3_squares", "-o", str(tmp_path / "out"), "--workers", "1"],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,

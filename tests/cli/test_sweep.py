@@ -14,6 +14,10 @@ from commands import command, contents, refused
 from omnisim.studies.result import open_study
 from omnisim.studies.sweep import journal_of
 
+# a test that runs in the background may ignore Ctrl-C
+HEARING = (
+    "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); from omnisim_cli.main import main; main()"
+)
 STUDY = """
 schema = 1
 scene = "kiwi"
@@ -113,7 +117,7 @@ def test_ctrl_c_writes_what_has_finished_and_resume_does_the_rest(tmp_path):
     path = tmp_path / "study.toml"
     path.write_text(LONG)
     output = tmp_path / "found.h5"
-    program = [sys.executable, "-c", "from omnisim_cli.main import main; main()", "sweep", str(path), "-o", str(output)]
+    program = [sys.executable, "-c", HEARING, "sweep", str(path), "-o", str(output)]
     process = subprocess.Popen(
         program, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
     )

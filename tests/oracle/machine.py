@@ -221,11 +221,9 @@ class Machine:
         """Tables as (times, values, the loads that they fill); a constant is a table of one point."""
         self.tables = []
         for index, wheel in enumerate(self.wheels):
-            drive = wheel.entry.get("drive", {})
-            drive = drive if drive.get("kind") == "torque" else {}
-            torque = drive.get("torque", 0.0)
-            values = np.reshape(torque, (-1, 1))
-            self.tables.append((np.array(drive.get("times", [0.0])), values, slice(index, index + 1)))
+            drive = wheel.entry["drive"] if wheel.entry.get("drive", {}).get("kind") == "torque" else {"torque": 0.0}
+            table = np.array(drive.get("times", [0.0])), np.reshape(drive["torque"], (-1, 1)), slice(index, index + 1)
+            self.tables.append(table)
         times = np.array(wrench.get("times", [0.0]))
         force = np.broadcast_to(wrench.get("force", 0.0), (len(times), 3))
         yaw_torque = np.broadcast_to(wrench.get("yaw_torque", 0.0), len(times))
