@@ -49,7 +49,7 @@ def fit(fit_file: str, output: str | None, workers: int | None, force: bool, qui
         prepared(made)
     try:
         with Follower(quiet) as follower:
-            found = search(made, workers=workers, progress=follower)
+            found = search(made, workers=workers, progress=follower, stop=lambda: follower.stop)
     except (Interrupted, KeyboardInterrupt):
         raise Failure("interrupted; nothing was written") from None
     if not quiet:
@@ -141,9 +141,11 @@ def summary(found: FitResult) -> str:
         "fit": f"{visible(made.scene.config.title or made.scene.name)}: {len(made.parameters)} keys from {used} of "
         f"{len(found.logs)} logs",
         "search": f"{found.status}; {found.solution.trials} points, {found.runs} runs",
-        "step": f"half of it changes no place by more than {1e3 * found.step_error:.2g} mm",
-        "rows": f"{position:.3g} of positions and {yaw:.3g} of yaw count as one: residuals follow each other",
     }
+    if math.isfinite(position):
+        told["rows"] = f"{position:.3g} of positions and {yaw:.3g} of yaw count as one: residuals follow each other"
+    if found.step_error is not None:
+        told["step"] = f"half of it changes no place by more than {1e3 * found.step_error:.2g} mm"
     if found.early:
         told["early"] = f"{found.early} runs with these estimates stop before their log ends"
     told |= {f"note {i}": visible(sentence) for i, sentence in enumerate(found.known.untold, 1)}

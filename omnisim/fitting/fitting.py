@@ -12,7 +12,7 @@ from omnisim.fitting.ideal import IdealPaths
 from omnisim.fitting.least_squares import Search, Solution, Trial
 from omnisim.fitting.paths import Path, by_starts
 from omnisim.fitting.result import FitResult, LogResult
-from omnisim.fitting.simulation import SimulatedPaths, prepared
+from omnisim.fitting.simulation import Interrupted, SimulatedPaths, prepared
 from omnisim.fitting.uncertainty import Remains, Uncertainty, uncertainty, unknown
 from omnisim.studies.workers import cores
 
@@ -24,6 +24,7 @@ def fit(
     *,
     workers: int | None = None,
     progress: Callable[[Trial], object] | None = None,
+    stop: Callable[[], object] | None = None,
 ) -> FitResult:
     """Estimate keys of a scene, and the tracked point, from logs of a machine.
 
@@ -32,22 +33,29 @@ def fit(
         found.save("robot_fit")                     fitted.toml and fit.json
 
     source: a file, or a dict that says the same. workers: processes, by default one for each core. progress: called
-    with a Trial after each point of the search; if it returns something true, the search ends with the best so far.
+    with a Trial after each point of the search. stop: asked ten times a second while runs are under way. If either
+    returns something true, the search ends with the best so far.
 
     Raises FitError or SceneError for what is wrong with the fit, its scene or its logs.
     """
     callable_or_none("fit", "progress", progress, "a Trial")
+    callable_or_none("fit", "stop", stop, "nothing")
     made = source if isinstance(source, Fit) else load_fit(source)
     wish = [False]
 
     def told(trial: Trial) -> None:
         wish[0] = wish[0] or bool(progress and progress(trial))
 
+    def asked() -> bool:
+        if wish[0] or (stop and stop()):
+            raise Interrupted  # the runs under way are of no use
+        return False
+
     prepared(made)
     everything = list(range(len(made.logs)))
     hands = workers or cores()
-    simulated = SimulatedPaths(made, hands, lambda: wish[0])
-    before = SimulatedPaths(made, hands)(made.start[None], everything)[0]
+    simulated = SimulatedPaths(made, hands, asked)
+    before = SimulatedPaths(made, hands, asked)(made.start[None], everything)[0]
     ideal = ideal_paths(made)
     search = Search(made, simulated, range(len(made.parameters)), told)
     far = np.array(
@@ -56,10 +64,12 @@ def fit(
     found = search.solve(far if search.nearer(far, before) else made.start)
     after, finer = (SimulatedPaths(made, hands, finer=times) for times in (1, FINER))
     paths = after(found.values[None], everything)[0]
-    step_error = max(
-        float(np.hypot(*(a.position - b.position).T).max())
-        for a, b in zip(paths, finer(found.values[None], everything)[0], strict=True)
-    )
+    step_error = None
+    if not found.interrupted:
+        others = finer(found.values[None], everything)[0]
+        step_error = max(
+            float(np.hypot(*(a.position - b.position).T).max()) for a, b in zip(paths, others, strict=True)
+        )
     values, nominal, fitted = ideal
     logs = tuple(
         LogResult(log, made.compared(log), before[i], paths[i], nominal[i], fitted[i])

@@ -65,7 +65,7 @@ class FitResult:
     known        what the logs tell of the estimates
     logs         errors of each log, and its paths
     ideal        the values that ideal kinematics takes, None where wheels leave a motion open
-    step_error   largest change of a place in any path if the step is halved, m
+    step_error   largest change of a place in any path if the step is halved, m; None of an interrupted search
     runs         simulated runs of the search
     early        runs with the estimates that stopped before their log ended
     """
@@ -75,7 +75,7 @@ class FitResult:
     known: Uncertainty
     logs: tuple[LogResult, ...]
     ideal: dict[str, float] | None
-    step_error: float
+    step_error: float | None
     runs: int
     early: int
 
@@ -115,7 +115,7 @@ class FitResult:
             "level": LEVEL,
             "correlation": [[finite(number) for number in row] for row in self.correlation.tolist()],
             "cannot_tell": list(self.known.untold),
-            "correlated_rows": dict(zip(("position", "yaw"), self.known.correlated_rows, strict=True)),
+            "correlated_rows": dict(zip(("position", "yaw"), map(finite, self.known.correlated_rows), strict=True)),
             "ideal_estimates": self.ideal,
             "tracked": self.tracked,
             "logs": [

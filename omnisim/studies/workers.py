@@ -99,8 +99,8 @@ class Batches:
 
 
 def on_cores(task: Task[T_co], runs: list[int], workers: int, stop: Callable[[], bool]) -> Iterator[list[T_co]]:
-    """What the task makes of these numbers, in batches, in the order in which they finish; once `stop` says so, none is
-    begun any more."""
+    """What the task makes of these numbers, in batches, in the order in which they finish; once `stop`, asked ten times
+    a second, says so, none is begun any more. If it raises, what is under way is given up."""
     batches = Batches(runs, workers)
     if workers == 1:
         yield from here(task, batches, stop)
@@ -120,7 +120,8 @@ def on_cores(task: Task[T_co], runs: list[int], workers: int, stop: Callable[[],
         idle.append(another())
     try:
         while True:
-            while idle and not stop() and (batch := batches.next()):
+            stopping = stop()
+            while idle and not stopping and (batch := batches.next()):
                 worker = idle.pop()
                 try:
                     worker.connection.send(batch.runs)
