@@ -10,30 +10,28 @@ from omnisim.dynamics.state import Stage
 def explicit_step(parameters, method, run, t, h):
     """One Runge-Kutta step of length h from run.y into run.trial, with the derivative and `monitors` at its end."""
     a, b, c, first = method.a, method.b, method.c, method.first
-    y, trial, stage, slopes, carry, increment = run.y, run.trial, run.stage, run.slopes, run.carry, run.increment
+    y, trial, slopes, carry, increment = run.y, run.trial, run.slopes, run.carry, run.increment
     stages = len(b)
     for i in range(1, stages + 1):
         last = i == stages
         if not last:
-            point = stage
             time = t + c[i] * h
             if first[i] == i - 1:
                 for m in range(len(y)):
-                    stage[m] = y[m] + h * (a[i, i - 1] * slopes[i - 1, m])
+                    trial[m] = y[m] + h * (a[i, i - 1] * slopes[i - 1, m])
             else:
-                lead(a[i], first[i], i, slopes, stage)
+                lead(a[i], first[i], i, slopes, trial)
                 for m in range(len(y)):
-                    rate = stage[m] + (a[i, i - 2] * slopes[i - 2, m] + a[i, i - 1] * slopes[i - 1, m])
-                    stage[m] = y[m] + h * rate
+                    rate = trial[m] + (a[i, i - 2] * slopes[i - 2, m] + a[i, i - 1] * slopes[i - 1, m])
+                    trial[m] = y[m] + h * rate
         else:
-            point = trial
             time = t + h
             lead(b, 0, stages, slopes, increment)
             for m in range(len(y)):
                 rate = increment[m] + (b[i - 2] * slopes[i - 2, m] + b[i - 1] * slopes[i - 1, m])
                 increment[m] = carry[m] + h * rate
                 trial[m] = y[m] + increment[m]
-        rhs(parameters, Stage(run.mode, run.clock.piece, time, point, slopes[i], run.monitors_end, last))
+        rhs(parameters, Stage(run.mode, run.clock.piece, time, trial, slopes[i], run.monitors_end, last))
     run.clock.rhs += stages
 
 
