@@ -95,12 +95,15 @@ class Part(JITCodeLibrary):
         self.source = source
         self.inlined = inlined
         self.calls = []
+        self.declaration = ""
 
     def finalize(self):
         self.calls = linked(self)
         if not self.inlined:
             self.calls = absorbed(self, self.calls)
+            declare(self, self.calls)
             self._optimize_final_module()
+            self.declaration = declaration(self._final_module.get_function(self.symbol))
         self._final_module.verify()
         self._finalized = True
 
@@ -135,12 +138,33 @@ class Entry(JITCodeLibrary):
 
     def finalize(self):
         calls = absorbed(self, linked(self))
+        declare(self, calls)
         self._optimize_final_module()
         for part in reached(calls):
             if not part.inlined:
                 self._final_module.link_in(part.module(), preserve=True)
         self._final_module.verify()
         self._finalize_final_module()
+
+
+def declare(library, calls):
+    """Tell a library what is known of the Parts that it calls: it may keep in registers what they leave alone."""
+    code = library._final_module
+    head = f'target datalayout = "{code.data_layout}"\ntarget triple = "{code.triple}"'
+    known = llvm.parse_assembly("\n".join([head, *(part.declaration for part in calls)]))
+    known.name = code.name
+    known.link_in(code)
+    library._final_module = known
+
+
+def declaration(function):
+    """A function in LLVM's language without its code, but with what follows from that on memory and arguments. And it
+    is called rarely: registers are not spilled for it where it is not."""
+    function.add_function_attribute("cold")
+    returned, *_ = function.global_value_type.elements
+    arguments = (str(one.type) for one in function.arguments)
+    own, *_ = function.attributes
+    return f'declare {returned} @"{function.name}"({", ".join(arguments)}) cold'
 
 
 def linked(library):
@@ -210,6 +234,7 @@ class PartLowering(KernelLowering):
         flags.no_compile = flags.no_cpython_wrapper = True
         state.library = library = Part(codegen, function.func_qualname, source, flags.forceinline)
         super(KernelLowering, self).run_pass(state)
+        library.symbol = state["cr"].fndesc.mangled_name
         library.finalize()
         lowered = state["cr"]
         state["cr"] = lowered._replace(cfunc=token(lowered.fndesc, lowered.env, library))
@@ -265,11 +290,13 @@ class PartResults(CompileResultCacheImpl):
         descriptor.typemap = descriptor.calltypes = None
         calls = [call if isinstance(call, Source) else call.source for call in part.calls]
         code = part._final_module.as_bitcode()
-        return part.name, part.source, part.inlined, code, calls, descriptor, result.environment, result.signature
+        head = part.name, part.source, part.inlined, part.declaration
+        return head, code, calls, descriptor, result.environment, result.signature
 
     def rebuild(self, target_context, payload):
-        name, source, inlined, code, calls, descriptor, environment, signature = payload
+        (name, source, inlined, declaration), code, calls, descriptor, environment, signature = payload
         part = Part(target_context.codegen(), name, source, inlined)
+        part.declaration = declaration
         part._final_module = llvm.parse_bitcode(code)
         part.calls = calls
         part._finalized = True

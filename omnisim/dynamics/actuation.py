@@ -35,15 +35,20 @@ def followed(parameters, stage, w):
     return 0.0
 
 
-@kernel
-def following_torque(parameters, w, acceleration, torque):
-    """Torque with which the drive of wheel w follows its angles, N m, where its spin has this acceleration, rad/s^2,
-    and all other torques on its axle sum up to `torque`; into the workspace. Of any other drive 0."""
-    if parameters.machine.follows and parameters.wheels[w].follows:
-        own = parameters.wheels[w].axle_inertia * acceleration - torque
-        parameters.workspace.parts[w].drive_torque = own
-        return own
-    return 0.0
+@outlined
+def follow_angles(parameters, stage, w, torque):
+    """Turn wheel w as its table of angles says, if it has one: the power of its drive, W; its torque into the workspace.
+
+    torque: the sum of all others on the axle, N m.
+    """
+    if not parameters.wheels[w].follows:
+        return 0.0
+    spin_rate = places(parameters).spin_rate + w
+    acceleration = followed(parameters, stage, w)
+    own = parameters.wheels[w].axle_inertia * acceleration - torque
+    stage.dy[spin_rate] = acceleration
+    parameters.workspace.parts[w].drive_torque = own
+    return own * stage.y[spin_rate]
 
 
 @kernel

@@ -13,7 +13,7 @@ from omnisim.contact.frame import Slip, frame_on_chassis, outward
 from omnisim.contact.friction import VISCOUS, friction
 from omnisim.contact.kinematics import slip_jacobian
 from omnisim.contact.set_valued import SLIP
-from omnisim.dynamics.actuation import following_torque
+from omnisim.dynamics.actuation import follow_angles
 from omnisim.dynamics.indices import rate_place
 from omnisim.dynamics.normal_forces.solution import loads_known
 from omnisim.dynamics.normal_forces.tilt import TILT_X, TILT_Y, rotor_part, set_point, tilt_rows
@@ -63,7 +63,7 @@ def slide_wheel(parameters, stage, w, body, load, equations):
     power = free.drive * state.twist.spin
     push = outward(frame_on_chassis(wheel), force)
     if not loads_known(machine):
-        set_part(parameters, mode, w, free, body, load)
+        set_part(parameters, stage, w, free, body, load)
         part = parameters.workspace.parts[w]
         set_point(wheel, part, state.contact.l)
         part.push[0], part.push[1], part.push[2] = push.x, push.y, yaw
@@ -73,10 +73,11 @@ def slide_wheel(parameters, stage, w, body, load, equations):
         part.rolling, part.turning, part.heat = rolling, spin, loss
         return pushed_equations(equations, 0.0, 0.0, free.yaw_moment), 0.0, power
     if stage.monitoring:
-        set_part(parameters, mode, w, free, body, load)
+        set_part(parameters, stage, w, free, body, load)
     dy[rate_place(parameters, mode, w, 0)] += rolling * wheel.axial_mobility
-    dy[places(parameters).spin_rate + w] = (free.spin + spin) * wheel.spin_mobility + free.followed
-    power += following_torque(parameters, w, free.followed, free.spin + spin) * state.twist.spin
+    dy[places(parameters).spin_rate + w] = (free.spin + spin) * wheel.spin_mobility
+    if machine.follows:
+        power += follow_angles(parameters, stage, w, free.spin + spin)
     return pushed_equations(equations, push.x, push.y, free.yaw_moment + yaw), loss, power
 
 
@@ -91,8 +92,7 @@ def press_wheel(parameters, stage, w):
     normal = max(part.normal_force, 0.0) if mode.loaded else 0.0
     dy[rate_place(parameters, mode, w, 0)] += part.rolling * normal * wheel.axial_mobility
     spin = part.free_spin + part.turning * normal
-    place = places(parameters).spin_rate + w
-    dy[place] = spin * wheel.spin_mobility + part.followed
+    dy[places(parameters).spin_rate + w] = spin * wheel.spin_mobility
     if stage.monitoring:
         contact = parameters.workspace.contacts[wheel.contacts]
         monitors = stage.monitors[w]
@@ -100,4 +100,5 @@ def press_wheel(parameters, stage, w):
         contact.torque *= normal
         monitors.factor[0] = contact.factor * normal
         monitors.normal_force = part.normal_force
-    return part.heat * normal, following_torque(parameters, w, part.followed, spin) * stage.y[place]
+    power = follow_angles(parameters, stage, w, spin) if parameters.machine.follows else 0.0
+    return part.heat * normal, power

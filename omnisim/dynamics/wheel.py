@@ -60,7 +60,6 @@ class FreeWheel(NamedTuple):
     demand: float  # of its drive, torque (N m) or voltage (V)
     drive: float  # tau on the disk about k
     spin: float  # J phi'', or what there is of it where the drive follows angles
-    followed: float  # phi'' that they ask for, rad/s^2; else 0
     yaw_moment: float  # on the body about the vertical
 
 

@@ -11,7 +11,7 @@ from omnisim.contact.friction import VISCOUS, friction
 from omnisim.contact.kinematics import Jacobian, joint_rate, slip_acceleration, slip_jacobian
 from omnisim.contact.set_valued import CREEP, SLIP, STICK
 from omnisim.contact.tracking import roller_axis
-from omnisim.dynamics.actuation import actuate, followed, following_torque
+from omnisim.dynamics.actuation import actuate, follow_angles, followed
 from omnisim.dynamics.indices import contact_count, rate_place, roller_of, sector_of
 from omnisim.dynamics.normal_forces.solution import held_body, loads_known
 from omnisim.dynamics.normal_forces.tilt import place_load, rotor_part, set_tilt, tilt_rows
@@ -49,24 +49,25 @@ def free_wheel(parameters, stage, w, body):
             dy[rate_place(parameters, mode, w, side)] = 0.0
     spin = drive - rollers.bearing_k - body.twist.yaw * rollers.g_h
     yaw_moment = spin_rate * rollers.g_h - rollers.bearing_n
-    return FreeWheel(state, rollers, demand, drive, spin, followed(parameters, stage, w), yaw_moment)
+    return FreeWheel(state, rollers, demand, drive, spin, yaw_moment)
 
 
 @kernel
-def set_part(parameters, mode, w, free, body, load):
+def set_part(parameters, stage, w, free, body, load):
     """A FreeWheel into its part of the workspace."""
     part = parameters.workspace.parts[w]
     wheel = parameters.wheels[w]
+    mode = stage.mode[w]
     state = free.state
     rollers = free.rollers
     part.drive_torque, part.free_spin = free.drive, free.spin
-    part.followed = free.followed
+    part.followed = followed(parameters, stage, w)
     part.contacts = contact_count(mode)
     part.loaded = mode.loaded
     part.normal_force = load
     gyroscopic = wheel.axle_inertia * state.twist.spin * body.twist.yaw
     gyroscopic += body.twist.yaw * rollers.g_k - state.twist.spin * rollers.g_n
-    about_k = rotor_part(wheel, mode.shared) * free.spin - free.drive - wheel.axle_inertia * free.followed
+    about_k = rotor_part(wheel, mode.shared) * free.spin - free.drive - wheel.axle_inertia * part.followed
     part.tilt[0], part.tilt[1] = tilt_rows(wheel, gyroscopic - rollers.bearing_h, about_k)
 
 
@@ -89,7 +90,7 @@ def observe_wheel(parameters, stage, w, body, load, equations):
     part = parameters.workspace.parts[w]
     mode = stage.mode[w]
     free = free_wheel(parameters, stage, w, body)
-    set_part(parameters, mode, w, free, body, load)
+    set_part(parameters, stage, w, free, body, load)
     if stage.monitoring:
         monitor_wheel(free, load, stage.monitors[w])
     part.sought = mode.loaded and (mode.shared or mode.grip[0] == CREEP)
@@ -194,10 +195,10 @@ def move_wheel(parameters, stage, w, acceleration):
             rolling, turning, heat = twist(axis, contact.turn, contact.torque, rolling, turning, heat)
         dy[rate_place(parameters, mode, w, side)] += rolling * wheel.axial_mobility
         spin, loss = spin + turning, loss + heat
-    dy[at.spin_rate + w] = 0.0 if mode.shared else spin * wheel.spin_mobility + part.followed
+    dy[at.spin_rate + w] = 0.0 if mode.shared else spin * wheel.spin_mobility
     if stage.monitoring:
         monitor_loads(mode, part, workspace.contacts[part.first], stage.monitors[w])
-    return loss, following_torque(parameters, w, part.followed, spin) * stage.y[at.spin_rate + w]
+    return loss, follow_angles(parameters, stage, w, spin) if machine.follows else 0.0
 
 
 @kernel

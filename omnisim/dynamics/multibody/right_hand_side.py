@@ -15,7 +15,7 @@ from omnisim.contact.friction import VISCOUS
 from omnisim.contact.kinematics import Jacobian
 from omnisim.contact.set_valued import CREEP
 from omnisim.contact.tracking import explicit_contact, implicit_contact
-from omnisim.dynamics.actuation import actuate, followed, following_torque, rest_motors
+from omnisim.dynamics.actuation import actuate, follow_angles, followed, rest_motors
 from omnisim.dynamics.contact_forces import find_forces
 from omnisim.dynamics.indices import body_place, carries, contact_count, roller_index, roller_of
 from omnisim.dynamics.multibody.chassis import (
@@ -352,4 +352,4 @@ def move_bodies(parameters, stage, w, carrier, linear, angular):
         lifted = RollerMotion(plus(motion.linear, against_gravity(machine)), motion.angular)
         load_joint(workspace.joints[w, i + 1], wheel, axis, roller.rate, lifted, floor)
     turned = wheel.axle_inertia * part.followed - dot(art.axle, needed.moment)  # by all but the drive
-    return following_torque(parameters, w, part.followed, turned) * spin_rate
+    return follow_angles(parameters, stage, w, turned)
