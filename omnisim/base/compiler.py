@@ -4,7 +4,8 @@ Numba would optimise and translate every function by itself, with all that it ca
 callers. Here a kernel is a part, and only what Python calls becomes machine code:
 
     inlined     its own code alone; wherever it is called it becomes part of what is optimised there
-    outlined    optimised once, with the inlined ones that it calls; what else it calls stays a call
+    outlined    optimised once, with the inlined ones that it calls; what else it calls stays a call, and is taken for
+                rare: no register is given up for it where it is not made
     entry       the same, and linked with all outlined kernels that it reaches: then it is translated, once
 """
 
@@ -86,24 +87,24 @@ class Source(NamedTuple):
 class Part(JITCodeLibrary):
     """LLVM code of a kernel that others call.
 
-    source: Source. inlined: whether it becomes part of its callers; if not, it is optimised here. calls: the kernels
-    that it calls, a Part or a Source that has not been looked up yet; of one not inlined, those not inlined either.
+    source: Source. inlined: whether it becomes part of its callers; if not, it is optimised here. symbol: its name in
+    LLVM. calls: the kernels that it calls, a Part or a Source that has not been looked up yet; of one not inlined,
+    those not inlined either.
     """
 
-    def __init__(self, codegen, name, source, inlined):
+    def __init__(self, codegen, name, source, inlined, symbol=""):
         super().__init__(codegen, name)
         self.source = source
         self.inlined = inlined
+        self.symbol = symbol
         self.calls = []
-        self.declaration = ""
 
     def finalize(self):
         self.calls = linked(self)
         if not self.inlined:
             self.calls = absorbed(self, self.calls)
-            declare(self, self.calls)
             self._optimize_final_module()
-            self.declaration = declaration(self._final_module.get_function(self.symbol))
+            self._final_module.get_function(self.symbol).add_function_attribute("cold")
         self._final_module.verify()
         self._finalized = True
 
@@ -138,33 +139,12 @@ class Entry(JITCodeLibrary):
 
     def finalize(self):
         calls = absorbed(self, linked(self))
-        declare(self, calls)
         self._optimize_final_module()
         for part in reached(calls):
             if not part.inlined:
                 self._final_module.link_in(part.module(), preserve=True)
         self._final_module.verify()
         self._finalize_final_module()
-
-
-def declare(library, calls):
-    """Tell a library what is known of the Parts that it calls: it may keep in registers what they leave alone."""
-    code = library._final_module
-    head = f'target datalayout = "{code.data_layout}"\ntarget triple = "{code.triple}"'
-    known = llvm.parse_assembly("\n".join([head, *(part.declaration for part in calls)]))
-    known.name = code.name
-    known.link_in(code)
-    library._final_module = known
-
-
-def declaration(function):
-    """A function in LLVM's language without its code, but with what follows from that on memory and arguments. And it
-    is called rarely: registers are not spilled for it where it is not."""
-    function.add_function_attribute("cold")
-    returned, *_ = function.global_value_type.elements
-    arguments = (str(one.type) for one in function.arguments)
-    own, *_ = function.attributes
-    return f'declare {returned} @"{function.name}"({", ".join(arguments)}) cold'
 
 
 def linked(library):
@@ -234,9 +214,9 @@ class PartLowering(KernelLowering):
         flags.no_compile = flags.no_cpython_wrapper = True
         state.library = library = Part(codegen, function.func_qualname, source, flags.forceinline)
         super(KernelLowering, self).run_pass(state)
-        library.symbol = state["cr"].fndesc.mangled_name
-        library.finalize()
         lowered = state["cr"]
+        library.symbol = lowered.fndesc.mangled_name
+        library.finalize()
         state["cr"] = lowered._replace(cfunc=token(lowered.fndesc, lowered.env, library))
         state.targetctx.insert_user_function(state["cr"].cfunc, lowered.fndesc, [library])
         return True
@@ -290,13 +270,11 @@ class PartResults(CompileResultCacheImpl):
         descriptor.typemap = descriptor.calltypes = None
         calls = [call if isinstance(call, Source) else call.source for call in part.calls]
         code = part._final_module.as_bitcode()
-        head = part.name, part.source, part.inlined, part.declaration
-        return head, code, calls, descriptor, result.environment, result.signature
+        return part.name, part.source, part.inlined, code, calls, descriptor, result.environment, result.signature
 
     def rebuild(self, target_context, payload):
-        (name, source, inlined, declaration), code, calls, descriptor, environment, signature = payload
-        part = Part(target_context.codegen(), name, source, inlined)
-        part.declaration = declaration
+        name, source, inlined, code, calls, descriptor, environment, signature = payload
+        part = Part(target_context.codegen(), name, source, inlined, descriptor.mangled_name)
         part._final_module = llvm.parse_bitcode(code)
         part.calls = calls
         part._finalized = True
