@@ -145,13 +145,15 @@ def turn_rate(axis, twist, joint):
 
 
 @kernel
-def touching_velocity(wheel, twist, l):
-    """Velocity of the disk where it would touch, V_O + w x (P - O) with P = O - R n + l k (Slip, m/s)."""
-    return Slip(twist.h - twist.spin * wheel.radius - twist.yaw * l, twist.k)
+def turning_velocity(wheel, twist, l):
+    """w x (P - O) with P = O - R n + l k: what turning adds to the velocity of the disk where it would touch (Slip,
+    m/s)."""
+    return Slip(-(twist.spin * wheel.radius + twist.yaw * l), 0.0)
 
 
 @kernel
 def touching_acceleration(wheel, twist, motion, l):
-    """Rates of its components at constant l (Slip, m/s^2), by the accelerations `motion`: h and k turn with the yaw."""
+    """Rates of the components of that velocity at constant l (Slip, m/s^2), by the accelerations `motion`: h and k turn
+    with the yaw."""
     along_h = motion.h + twist.yaw * twist.k - motion.spin * wheel.radius - motion.yaw * l
     return Slip(along_h, motion.k - twist.yaw * twist.h)

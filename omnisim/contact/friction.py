@@ -43,7 +43,7 @@ def friction_factor(machine, saturated, normal_force, slip):
     `saturated` is the branch of the saturated law, frozen throughout a step: |v| > slip_speed or not.
     """
     if machine.law == REGULARIZED:
-        square = slip.h * slip.h + slip.k * slip.k + machine.slip_speed * machine.slip_speed
+        square = slip.h * slip.h + (slip.k * slip.k + machine.slip_speed * machine.slip_speed)
         return machine.friction * normal_force / math.sqrt(square)
     if machine.law == SATURATED:
         speed = machine.slip_speed

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from omnisim.base.kernel import kernel
-from omnisim.contact.frame import Slip, rate_along, touching_acceleration, touching_velocity
+from omnisim.contact.frame import Slip, rate_along, touching_acceleration, turning_velocity
 
 
 class Jacobian(NamedTuple):
@@ -26,9 +26,12 @@ def joint_rate(axis, roller_rate, twist):
 
 @kernel
 def slip_velocity(wheel, contact, twist, joint):
-    """Slip from the WheelTwist and chi' = `joint` (rad/s): v = V_w + w x (P - O) + chi' a x (P - O_B)."""
-    disk = touching_velocity(wheel, twist, contact.l)
-    return Slip(disk.h + joint * contact.arm_h, disk.k + joint * contact.arm_k)
+    """Slip from the WheelTwist and chi' = `joint` (rad/s): v = V_w + w x (P - O) + chi' a x (P - O_B).
+
+    V_w is added last: it comes last, from the rotation of the chassis, and the forces wait for the slip.
+    """
+    turned = turning_velocity(wheel, twist, contact.l)
+    return Slip(twist.h + (joint * contact.arm_h + turned.h), twist.k + (joint * contact.arm_k + turned.k))
 
 
 @kernel

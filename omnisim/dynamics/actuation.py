@@ -37,7 +37,8 @@ def followed(parameters, stage, w):
 
 @outlined
 def follow_angles(parameters, stage, w, torque):
-    """Turn wheel w as its table of angles says, if it has one: the power of its drive, W; its torque into the workspace.
+    """Turn wheel w as its table of angles says, if it has one: the power of its drive, W; its torque into the
+    workspace.
 
     torque: the sum of all others on the axle, N m.
     """

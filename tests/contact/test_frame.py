@@ -20,7 +20,7 @@ from omnisim.contact.frame import (
     rate_vector,
     spoke,
     tangential,
-    touching_velocity,
+    turning_velocity,
     turn_of,
 )
 from omnisim.dynamics.twist import Acceleration, Twist, wheel_motion, wheel_twist
@@ -68,8 +68,8 @@ def test_points_of_a_wheel_have_the_velocities_of_a_rigid_body(numbers):
     h, k, n = np.array(axes(turned))
     rate = np.array(rate_vector(turned, twist))
     np.testing.assert_allclose(rate, twist.spin * k + twist.yaw * n)
-    velocity = twist.h * h + twist.k * k + np.cross(rate, l * k - wheel.radius * n)
-    np.testing.assert_allclose(touching_velocity(wheel, twist, l), [velocity @ h, velocity @ k], atol=1e-15)
+    velocity = np.cross(rate, l * k - wheel.radius * n)
+    np.testing.assert_allclose(turning_velocity(wheel, twist, l), [velocity @ h, velocity @ k], atol=1e-15)
     axis = Axis(*numbers[6:9])
     assert rate_along(twist, axis) == pytest.approx(rate @ np.array(axis_vector(turned, axis)), abs=1e-14)
 
