@@ -20,8 +20,8 @@ from omnisim.contact.frame import (
     rate_vector,
     spoke,
     tangential,
-    turning_velocity,
     turn_of,
+    turning_velocity,
 )
 from omnisim.dynamics.twist import Acceleration, Twist, wheel_motion, wheel_twist
 
