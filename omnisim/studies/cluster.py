@@ -13,6 +13,7 @@ from omnisim.studies.study import StudyError
 from omnisim.studies.task import Row, Task
 from omnisim.studies.workers import Batch, Batches, cores
 
+PATIENCE = 10.0  # s, in which a scheduler answers
 AHEAD = 2  # batches that each core of the cluster has before it
 LOCAL = "local"
 LOG = logging.getLogger(__name__)
@@ -42,7 +43,7 @@ def on_cluster(
     try:
         if address == LOCAL:
             started = LocalCluster(n_workers=workers or cores(), threads_per_worker=1)
-        client = Client(started or address, timeout="10s")
+        client = Client(started or address, timeout=PATIENCE)
     except (OSError, ValueError, TimeoutError) as error:
         raise StudyError(f"--cluster {shown}: no scheduler of Dask answers there: {visible(str(error))}") from None
     LOG.info("dashboard of the cluster: %s", client.dashboard_link)

@@ -92,6 +92,7 @@ def test_a_cluster_that_is_started_here(tmp_path):
     same(sweep(STUDY, cluster="local", workers=2), sweep(STUDY, workers=1))
 
 
-def test_an_address_where_nobody_is_is_told():
+def test_an_address_where_nobody_is_is_told(monkeypatch):
+    monkeypatch.setattr("omnisim.studies.cluster.PATIENCE", 0.5)
     with pytest.raises(StudyError, match="no scheduler of Dask answers there"):
         sweep(STUDY, cluster="tcp://127.0.0.1:9")
