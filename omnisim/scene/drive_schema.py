@@ -116,7 +116,8 @@ class Drive(Table):
 
         A constant is a table of one point, since tables are held outside.
         """
-        if self.given is None or self.follows_command:
+        given = self.given
+        if given is None or self.follows_command:
             return (0.0,), (0.0,)
-        values = getattr(self, self.given)
+        values = getattr(self, given)
         return (self.times, values) if self.times else ((0.0,), (values,))

@@ -56,7 +56,7 @@ def complete(config: Config) -> Config:
     """The same scene with a number wherever a shape stands for one."""
     kinds = {name: _complete_type(kind) for name, kind in config.wheel_types.items()}
     chassis = config.chassis
-    if chassis is not None:
+    if chassis is not None and _left_out(chassis, "center_of_mass", "inertia"):
         chassis = _filled(chassis, **_box(chassis, _clearance(config, chassis)))
     if chassis is config.chassis and all(kind is config.wheel_types[name] for name, kind in kinds.items()):
         return config
@@ -104,8 +104,9 @@ def _complete_type(kind: WheelType) -> WheelType:
     roller, disk = kind.roller, kind.disk
     if _left_out(roller, "mass", "inertia_axial", "inertia_transverse"):
         roller = _filled(roller, **_solid(kind, roller))
-    disk = _filled(disk, inertia_axle=0.5 * disk.mass * disk.hub_radius**2)
-    disk = _filled(disk, inertia_diameter=_across(disk))
+    if _left_out(disk, "inertia_axle", "inertia_diameter"):
+        disk = _filled(disk, inertia_axle=0.5 * disk.mass * disk.hub_radius**2)
+        disk = _filled(disk, inertia_diameter=_across(disk))
     given = roller is kind.roller and disk is kind.disk
     return kind if given else kind.model_copy(update={"roller": roller, "disk": disk})
 

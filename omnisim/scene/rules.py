@@ -11,6 +11,7 @@ from omnisim.scene.problems import Problem, allowed_at, did_you_mean
 from omnisim.scene.schema import FRICTION_KEYS, GRID_TOLERANCE, Config, Wheel, is_whole
 from omnisim.scene.toml_text import KeyPath
 
+KEYS_OF_DRIVES = {kind: keys.all for kind, keys in DRIVE_KEYS.items()}
 MAX_STEPS = 10**10
 SAME_ANGLE = 1e-9  # rad
 DECIMAL_TOLERANCE = 1e-12  # relative, for limits that a scene reaches exactly but types in decimals
@@ -123,15 +124,16 @@ def _bare_wheel_rules(wheel: Wheel) -> Iterator[Problem]:
 def _drive_rules(path: KeyPath, drive: Drive) -> Iterator[Problem]:
     keys = DRIVE_KEYS[drive.kind]
     present = drive.model_fields_set - {"kind"}
-    for key in sorted(present - keys.all):
+    for key in sorted(present - KEYS_OF_DRIVES[drive.kind]):
         yield Problem((*path, key), f"not a key of a drive with kind = '{drive.kind}'")
     if drive.kind == "dc_motor":
         yield from _motor_rules(path, drive, present)
     for key in keys.needed:
         if key not in present:
             yield Problem((*path, key), f"missing; must be {allowed_at((*path, key))}")
-    if drive.given in present:
-        yield from _given_rules(path, drive.given, getattr(drive, drive.given), drive.times)
+    given = drive.given
+    if given in present:
+        yield from _given_rules(path, given, getattr(drive, given), drive.times)
     elif drive.follows_command and drive.times:
         yield Problem((*path, "rate"), "missing; times need a list of as many rates")
 

@@ -1,8 +1,9 @@
 """Runs of a study: from their numbers to how they ended and what was measured."""
 
+import gc
 import math
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -67,11 +68,12 @@ class Task:
         Raises OSError where a trajectory cannot be kept; nothing else that fails in a run ends the study.
         """
         found: list[Any] = [None] * len(runs)
-        for stage in (self.begun, self.marched, self.measured):
-            found = [
-                entry if isinstance(entry, Row) else self.guarded(stage, run, entry)
-                for run, entry in zip(runs, found, strict=True)
-            ]
+        with no_collection():
+            for stage in (self.begun, self.marched, self.measured):
+                found = [
+                    entry if isinstance(entry, Row) else self.guarded(stage, run, entry)
+                    for run, entry in zip(runs, found, strict=True)
+                ]
         return found
 
     def guarded(self, stage: Callable[[int, Any], Any], run: int, entry: Any) -> Any:
@@ -138,6 +140,19 @@ class Task:
             tuple(number(reading, found, config) if there else None for reading in entries) for entries, there in wanted
         )
         return measures, final
+
+
+@contextmanager
+def no_collection() -> Iterator[None]:
+    """Without Python's search for circles of objects, which would go through all modules again and again: runs leave
+    none."""
+    collecting = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collecting:
+            gc.enable()
 
 
 def number(reading: Reading, found: Observables | Trajectory, config: Config) -> float | None:
