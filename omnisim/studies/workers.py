@@ -20,7 +20,7 @@ BATCH_SECONDS = 0.25  # of a batch, about: what a crash can lose
 T_co = TypeVar("T_co", covariant=True)
 MOST_BORN_DEAD = 20  # processes that end before they have done anything, one after the other
 BORN_DEAD = "processes end as they begin: a script must call this below `if __name__ == '__main__':`"
-SHARE = 4  # batches that each worker can still expect
+SHARE = 2  # batches that each worker can still expect
 
 
 class Task(Protocol[T_co]):
@@ -116,23 +116,28 @@ def on_cores(task: Task[T_co], runs: list[int], workers: int, stop: Callable[[],
     def another() -> Worker:
         return start(context, task, [*idle, *(other for other, _, _ in busy.values())])
 
+    def hand_out() -> None:
+        nonlocal born_dead
+        while idle and (batch := batches.next()):
+            worker = idle.pop()
+            try:
+                worker.connection.send(batch.runs)
+            except OSError:  # it was killed while it waited
+                batches.again.appendleft(batch)
+                idle.append(another())
+                born_dead += 1
+                if born_dead > MOST_BORN_DEAD:
+                    raise RuntimeError(BORN_DEAD) from None
+                continue
+            busy[worker.connection] = worker, batch, time.perf_counter()
+
     for _ in range(min(workers, len(runs))):
         idle.append(another())
     try:
         while True:
             stopping = stop()
-            while idle and not stopping and (batch := batches.next()):
-                worker = idle.pop()
-                try:
-                    worker.connection.send(batch.runs)
-                except OSError:  # it was killed while it waited
-                    batches.again.appendleft(batch)
-                    idle.append(another())
-                    born_dead += 1
-                    if born_dead > MOST_BORN_DEAD:
-                        raise RuntimeError(BORN_DEAD) from None
-                    continue
-                busy[worker.connection] = worker, batch, time.perf_counter()
+            if not stopping:
+                hand_out()
             if not busy:
                 return
             for ready in wait(list(busy), timeout=0.1):
@@ -150,6 +155,8 @@ def on_cores(task: Task[T_co], runs: list[int], workers: int, stop: Callable[[],
                     raise rows
                 born_dead = 0
                 batches.took(batch, time.perf_counter() - begun)
+                if not stopping:
+                    hand_out()  # before anybody looks at the rows
                 yield rows
     finally:
         for worker, _, _ in busy.values():
