@@ -3,8 +3,10 @@
 Each machine is a run of its own. Which thread marches it, and with which others, changes no bit of it.
 """
 
+import time
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -20,13 +22,15 @@ from omnisim.run.marching import FOR_EVER, Marching
 from omnisim.run.sensors import to_centre
 from omnisim.scene.schema import Config
 
+WORTH_SHARING = 5e-4  # s of marching: to wake a thread and to be woken takes about 1e-4 s
+
 
 class OtherKind(ValueError):
     """A machine that cannot stand beside the others."""
 
 
 class Machines:
-    """So many machines, at first all of one scene, marched by so many threads.
+    """So many machines, at first all of one scene, marched by so many threads where that is worth it.
 
     config: of a scene without rows between its start and its end, and without knots in its tables.
     """
@@ -42,7 +46,8 @@ class Machines:
         self.clock["goal"], self.clock["pause"] = 0, FOR_EVER
         self.at = places_in(self.first.parameters)
         self.pool: ThreadPoolExecutor | None = None
-        self._share(0)  # compiles, before several threads need it
+        self.work = 0.0  # s, that the last march took one thread, about
+        self._march(0, 0, count)  # compiles, before several threads need it
 
     def put(self, i: int, config: Config) -> None:
         """Machine i at the start of this scene. Raises OtherKind if it has other parts than the first."""
@@ -65,20 +70,29 @@ class Machines:
     def march(self, who: np.ndarray, steps: int) -> None:
         """March the machines `who` (N,) on by so many steps, or up to where something stops them."""
         self.clock["goal"][who] = np.minimum(self.clock["step"][who] + steps, self.clock["steps"][who])
-        others = range(1, len(self.scratch))
-        if others and not self.pool:
-            self.pool = ThreadPoolExecutor(len(others), "omnisim")
-        shares = [self.pool.submit(self._share, share) for share in others] if self.pool else []
+        threads = len(self.scratch) if self.work > WORTH_SHARING else 1
+        begun = time.perf_counter()
+        if threads == 1:
+            self._march(0, 0, self.bounds[-1])
+        else:
+            self._share()
+        self.work = threads * (time.perf_counter() - begun)
+
+    def _share(self) -> None:
+        if not self.pool:
+            self.pool = ThreadPoolExecutor(len(self.scratch) - 1, "omnisim")
+        first, *others = [(share, *ends) for share, ends in enumerate(pairwise(self.bounds))]
+        shares = [self.pool.submit(self._march, *other) for other in others]
         try:
-            self._share(0)  # by the thread that asks
+            self._march(*first)  # by the thread that asks
             for share in shares:
                 share.result()
         finally:
             wait(shares)  # after Ctrl-C too: nobody may touch a machine that marches
 
-    def _share(self, share: int) -> None:
+    def _march(self, share: int, first: int, last: int) -> None:
         own = self.scratch[share]
-        direct(march_each, self.parameters, own.stages, self.runs, own.rows, own.log, *self.bounds[share : share + 2])
+        direct(march_each, self.parameters, own.stages, self.runs, own.rows, own.log, first, last)
 
     def close(self) -> None:
         if self.pool:
