@@ -4,8 +4,7 @@ Numba would optimise and translate every function by itself, with all that it ca
 callers. Here a kernel is a part, and only what Python calls becomes machine code:
 
     inlined     its own code alone; wherever it is called it becomes part of what is optimised there
-    outlined    optimised once, with the inlined ones that it calls; what else it calls stays a call, and is taken for
-                rare: no register is given up for it where it is not made
+    outlined    optimised once, with the inlined ones that it calls; what else it calls stays a call
     entry       the same, and linked with all outlined kernels that it reaches: then it is translated, once
 """
 
@@ -104,6 +103,8 @@ class Part(JITCodeLibrary):
         if not self.inlined:
             self.calls = absorbed(self, self.calls)
             self._optimize_final_module()
+            # Taken for rare: beside a call that is not made numbers stay in registers. It makes steps 2 % shorter, with
+            # one more such call in the loop over wheels 20 % (fastest of 300 marches in turn).
             self._final_module.get_function(self.symbol).add_function_attribute("cold")
         self._final_module.verify()
         self._finalized = True

@@ -146,7 +146,7 @@ def kernel(function):
 
 
 def outlined(function):
-    """A kernel that is called, not inlined: for long functions with many uses, where compiling counts more."""
+    """A kernel that is called, not inlined: for what is rare, or long with many uses, where compiling counts more."""
     return compiled(function, inline=False)
 
 
