@@ -147,7 +147,9 @@ def summary(found: FitResult) -> str:
     if found.step_error is not None:
         told["step"] = f"half of it changes no place by more than {1e3 * found.step_error:.2g} mm"
     if found.early:
-        told["early"] = f"{found.early} runs with these estimates stop before their log ends"
+        told["early"] = (
+            f"{len(found.early)} runs with these estimates stop before their log ends; {visible(found.early[0])}"
+        )
     told |= {f"note {i}": visible(sentence) for i, sentence in enumerate(found.known.untold, 1)}
     return "\n".join([aligned(told), "", *estimates(found), "", *table(found)])
 

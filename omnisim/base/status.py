@@ -77,8 +77,9 @@ SENTENCES = {
         "time.step = {step:.3g} s; use a smaller one, or solver.tracking = 'explicit'"
     ),
     SLOW_SLIP: (
-        "wheel '{wheel}' slips too slowly for {method} at t = {time:.9g} s: coulomb friction turns slip faster than "
-        "a million sub-steps of one step can follow; try method = 'radau5', or law = 'regularized'"
+        "wheel '{wheel}' slips too slowly for {method} at t = {time:.9g} s: friction changes slip faster than a "
+        "million sub-steps of one step can follow; try law = 'regularized', with a larger slip_speed if it is that "
+        "already, or for coulomb friction method = 'radau5'"
     ),
     NO_CONVERGENCE: ("no step from t = {time:.9g} s, however short, solves the equations of the implicit method"),
     TIPPING: (

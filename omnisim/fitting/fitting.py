@@ -76,7 +76,7 @@ def fit(
         for i, log in enumerate(made.logs)
     )
     known = what_is_known(made, found, search.weights)
-    return FitResult(made, found, known, logs, values, step_error, simulated.ran, after.early)
+    return FitResult(made, found, known, logs, values, step_error, simulated.ran, tuple(after.early))
 
 
 def what_is_known(made: Fit, found: Solution, weights: np.ndarray) -> Uncertainty:

@@ -67,7 +67,7 @@ class FitResult:
     ideal        the values that ideal kinematics takes, None where wheels leave a motion open
     step_error   largest change of a place in any path if the step is halved, m; None of an interrupted search
     runs         simulated runs of the search
-    early        runs with the estimates that stopped before their log ended
+    early        of each run with the estimates that stopped before its log ended, which log, and how
     """
 
     fit: Fit
@@ -77,7 +77,7 @@ class FitResult:
     ideal: dict[str, float] | None
     step_error: float | None
     runs: int
-    early: int
+    early: tuple[str, ...]
 
     @property
     def estimates(self) -> dict[str, Estimate]:
@@ -124,6 +124,7 @@ class FitResult:
                 for entry in self.logs
             ],
             "runs": self.runs,
+            "early": list(self.early),
             "step_error": self.step_error,
         }
 

@@ -124,7 +124,7 @@ def knots_of(time: np.ndarray) -> np.ndarray:
 class SimulatedPaths:
     """Paths of a fit's logs by simulation, all runs of a call in parallel.
 
-    stop: asked between runs. early: runs so far that stopped before their log ended.
+    stop: asked between runs. early: of each run so far that stopped before its log ended, which log, and how.
     """
 
     def __init__(self, fit: Fit, workers: int, stop: Callable[[], bool] = lambda: False, finer: int = 1):
@@ -132,7 +132,8 @@ class SimulatedPaths:
         self.workers = workers
         self.stop = stop
         self.finer = finer
-        self.ran = self.early = 0
+        self.ran = 0
+        self.early: list[str] = []
 
     def __call__(self, points: np.ndarray, logs: list[int]) -> list[list[Path]]:
         """For each point (P,) of values the path of each of these logs. Raises FitError for values that no scene has,
@@ -142,7 +143,9 @@ class SimulatedPaths:
         if len(found) < count:
             raise Interrupted
         self.ran += count
-        self.early += sum(outcome.status != COMPLETE for outcome in found.values())
+        for run, outcome in sorted(found.items()):
+            if outcome.status != COMPLETE:
+                self.early.append(f"{self.fit.logs[logs[run % len(logs)]].file}: {outcome.status}")
         return [[found[p * len(logs) + i].path for i in range(len(logs))] for p in range(len(points))]
 
     def outcomes(self, points: np.ndarray, logs: list[int]) -> Iterator[Outcome]:

@@ -111,6 +111,14 @@ def test_simulated_logs_without_noise_give_back_the_machine_that_made_them(simul
     np.testing.assert_allclose(found.values, SIMULATED, rtol=2e-8)  # 1e-9 measured
 
 
+def test_a_run_that_stops_early_is_told_with_its_log_and_how(simulated):
+    paths = simulation(simulated)
+    path, _ = paths(np.array([[1.0, 1.0, 60.0, 0.0]]), [0, 1])[0]  # too viscous for the step
+    assert [told.split(":")[0] for told in paths.early] == ["one.csv", "other.csv"]
+    assert "time.step = 0.0005 s" in paths.early[0]
+    assert (path.position[-1] == path.position[-2]).all(), "it stays where it stopped"
+
+
 @pytest.mark.long
 def test_95_percent_intervals_cover_the_truth_in_90_to_99_percent_of_noisy_repeats(known):
     """Of 100, for each of seven parameters."""
