@@ -112,7 +112,7 @@ def counts_of(scene: Scene) -> dict[str, list[float]]:
     )
     wheels = [opened(wheel, float) for wheel in parameters.wheels]
     parameters = parameters._replace(machine=opened(parameters.machine, float), wheels=wheels, workspace=workspace)
-    arrays = ("y", "trial", "stage", "carry", "increment", "slopes")
+    arrays = ("y", "trial", "carry", "increment", "slopes")
     records = ("mode", "monitors", "monitors_end")
     run = run._replace(
         **{name: counted_array(getattr(run, name)) for name in arrays},

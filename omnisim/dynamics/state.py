@@ -216,7 +216,7 @@ class Newton(NamedTuple):
 class Run(NamedTuple):
     """The mutable part of a march, n states, W wheels, N rollers, s stages.
 
-    y, trial, stage, carry, increment (n,), the last two of compensated summation; slopes (s + 1, n): stage
+    y, trial, carry, increment (n,), the last two of compensated summation; slopes (s + 1, n): stage
     derivatives, the first at the start of the step and the last at its end; rates (W, N): absolute axial rate of every
     roller, rad/s (of the one in contact as of its last exchange); mode (W,): records MODE; monitors, monitors_end (W,):
     records MONITORS at the start and end of the step; clock: record CLOCK; newton: Newton, None if all steps are
@@ -225,7 +225,6 @@ class Run(NamedTuple):
 
     y: np.ndarray
     trial: np.ndarray
-    stage: np.ndarray
     carry: np.ndarray
     increment: np.ndarray
     slopes: np.ndarray

@@ -25,7 +25,6 @@ def begin(config: Config, parameters: Parameters) -> Run:
     return Run(
         y=y,
         trial=np.empty_like(y),
-        stage=np.empty_like(y),
         carry=np.zeros_like(y),
         increment=np.zeros_like(y),
         slopes=np.zeros((tableau.stages + 1, len(y))),

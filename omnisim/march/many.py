@@ -28,7 +28,7 @@ def march_each(many, method, runs, rows, log, first, last):
         workspace = Workspace(w.contacts[i], w.parts[i], w.loads[i], resting, bodies, w.joints[i])
         geometry = many.machine[i], many.wheels[i], many.roller_rows[i], many.sector[i]
         parameters = Parameters(*geometry, many.starts[i], many.inputs[i], workspace)
-        vectors = runs.y[i], runs.trial[i], runs.stage[i], runs.carry[i], runs.increment[i], runs.slopes[i]
+        vectors = runs.y[i], runs.trial[i], runs.carry[i], runs.increment[i], runs.slopes[i]
         records = runs.mode[i], runs.monitors[i], runs.monitors_end[i], runs.clock[i]
         march_on(parameters, method, Run(*vectors, runs.rates[i], *records, newton), rows, log)
 

@@ -55,8 +55,8 @@ def implicit_step(parameters, method, run, t, h):
             break
         for i in range(3):
             for m in range(n):
-                run.stage[m] = y[m] + z[i, m]
-            evaluate(parameters, mode, piece, t + radau.c[i] * h, run.stage, slopes[i], run.monitors_end)
+                run.trial[m] = y[m] + z[i, m]
+            evaluate(parameters, mode, piece, t + radau.c[i] * h, run.trial, slopes[i], run.monitors_end)
         run.clock.rhs += 3
         change = correct(radau, newton, y, h)
         if not math.isfinite(change):
@@ -87,13 +87,13 @@ def differentiate(parameters, run, t):
         for side in range(contact_count(run.mode[w])):
             speed = min(speed, math.sqrt(run.monitors[w].slip_square[side]) + parameters.machine.slip_floor)
     shift = min(max(STEEP * speed, LEAST_SHIFT), MOST_SHIFT)
-    copy(run.y, run.stage)
+    copy(run.y, run.trial)
     for j in range(len(newton.active)):
         m = newton.active[j]
-        run.stage[m] = run.y[m] + shift
-        taken = run.stage[m] - run.y[m]
-        evaluate(parameters, run.mode, run.clock.piece, t, run.stage, shifted, run.monitors_end)
-        run.stage[m] = run.y[m]
+        run.trial[m] = run.y[m] + shift
+        taken = run.trial[m] - run.y[m]
+        evaluate(parameters, run.mode, run.clock.piece, t, run.trial, shifted, run.monitors_end)
+        run.trial[m] = run.y[m]
         for i in range(len(newton.active)):
             row = newton.active[i]
             jacobian[i, j] = (shifted[row] - run.slopes[0, row]) / taken
