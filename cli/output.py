@@ -14,6 +14,11 @@ from omnisim.base.formatting import visible
 from .screen import BAD_INPUT, ENDING, Failure
 
 
+def megabytes(path: Path) -> str:
+    """The size of a file, for people: two digits, and no powers of ten."""
+    return f"{float(f'{path.stat().st_size / 1e6:.2g}'):g} MB"
+
+
 def output_path(text: str, source: str, force: bool) -> Path:
     """The output file, or Failure if what is made from `source` could not or should not be written there.
 

@@ -138,6 +138,8 @@ def report(trajectory: Trajectory, path: Path) -> str:
     """The summary of a run, for people."""
     from omnisim.results.report import accuracy, odometry, peaks
 
+    from .output import megabytes
+
     a = trajectory.attributes
     rows = len(trajectory.time)
     kinds = Counter(trajectory["events/kind"].tolist())
@@ -153,7 +155,7 @@ def report(trajectory: Trajectory, path: Path) -> str:
         "energy": energy(trajectory),
         "peaks": peaks(trajectory),
         "odometry": odometry(trajectory),
-        "file": f"{visible(str(path))} ({rows} rows, {path.stat().st_size / 1e6:.2g} MB)",
+        "file": f"{visible(str(path))} ({rows} rows, {megabytes(path)})",
         "status": a["status"],
     })  # fmt: skip
 

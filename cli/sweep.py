@@ -136,12 +136,14 @@ def summary(task: Task, found: StudyResult, path: Path, ran: int, seconds: float
     from omnisim.studies.report import findings, title
     from omnisim.studies.sweep import repeat
 
+    from .output import megabytes
+
     lines, named = findings(found)
     told = {
         "study": title(found),
         "speed": f"{ran / max(seconds, 1e-9):.3g} runs/s: {ran} in {seconds:.3g} s" if ran else "",
         **lines,
-        "file": f"{visible(str(path))} ({path.stat().st_size / 1e6:.2g} MB)",
+        "file": f"{visible(str(path))} ({megabytes(path)})",
     }
     again = [f"run {run}: {repeat(task, run)}" for run in named]  # on one line each, to be copied
     return "\n".join([aligned({key: value for key, value in told.items() if value}), *again])

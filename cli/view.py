@@ -31,7 +31,7 @@ def view(file: str, output: str | None, force: bool, show: bool) -> None:
     from omnisim.results.trajectory import open_trajectory
     from omnisim.scene.scene import SceneError
 
-    from .output import deliver, output_path
+    from .output import deliver, megabytes, output_path
 
     if output is not None and Path(output).suffix.lower() not in PAGES:
         raise Failure(f"{visible(output)}: a page is {' or '.join(PAGES)}; `omnisim plot` makes pictures", BAD_INPUT)
@@ -43,6 +43,6 @@ def view(file: str, output: str | None, force: bool, show: bool) -> None:
     except (NothingToShow, SceneError) as error:
         raise Failure(f"{file}: {error}", BAD_INPUT) from None
     deliver({path: text.encode()}, force)
-    click.echo(f"{visible(str(path))} ({path.stat().st_size / 1e6:.2g} MB)")
+    click.echo(f"{visible(str(path))} ({megabytes(path)})")
     if show:
         webbrowser.open(path.resolve().as_uri())
