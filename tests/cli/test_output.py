@@ -3,6 +3,7 @@
 import os
 
 import pytest
+
 from omnisim_cli.output import megabytes
 
 pytestmark = pytest.mark.short
