@@ -10,7 +10,7 @@ from omnisim.scene.schema import Config
 def point_masses(config: Config) -> tuple[list[float], list[tuple[float, float, float]]]:
     """Masses (kg) and centres of mass (chassis axes, m) of the wheels in their order, and of the chassis."""
     types = [config.type_of(wheel) for wheel in config.wheels]
-    masses = [kind.disk.mass + kind.roller_count * kind.roller.mass for kind in types]
+    masses = [kind.disk.mass + kind.rollers * kind.roller.mass for kind in types]
     points = [(*wheel.position, kind.radius) for wheel, kind in zip(config.wheels, types, strict=True)]
     if config.chassis is not None:
         masses.append(config.chassis.mass)

@@ -71,9 +71,11 @@ def _wheel_type_rules(config: Config) -> Iterator[Problem]:
     """Tips with r(alpha) >= 0."""
     for name, wheel_type in config.wheel_types.items():
         path = ("wheel_types", name)
-        limit = wheel_type.radius * math.cos(math.pi / wheel_type.roller_count)
-        if wheel_type.roller_distance > limit * (1 + DECIMAL_TOLERANCE):
-            allowed = f"radius * cos(pi / roller_count) = {limit!r}: there the tips of the rollers are points"
+        limit = wheel_type.radius * math.cos(wheel_type.covered)
+        exact = wheel_type.profile.kind == "exact"
+        if exact and wheel_type.roller_distance > limit * (1 + DECIMAL_TOLERANCE):
+            angle = "pi / roller_count" if wheel_type.covered == math.pi / wheel_type.roller_count else "covered_deg"
+            allowed = f"radius * cos({angle}) = {limit!r}: there the tips of the rollers are points"
             yield Problem((*path, "roller_distance"), f"must be at most {allowed}")
 
 

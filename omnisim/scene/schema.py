@@ -32,6 +32,7 @@ from omnisim.scene.values import (
     choice,
 )
 
+SAME_DEG = 1e-9  # deg
 GRID_TOLERANCE = 1e-9  # relative, for ratios of times that must be integers
 INTERVALS = 100  # of output, about, where the scene gives no output_interval
 
@@ -47,22 +48,29 @@ FRICTION_KEYS = {
 FRICTION_DEFAULTS = {"saturated": {"slip_speed": 1e-6}}
 
 
+PROFILE_KEYS = {"exact": (), "arc": ("radius", "curvature_radius", "half_length")}
+
+
 if TYPE_CHECKING:  # to a type checker a word is a word
     Upright = str
     Method = str
     Tracking = str
     Formulation = str
     Law = str
+    ProfileKind = str
     ContactTorque = str
     Frame = str
+    About = str
 else:
-    Upright = choice("servo", "contacts")
+    Upright = choice("servo", "contacts", "free")
     Method = choice("heun", "rk4", "dopri5", "radau5", "auto")
     Tracking = choice("explicit", "implicit")
     Formulation = choice("reduced", "multibody")
     Law = choice(*FRICTION_KEYS)
+    ProfileKind = choice(*PROFILE_KEYS)
     ContactTorque = choice("none", "contensou")
     Frame = choice("world", "body")
+    About = choice("x", "y")
 
 
 class World(Table):
@@ -200,8 +208,39 @@ class Roller(Table):
         return self.bearing_viscosity > 0.0 or self.bearing_torque > 0.0
 
 
+class Contact(Table):
+    """Rubber between a roller and the floor: stiffness (N/m) and damping (N s/m). A machine free in space needs it."""
+
+    stiffness: Positive
+    damping: NonNegative = 0.0
+
+
+class Row(Table):
+    """A ring of roller_count rollers: its offset along the axle (m), and the turn of its roller 0 (deg)."""
+
+    offset: Real = 0.0
+    phase_deg: Real = 0.0
+
+
+class Profile(Table):
+    """The generatrix of a roller, |u| <= half_length (m) along its axis.
+
+    exact: the envelope that keeps an upright wheel round. arc, a barrel: r = radius - curvature_radius +
+    sqrt(curvature_radius^2 - u^2), m.
+    """
+
+    kind: ProfileKind = "exact"
+    radius: Positive = 0.0
+    curvature_radius: Positive = 0.0
+    half_length: Positive = 0.0
+
+
 class WheelType(Table):
-    """[wheel_types.NAME]: radius R and roller distance R1 (m), N_r, psi (deg), disk and roller."""
+    """[wheel_types.NAME]: radius R and roller distance R1 (m), N_r, psi (deg), disk and roller.
+
+    Of a machine free in space also rubber, rows, profile, and half the angle over which a roller of the exact profile
+    is cut (deg).
+    """
 
     radius: Positive
     roller_distance: Positive
@@ -209,6 +248,28 @@ class WheelType(Table):
     roller_angle_deg: Annotated[float, Field(gt=-90, lt=90, description="a finite number between -90 and 90")]
     disk: Disk
     roller: Roller
+    contact: Contact | None = None
+    rows: Annotated[tuple[Row, ...], Field(min_length=1, description="a list of one or more rows of rollers")] = (
+        Row(),
+    )
+    profile: Profile = Profile()
+    covered_deg: Annotated[float | None, Field(gt=0, lt=90, description="a finite number between 0 and 90")] = None
+
+    @property
+    def rollers(self) -> int:
+        """All of its rollers, in all rows."""
+        return self.roller_count * len(self.rows)
+
+    @property
+    def covered(self) -> float:
+        """Half the angle over which a roller of the exact profile is cut, rad: its share of the turn, if all rollers
+        are spread evenly around it."""
+        if self.covered_deg is not None:
+            return math.radians(self.covered_deg)
+        pitch = 360.0 / self.roller_count
+        phases = sorted(row.phase_deg % pitch for row in self.rows)
+        even = all(abs(phase - phases[0] - i * pitch / len(self.rows)) < SAME_DEG for i, phase in enumerate(phases))
+        return math.pi / (self.rollers if even else self.roller_count)
 
 
 class Chassis(Table):
@@ -226,8 +287,30 @@ class Chassis(Table):
     ground_clearance: NonNegative = 0.0
 
 
+class Suspension(Table):
+    """A hub that slides along chassis z by s, up: its mass (kg), isotropic inertia (kg m^2), and the spring on it,
+    -(preload + stiffness s + damping s') in N, N/m and N s/m."""
+
+    mass: Positive
+    inertia: Positive
+    stiffness: NonNegative
+    damping: NonNegative = 0.0
+    preload: Real = 0.0
+
+
+class Rocker(Table):
+    """[[axles]]: two wheels on one body that turns freely about a line of the chassis through `point` (m), along x or
+    y."""
+
+    name: Name
+    wheels: Annotated[tuple[str, str], Field(description="the names of two wheels")]
+    about: About
+    point: Annotated[tuple[Real, Real, Real], Field(description="three finite numbers [x, y, z]")]
+
+
 class Wheel(Table):
-    """[[wheels]]: a wheel type put somewhere, its start and its drive (angles in deg, rates in rad/s)."""
+    """[[wheels]]: a wheel type put somewhere, its start, its drive and its suspension (angles in deg, rates in
+    rad/s)."""
 
     name: Name
     type: Annotated[str, Field(description="the name of a wheel type")]
@@ -239,6 +322,7 @@ class Wheel(Table):
     spin_rate: Real = 0.0
     roller_rates: Rates = 0.0
     drive: Drive = Drive(kind="free")
+    suspension: Suspension | None = None
 
     @property
     def spin_angle(self) -> float:
@@ -279,12 +363,28 @@ class Output(Table):
 
 
 class Initial(Table):
-    """[initial]: position (m), yaw (deg), velocity (m/s, world) and yaw rate (rad/s) at t = 0."""
+    """[initial]: position (m), yaw (deg), velocity (m/s, world) and yaw rate (rad/s) at t = 0.
+
+    Of a machine free in space also the height of its origin over the base plane (m), pitch and roll (deg; it is turned
+    by yaw, then pitch, then roll), their rates (rad/s) and the velocity along z (m/s). Without any of height, pitch and
+    roll it begins at rest on the ground, in static equilibrium.
+    """
 
     position: Planar = (0.0, 0.0)
     yaw_deg: Real = 0.0
     velocity: Planar = (0.0, 0.0)
     yaw_rate: Real = 0.0
+    height: Real | None = None
+    pitch_deg: Real = 0.0
+    roll_deg: Real = 0.0
+    vertical_velocity: Real = 0.0
+    pitch_rate: Real = 0.0
+    roll_rate: Real = 0.0
+
+    @property
+    def placed(self) -> bool:
+        """Whether the scene says how high or how inclined a machine free in space begins."""
+        return not self.model_fields_set.isdisjoint(("height", "pitch_deg", "roll_deg"))
 
 
 class Config(Table):
@@ -302,6 +402,7 @@ class Config(Table):
     ]
     chassis: Chassis | None = None
     wheels: Annotated[tuple[Wheel, ...], Field(min_length=1, description="one or more tables [[wheels]]")]
+    axles: tuple[Rocker, ...] = ()
     command: Command | None = None
     wrench: Wrench = Wrench()
     initial: Initial = Initial()
@@ -309,7 +410,7 @@ class Config(Table):
 
     @property
     def upright(self) -> str:
-        """What carries roll and pitch: "servo" or "contacts"."""
+        """What carries roll and pitch: "servo", "contacts", or "free": nothing."""
         return self.world.upright or ("contacts" if self.chassis else "servo")
 
     @property

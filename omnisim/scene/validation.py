@@ -10,6 +10,7 @@ from omnisim.scene.machine_rules import MACHINE_RULES
 from omnisim.scene.problems import ConfigError, Problem, schema_problems
 from omnisim.scene.rules import RULES
 from omnisim.scene.schema import Config
+from omnisim.scene.spatial_rules import spatial_rules
 
 Rule = Callable[[Config], Iterator[Problem]]
 
@@ -29,7 +30,7 @@ def checked(data: Mapping[str, Any]) -> Config:
         config = Config.model_validate(data)
     except ValidationError as error:
         raise ConfigError(schema_problems(error, data)) from None
-    _obey((*RULES, shape_rules), config)
+    _obey((*RULES, shape_rules, spatial_rules), config)
     config = complete(config)
     _obey(MACHINE_RULES, config)
     return config
