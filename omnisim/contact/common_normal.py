@@ -1,0 +1,274 @@
+"""Where a roller meets ground that is no plane: by the common normal of both.
+
+               a                      nu   unit normal of the floor at X, upwards
+          .---/--.                    P    the roller's lowest point along -nu
+         |   B    |                   X    the point of the floor with P - X parallel to nu
+          '--\\---'                    depth = -(P - X) . nu, > 0 where they overlap
+       ____ P \\ ____ X __
+           '-__      __-'             (P - X) . p = (P - X) . q = 0 for two tangents p, q of the floor at X
+
+Two equations for two coordinates of X, solved by Newton's method with the exact Jacobian; every step makes both sides
+smaller. It is a function of the state alone: it starts below the roller each time. On ground as hollow as the roller is
+curved there may be several common normals, of which the deepest is found from a few starts.
+
+Each piece of a floor is asked for its own: see floor.py. `Touch.inside` tells whether X is there.
+"""
+
+import math
+from typing import NamedTuple
+
+from omnisim.base.kernel import kernel
+from omnisim.base.vector import Vec3, combine, cross, dot, minus, plus, times
+from omnisim.contact.floor import beyond, inside_piece
+from omnisim.contact.patch import Coordinates, edge_patch, patch
+from omnisim.contact.support import ARC, Support, region_of, support
+
+ANY = 2  # in the place of a region: whichever holds the lowest point
+MOST_STEPS = 40  # of Newton, of which four are usual
+MOST_HALVINGS = 12  # of one of them
+SMALL = 1e-8  # of the roller's radius: after a step so short the next would change nothing
+ROUNDED = 1e-13  # of the same: residuals that are zero but for rounding
+TINY = 1e-12  # sine of the angle below which a roller stands on end
+
+
+class Roller(NamedTuple):
+    """A roller's SHAPE record, its centre B (Vec3, m) and its unit axis a (Vec3), world axes."""
+
+    shape: object
+    centre: Vec3
+    axis: Vec3
+
+
+class Touch(NamedTuple):
+    """Common normal of a roller and a floor, world axes.
+
+    nu         unit normal of the floor at X (Vec3)
+    point      X (Vec3), m
+    depth      -(P - X) . nu, m; > 0: they overlap
+    tilt       nu . a
+    across     sqrt(1 - tilt^2)
+    support    the Support of P in its region
+    region     of the roller: see support.py
+    inside     how far X is inside the piece of the floor, m; < 0: there is no contact on this piece
+    converged  False: no common normal was found, and nothing else of this holds
+    """
+
+    nu: Vec3
+    point: Vec3
+    depth: float
+    tilt: float
+    across: float
+    support: Support
+    region: int
+    inside: float
+    converged: bool
+
+
+class Low(NamedTuple):
+    """The point P of a roller that is lowest along -nu (Vec3, m), with e and what Touch tells of it."""
+
+    nu: Vec3
+    point: Vec3
+    e: Vec3
+    tilt: float
+    across: float
+    support: Support
+    region: int
+
+
+class Look(NamedTuple):
+    """The roller seen from a place X on the floor, P - X, and residual and Jacobian of Newton."""
+
+    at: Coordinates
+    point: Vec3
+    low: Low
+    gap: Vec3
+    first: float  # residuals along p and q
+    last: float
+    first_first: float  # their derivatives by the coordinates
+    first_last: float
+    last_first: float
+    last_last: float
+    reach: float  # m along p for one of the first coordinate
+
+
+@kernel
+def reach_of(shape):
+    """Radius of a sphere about the centre of a roller that holds it, m."""
+    thickest = shape.radius if shape.kind == ARC else shape.radius - shape.distance
+    return math.sqrt(shape.half_length * shape.half_length + thickest * thickest)
+
+
+@kernel
+def quickly_clear(floor, piece, shape, centre):
+    """Whether a roller with its centre (Vec3) there cannot touch this piece: cheap, and not told of all that cannot."""
+    reach = reach_of(shape)
+    if centre.z - reach > floor.highest:
+        return True
+    if piece:
+        step = floor.steps[piece - 1]
+        s = beyond(step, centre.x, centre.y)
+        return s < -reach or s > step[6] + reach
+    return False
+
+
+@kernel
+def touch(floor, piece, shape, region, centre, axis):
+    """The Touch of a roller, in this region of its own or in ANY, with this piece of the floor."""
+    roller = Roller(shape, centre, axis)
+    found, converged = deepest(floor, piece, roller)
+    if region != ANY and found.low.region != region:
+        found, converged = newton(floor, piece, roller, region, found.at)
+    low, point = found.low, found.point
+    if piece and found.at.first > 0.5 * math.pi:
+        low, point = on_face(floor.steps[piece - 1], roller, region, low, point)
+    return Touch(
+        low.nu,
+        point,
+        dot(minus(point, low.point), low.nu),
+        low.tilt,
+        low.across,
+        low.support,
+        low.region,
+        inside_piece(floor, piece, point.x, point.y),
+        converged,
+    )
+
+
+@kernel
+def deepest(floor, piece, roller):
+    """The Look along the deepest common normal, in any region, and whether there is one.
+
+    One start finds it unless the ground may be as hollow as the roller is curved.
+    """
+    shape = roller.shape
+    best, known = newton(floor, piece, roller, ANY, start(floor, piece, roller, 0.0))
+    if known and floor.hollow * longest_radius(shape) < 1.0:
+        return best, known
+    for end in (-shape.half_length, shape.half_length):
+        other, converged = newton(floor, piece, roller, ANY, start(floor, piece, roller, end))
+        if converged and (not known or dot(other.gap, other.low.nu) < dot(best.gap, best.low.nu)):
+            best, known = other, True
+    return best, known
+
+
+@kernel
+def longest_radius(shape):
+    """Radius of curvature of the profile in its middle, m; of exact ones it is a little more towards the ends."""
+    if shape.kind == ARC:
+        return shape.curvature_radius
+    return shape.radius - shape.distance + shape.distance / (shape.cos_psi * shape.cos_psi)
+
+
+@kernel
+def start(floor, piece, roller, along):
+    """Where to begin: below the lowest point for the vertical, or below the point of the axis at `along` (m) if that is
+    not 0; on an edge, where it looks from its own axis to that point or the centre."""
+    place = combine(1.0, roller.centre, along, roller.axis, 0.0, roller.axis)
+    if not piece:
+        if along == 0.0:
+            place = lowest(roller, ANY, Vec3(0.0, 0.0, 1.0)).point
+        return Coordinates(place.x, place.y)
+    step = floor.steps[piece - 1]
+    s = beyond(step, place.x, place.y)
+    way = (place.y - step[1]) * step[2] - (place.x - step[0]) * step[3]
+    top = edge_patch(floor, piece - 1, Coordinates(0.0, way)).point
+    angle = math.atan2(step[6] - s, place.z - top.z + step[5])
+    return Coordinates(min(max(angle, 0.0), 0.5 * math.pi), way)
+
+
+@kernel
+def newton(floor, piece, roller, region, at):
+    """The Look at the common normal to which these Coordinates lead, and whether they do."""
+    here = look(floor, piece, roller, region, at)
+    scale = abs(roller.shape.radius)
+    for _ in range(MOST_STEPS):
+        miss = here.first * here.first + here.last * here.last
+        if miss == 0.0:
+            return here, True
+        scarce = here.first_first * here.last_last - here.first_last * here.last_first
+        first = (here.first_last * here.last - here.last_last * here.first) / scarce
+        last = (here.last_first * here.first - here.first_first * here.last) / scarce
+        if abs(here.reach * first) + abs(last) < SMALL * scale:
+            return look(floor, piece, roller, region, Coordinates(here.at.first + first, here.at.last + last)), True
+        part = 1.0
+        there = look(floor, piece, roller, region, Coordinates(here.at.first + first, here.at.last + last))
+        for _ in range(MOST_HALVINGS):
+            if there.first * there.first + there.last * there.last < miss:
+                break
+            part *= 0.5
+            at = Coordinates(here.at.first + part * first, here.at.last + part * last)
+            there = look(floor, piece, roller, region, at)
+        if not there.first * there.first + there.last * there.last < miss:
+            return here, miss < (ROUNDED * scale) ** 2
+        here = there
+    return here, False
+
+
+@kernel
+def lowest(roller, region, nu):
+    """The Low of a roller, in this region or ANY."""
+    axis = roller.axis
+    tilt = dot(nu, axis)
+    up = combine(1.0, nu, -tilt, axis, 0.0, axis)
+    across = max(math.sqrt(dot(up, up)), TINY)
+    e = times(-1.0 / across, up)
+    if region == ANY:
+        region = region_of(roller.shape, tilt)
+    found = support(roller.shape, region, tilt, across)
+    return Low(nu, combine(1.0, roller.centre, found.u, axis, found.r, e), e, tilt, across, found, region)
+
+
+@kernel
+def look(floor, piece, roller, region, at):
+    """The Look from these Coordinates of a piece."""
+    here = patch(floor, piece, at)
+    p, q = here.p, here.q
+    normal = cross(p, q)
+    size = math.sqrt(dot(normal, normal))
+    low = lowest(roller, region, times(1.0 / size, normal))
+    gap = minus(low.point, here.point)
+    by_first = turning(low.nu, size, plus(cross(here.p_first, q), cross(p, here.q_first)))
+    by_last = turning(low.nu, size, plus(cross(here.p_last, q), cross(p, here.q_last)))
+    gap_first = minus(moving(low, roller.axis, by_first), times(here.reach, p))
+    gap_last = minus(moving(low, roller.axis, by_last), q)
+    return Look(
+        at,
+        here.point,
+        low,
+        gap,
+        dot(gap, p),
+        dot(gap, q),
+        dot(gap_first, p) + dot(gap, here.p_first),
+        dot(gap_last, p) + dot(gap, here.p_last),
+        dot(gap_first, q) + dot(gap, here.q_first),
+        dot(gap_last, q) + dot(gap, here.q_last),
+        here.reach,
+    )
+
+
+@kernel
+def turning(nu, size, change):
+    """The change of a unit normal when the vector of this size along it changes (Vec3)."""
+    return combine(1.0 / size, change, -dot(nu, change) / size, nu, 0.0, nu)
+
+
+@kernel
+def moving(low, axis, turn):
+    """The change of P when nu changes by `turn` (Vec3), m:
+
+    (u' a + r' e) (a . dnu) - (r / across) b (b . dnu),   b = a x e
+    """
+    b = cross(axis, low.e)
+    tilting, found = dot(axis, turn), low.support
+    return combine(found.u_rate * tilting, axis, found.r_rate * tilting, low.e, -found.r * dot(b, turn) / low.across, b)
+
+
+@kernel
+def on_face(step, roller, region, low, point):
+    """Low and X of a roller that the vertical face below an arc meets; what it is given if there is no face."""
+    if step[4] <= step[5]:
+        return low, point
+    low = lowest(roller, region, Vec3(-step[2], -step[3], 0.0))
+    s = beyond(step, low.point.x, low.point.y)
+    return low, combine(1.0, low.point, s, low.nu, 0.0, low.nu)
