@@ -95,6 +95,9 @@ RULES = """## Rules across keys
 - A `dc_motor` has a `voltage`, or `proportional` and what else belongs to a controller; and either `resistance`,
   `torque_constant` and friction, or all five values of a data sheet, which must be those of one motor: `stall_torque` to
   5 %. `sample_time` is a multiple of `time.step`; with `solver.error`, of a thousandth of `output_interval`.
+- `bumps`, `grid` and `steps` need `upright = "free"`; no bump is narrower than a roller is thick. A file of heights is a
+  table of numbers without holes, 2 x 2 to 1e6 of them; its name is relative to the scene file. What is loaded keeps the
+  heights themselves, compressed, so that a trajectory's scene needs no other file.
 - A list over `times` is as long as `times`; in `[wrench]` and `[command]` too.
 """
 # Defaults that depend on other keys, or that are no value.
@@ -126,6 +129,13 @@ DERIVED = {
     "[[wheels]] drive resistance": "required by `dc_motor`, or a data sheet",
     "[[wheels]] drive torque_constant": "required by `dc_motor`, or a data sheet",
     **{f"[[wheels]] drive {key}": "absent; required of a data sheet" for key in DATA_SHEET},
+    "[wheel_types.NAME] covered_deg": "`180 / roller_count`, by the number of rows if they are spread evenly",
+    "[wheel_types.NAME] profile radius": "required by `arc`",
+    "[wheel_types.NAME] profile curvature_radius": "required by `arc`",
+    "[wheel_types.NAME] profile half_length": "required by `arc`",
+    "[initial] height": "that of static equilibrium on the ground",
+    "[initial] pitch_deg": "the same, or `0` beside a height or a roll",
+    "[initial] roll_deg": "the same, or `0` beside a height or a pitch",
     "[wrench] times": "required in the table",
     "[wrench] force": "absent: zero",
     "[wrench] yaw_torque": "absent: zero",

@@ -5,6 +5,9 @@ Inlined they run beside everything else. The argument is reduced to |r| <= pi / 
 Microsystems, 1993: k_cos.c, k_sin.c), whose terms are grouped such that few of them wait for another.
 """
 
+import math
+from functools import lru_cache
+
 from omnisim.base.kernel import kernel
 
 EIGHTH_TURN = 0.7853981633974483
@@ -38,3 +41,13 @@ def cos_sin(x):
     if quarter & 1:
         s, c = c, s
     return -c if (quarter + 1) & 2 else c, -s if quarter & 2 else s
+
+
+@lru_cache
+def exact_cos_sin(degrees: float) -> tuple[float, float]:
+    """Cosine and sine, exact at multiples of 90 deg, so that symmetric machines are symmetric to the last bit."""
+    turns, rest = divmod(degrees, 90.0)
+    cos, sin = math.cos(math.radians(rest)), math.sin(math.radians(rest))
+    for _ in range(int(turns) % 4):
+        cos, sin = -sin, cos
+    return cos, sin

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from omnisim.base.records import blank, records
+from omnisim.base.trigonometry import exact_cos_sin
 from omnisim.contact.friction import LAWS
 from omnisim.contact.mobility import HEAVY
 from omnisim.dynamics.parameters import (
@@ -254,16 +255,6 @@ def drive_values(law: DriveLaw, step: float | None) -> dict:
         "drive_friction": motor.friction_torque,
         "drive_friction_rate": motor.friction_rate,
     }
-
-
-@lru_cache
-def exact_cos_sin(degrees: float) -> tuple[float, float]:
-    """Cosine and sine, exact at multiples of 90 deg, so that symmetric machines are symmetric to the last bit."""
-    turns, rest = divmod(degrees, 90.0)
-    cos, sin = math.cos(math.radians(rest)), math.sin(math.radians(rest))
-    for _ in range(int(turns) % 4):
-        cos, sin = -sin, cos
-    return cos, sin
 
 
 def axle_inertia(kind: WheelType, sin_psi: float) -> float:

@@ -13,6 +13,7 @@ import numpy as np
 from omnisim.scene import machine_rules
 from omnisim.scene.drive_schema import Drive
 from omnisim.scene.drives import friction_torque, standstill_torque
+from omnisim.scene.floor_rules import hollow_ground
 from omnisim.scene.ideal_kinematics import MOTIONS, handedness, rms_distance, undetermined, wheel_rows
 from omnisim.scene.problems import Problem
 from omnisim.scene.schema import Config, Wheel, WheelType
@@ -329,6 +330,7 @@ def _strength(drive: Drive) -> str:
 
 Check = Callable[[Config], Iterator[Problem]]
 CHECKS: tuple[Check, ...] = (
+    hollow_ground,
     crowded_rollers,
     crowded_hub,
     large_lengths,

@@ -13,6 +13,7 @@ from omnisim.base.arguments import path_text, shown
 from omnisim.base.files import is_hdf5, read_small
 from omnisim.base.formatting import visible
 from omnisim.scene.document import MOST_BYTES, Document, InputError, Override, by_name, decoded, parsed
+from omnisim.scene.heights import GRID_FILE, kept_heights
 from omnisim.scene.problems import ConfigError, did_you_mean
 from omnisim.scene.schema import FRICTION_KEYS, Config
 from omnisim.scene.toml_text import (
@@ -99,12 +100,13 @@ def load(source: str | PathLike[str], overrides: Overrides = ()) -> Scene:
     source = visible(str(source))
     try:
         if path.exists() and not (path.is_dir() and source in packaged_scenes()):
-            return parse(_text(path, source), source, overrides)
+            return parse(_text(path, source), source, overrides, path.parent)
     except OSError as error:
         raise SceneError(f"{source}: cannot read this file: {error.strerror}") from None
     if source not in packaged_scenes():
         raise SceneError(_not_found(path, source))
-    return parse(_decode(_packaged(source).read_bytes(), source), source, overrides)
+    packaged = Path(str(_packaged(source)))
+    return parse(_decode(packaged.read_bytes(), source), source, overrides, packaged.parent)
 
 
 def load_text(text: str, overrides: Overrides = ()) -> Scene:
@@ -127,20 +129,26 @@ def changed(scene: Scene, overrides: Overrides) -> Scene:
     return scene if overrides == () else parse(scene.text, scene.source, overrides)
 
 
-def parse(text: str, source: str = "<text>", overrides: Overrides = ()) -> Scene:
-    """The scene in a TOML text; `source` names it in messages. Raises SceneError."""
+def parse(text: str, source: str = "<text>", overrides: Overrides = (), folder: Path | None = None) -> Scene:
+    """The scene in a TOML text; `source` names it in messages. Files that it names stand in `folder`, by default that
+    of the source. Raises SceneError."""
     try:
         document = parsed(text, source)
     except InputError as error:
         raise SceneError(str(error)) from None
     applied = [_apply(document.data, origin, path, value) for origin, path, value in _values(overrides)]
     document = replace(document, applied=tuple(applied))
+    edits = [(override.path, override.value) for override in applied]
     try:
         config = validate(document.data)
+        if heights := kept_heights(config, Path(source).parent if folder is None else folder):
+            assign(document.data, GRID_FILE, heights)
+            edits.append((GRID_FILE, heights))
+            config = validate(document.data)
     except ConfigError as error:
         raise SceneError(document.told(error.problems)) from None
-    if applied:
-        text = rewrite(text, [(override.path, override.value) for override in applied], document.data)
+    if edits:
+        text = rewrite(text, edits, document.data)
     return Scene(config, text, "scene" if source == "<text>" else Path(source).stem, source, document)
 
 

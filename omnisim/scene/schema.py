@@ -13,6 +13,7 @@ from pydantic import Field, model_validator
 from omnisim.scene.drive_schema import Drive
 from omnisim.scene.values import (
     Boolean,
+    Bumps,
     Count,
     Inertia,
     Name,
@@ -23,9 +24,11 @@ from omnisim.scene.values import (
     PositiveOrNone,
     Rates,
     Real,
+    RealOrNone,
     Reals,
     Size,
     Slope,
+    Spacing,
     Table,
     Twists,
     Vectors,
@@ -80,15 +83,48 @@ class World(Table):
     upright: Upright = None  # type: ignore[assignment]  # see Config.upright
 
 
+class Grid(Table):
+    """Heights (m) at nodes, in a CSV or .npy file beside the scene: rows along x, the first from `origin` [x, y] (m),
+    nodes `spacing` [dx, dy] (m) apart. Between them lies a bicubic spline; beyond them the floor is level.
+
+    A scene that is loaded keeps the heights themselves in the place of the file's name.
+    """
+
+    file: Annotated[str, Field(min_length=1, description="the name of a file of heights, CSV or .npy")]
+    origin: Planar = (0.0, 0.0)
+    spacing: Spacing
+
+
+class Step(Table):
+    """Up by `height` (m) across the line through `point` (m), towards direction_deg; the upper edge is rounded.
+
+    height < 0: down. The line is always the foot of the step's face.
+    """
+
+    point: Planar
+    direction_deg: Real
+    height: Real
+    edge_radius: Positive
+
+
 class Floor(Table):
-    """[floor]: a plane that rises by slope_deg (S) towards uphill_deg (U), the direction from the x axis of the floor.
+    """[floor]: a plane that rises by slope_deg (S) towards uphill_deg (U), the direction from the x axis of the floor;
+    and what stands on it, for machines free in space: all of it adds up.
 
     The axes of the world are those of the floor, x and y in it, z normal to it: gravity is
-    g (-sin S cos U, -sin S sin U, -cos S).
+    g (-sin S cos U, -sin S sin U, -cos S). A bump is height exp(-distance^2 / radius^2), a pit if height < 0 (m).
     """
 
     slope_deg: Slope = 0.0
     uphill_deg: Real = 0.0
+    bumps: Bumps = ()
+    grid: Grid | None = None
+    steps: tuple[Step, ...] = ()
+
+    @property
+    def is_plane(self) -> bool:
+        """Whether nothing stands on it."""
+        return not self.bumps and self.grid is None and not self.steps
 
 
 class Time(Table):
@@ -374,7 +410,7 @@ class Initial(Table):
     yaw_deg: Real = 0.0
     velocity: Planar = (0.0, 0.0)
     yaw_rate: Real = 0.0
-    height: Real | None = None
+    height: RealOrNone = None
     pitch_deg: Real = 0.0
     roll_deg: Real = 0.0
     vertical_velocity: Real = 0.0

@@ -6,6 +6,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from omnisim.scene.estimates import complete, shape_rules
+from omnisim.scene.floor_rules import floor_rules
 from omnisim.scene.machine_rules import MACHINE_RULES
 from omnisim.scene.problems import ConfigError, Problem, schema_problems
 from omnisim.scene.rules import RULES
@@ -30,7 +31,7 @@ def checked(data: Mapping[str, Any]) -> Config:
         config = Config.model_validate(data)
     except ValidationError as error:
         raise ConfigError(schema_problems(error, data)) from None
-    _obey((*RULES, shape_rules, spatial_rules), config)
+    _obey((*RULES, shape_rules, spatial_rules, floor_rules), config)
     config = complete(config)
     _obey(MACHINE_RULES, config)
     return config

@@ -10,6 +10,7 @@ MAX_ROLLERS = 10**6  # far beyond any wheel; keeps N_r an integer that floats an
 NAME = "[A-Za-z][A-Za-z0-9_-]*"
 
 Real = Annotated[float, Field(description="a finite number")]
+RealOrNone = Annotated[float | None, Field(description="a finite number")]
 Positive = Annotated[float, Field(gt=0, description="a finite number > 0")]
 PositiveOrNone = Annotated[float | None, Field(gt=0, description="a finite number > 0")]
 NonNegative = Annotated[float, Field(ge=0, description="a finite number >= 0")]
@@ -36,6 +37,11 @@ Twists = Annotated[
     Field(min_length=1, description="a list of one or more twists [vx, vy, yaw_rate] of finite numbers"),
 ]
 Point = Annotated[tuple[Real, Real, NonNegative], Field(description="three finite numbers [x, y, z], z >= 0")]
+Bumps = Annotated[
+    tuple[tuple[Real, Real, Real, Positive], ...],
+    Field(description="a list of bumps [x, y, height, radius] of finite numbers, radius > 0"),
+]
+Spacing = Annotated[tuple[Positive, Positive], Field(description="two finite numbers > 0 [dx, dy]")]
 Size = Annotated[
     tuple[Positive, Positive, Positive], Field(description="three finite numbers > 0 [length, width, height]")
 ]

@@ -33,6 +33,10 @@ def headings(*degrees: float) -> list[str]:
     ]
 
 
+# youBot free in space; its weak bearings and command stay out of the way
+FREE = ["scene.upright=free", f"{MECANUM}.contact={{stiffness=1e6, damping=100}}"]
+
+
 def limits(torque: float) -> list[str]:
     return [f"wheels.{name}.drive.torque_limit={torque!r}" for name in WHEELS]
 
@@ -48,6 +52,8 @@ def doubted(name: str, *overrides: str) -> omnisim.Scene:
 
 # check, scene, overrides, key and value as they are named, what is said of them
 DOUBTS = {
+    "pit": (plausibility.hollow_ground, "youbot", [*FREE, "floor.bumps=[[0, 0, -0.02, 0.05]]"], "floor.bumps[0] = [0, 0, -0.02, 0.05]", "its hollow is curved with a radius of 0.0625 m; expected at least 0.0835 m, that of the rollers along their axes"),
+    "skirt": (plausibility.hollow_ground, "youbot", [*FREE, "floor.bumps=[[9, 9, 0.02, 0.1], [0, 0, 0.02, 0.03]]"], "floor.bumps[1] = ", "a radius of 0.0504 m"),
     "neighbours": (plausibility.crowded_rollers, "youbot", [f"{MECANUM}.roller_count=9"], "roller_count = 9", "overlap their neighbours by 0.00413 m; expected at most 7 rollers at this distance or a roller_distance of at least 0.03764 m"),
     "next but one": (plausibility.crowded_rollers, "soccer_kit", [f"{OMNI}.roller_distance=0.024"], "roller_count = 20", "rollers overlap the next but one, so that not even two rows hold them, by 0.00"),
     "hub": (plausibility.crowded_hub, "youbot", [f"{MECANUM}.disk={{mass=0.4, hub_radius=0.03, width=0.05}}"], "disk.hub_radius = 0.03", "rollers reach 0.0055 m into the hub; expected at most 2 roller_distance - radius = 0.0245 m"),

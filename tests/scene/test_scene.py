@@ -213,7 +213,10 @@ def test_overrides_find_each_of_several_wheels_by_its_name():
         ("wheels.rl.drive={kind='torque', torque=1, rate=1}", "wheels.rl.drive.rate = 1: not a key of a drive with"),
         ("chassis.center_of_mass=[1, 0, 0]", "chassis.center_of_mass = [1, 0, 0]: the common centre of mass"),
         ("chassis.inertia=[1, 1, 3]", "chassis.inertia[2] = 3: must be at most the sum of the other two = 2:"),
-        ("scene.upright=srevo", "scene.upright = 'srevo': must be \"servo\" or \"contacts\"; did you mean 'servo'?"),
+        (
+            "scene.upright=srevo",
+            'scene.upright = \'srevo\': must be "servo", "contacts" or "free"; did you mean \'servo\'?',
+        ),
         ("wheels.rx.spin_rate=1", "no wheel is called 'rx'. Wheels: fl, fr, rl, rr"),
         ("command={times=[0], twist=[[1, 0, 0]]}", "command = {times = [0], twist = [[1, 0, 0]]}: no wheel follows it"),
     ],

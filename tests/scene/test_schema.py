@@ -177,7 +177,7 @@ DEFECTS = {
     "unknown frame": (TABLE, "frame = 'boddy'\n" + TABLE, 30, "wrench.frame = 'boddy'", "did you mean 'body'?"),
     "two wheels": ("[wrench]", "[[wheels]]\nname='b'\ntype='omni'\n[wrench]", 29, "wheels.b = {", "several wheels need a [chassis]"),
     "contacts of a bare wheel": ('"servo"', '"contacts"', 5, "scene.upright = 'contacts'", 'must be "servo" without a chassis'),
-    "unknown upright": ('"servo"', '"contact"', 5, "scene.upright = 'contact'", '"servo" or "contacts"; did you mean \'contacts\'?'),
+    "unknown upright": ('"servo"', '"contact"', 5, "scene.upright = 'contact'", '"servo", "contacts" or "free"; did you mean \'contacts\'?'),
     "rate drive without a rate": (DRIVE, f"{RATE}}}", 28, "wheels.wheel.drive.rate", "or the scene has a [command]"),
     "times without rates": (DRIVE, f"{RATE}, times = [0]}}", 28, "wheels.wheel.drive.rate", "missing; times need a list of"),
     "rate drive without a gain": (DRIVE, "drive = {kind = 'rate', rate = 1}", 28, "wheels.wheel.drive.proportional", "missing; must be a finite number > 0"),
