@@ -1,0 +1,169 @@
+"""Scenes and states in which every term of the equations of a machine free in space is at work.
+
+A scene is the plain dictionary of a scene file. `states` puts its machine anywhere on the ground, all rates unequal 0:
+standing, every wheel up to 0.3 mm into its rubber or just above the ground as far as three heights and the springs
+allow that; or leaning on one.
+"""
+
+import json
+import tomllib
+from collections.abc import Iterator
+from copy import deepcopy
+from math import pi
+from pathlib import Path
+
+import numpy as np
+
+from oracle.spatial.bodies import Bodies, Coordinates, X, Y, Z, placed
+from oracle.spatial.machine import Machine
+from oracle.spatial.motion import half, multiplied
+
+REFERENCE = Path(__file__).parents[2] / "reference"
+REFERENCES = ("kiwi_slope", "mecanum_bump", "mecanum_springs", "double_row")
+LEANS = (0.0, 0.0, 0.05, 0.0, 0.4)  # rad, in turn; 0: standing
+DEEPEST, HIGHEST = 3e-4, -5e-5  # m
+
+
+def load(name: str) -> tuple[dict, dict]:
+    """A reference scene, and its motion."""
+    path = REFERENCE / f"spatial_{name}"
+    return tomllib.loads(path.with_suffix(".toml").read_text()), json.loads(path.with_suffix(".json").read_text())
+
+
+def changed(name: str, **tables: dict) -> dict:
+    """A reference scene with these keys of its tables."""
+    scene = deepcopy(load(name)[0])
+    for table, keys in tables.items():
+        scene[table] = scene.get(table, {}) | keys
+    return scene
+
+
+def unlike() -> dict:
+    """Four unlike wheels over a bump and a pit on a slope: two of them on springs, one with two rows that do not
+    balance, one of barrels; bearings with friction; rotors of motors; a body wrench that changes."""
+    pushed = {"frame": "body", "times": [0.0, 0.5], "force": [[3.0, -4.0, 2.0], [1.0, 5.0, -3.0]]}
+    scene = changed(
+        "mecanum_springs",
+        friction={"law": "saturated", "slip_speed": 0.02},
+        floor={"slope_deg": 12.0, "uphill_deg": 130.0, "bumps": [[0.2, 0.1, 0.02, 0.2], [-0.3, -0.1, -0.015, 0.25]]},
+        chassis={"center_of_mass": [0.03, -0.02, 0.14], "inertia": [0.4, 0.6, 0.9]},
+        wrench=pushed | {"yaw_torque": [0.7, -0.4]},
+    )
+    base = scene["wheel_types"]["type0"]
+    rough = base["roller"] | {"bearing_viscosity": 1e-5, "bearing_torque": 2e-3, "bearing_rate": 5.0}
+    rows = [{"offset": -0.004, "phase_deg": 3.0}, {"offset": 0.011, "phase_deg": 20.0}]
+    scene["wheel_types"] |= {
+        "rough": base | {"roller": rough, "roller_count": 8, "roller_angle_deg": 30.0},
+        "rows": base | {"rows": rows, "roller": rough, "covered_deg": 26.0, "roller_angle_deg": 20.0},
+        "barrels": base | {"profile": {"kind": "arc", "radius": 0.011, "curvature_radius": 0.05, "half_length": 0.02}},
+    }
+    kinds, headings = ("type0", "rough", "rows", "barrels"), (3.0, -5.0, 20.0, 184.0)
+    for wheel, kind, heading in zip(scene["wheels"], kinds, headings, strict=True):
+        wheel |= {"type": kind, "heading_deg": heading}
+    del scene["wheels"][1]["suspension"], scene["wheels"][3]["suspension"]
+    motor = {"kind": "dc_motor", "voltage": 6.0, "resistance": 1.2, "torque_constant": 0.02, "gear_ratio": 12.0}
+    scene["wheels"][0]["drive"] = scene["wheels"][1]["drive"] = motor | {"rotor_inertia": 4e-6}
+    scene["wheels"][2]["suspension"] = {"mass": 0.5, "inertia": 3e-4, "stiffness": 6000.0, "damping": 80.0}
+    return scene
+
+
+def machine_of(scene: dict) -> Machine:
+    """With torques of its motors, if there are any, that no law gives."""
+    machine = Machine(scene)
+    if any(wheel.entry["drive"]["kind"] == "dc_motor" for wheel in machine.wheels):
+        machine.given_drives = np.linspace(-0.4, 0.3, len(machine.wheels))
+    return machine
+
+
+def rockers() -> dict:
+    """A mecanum machine on a bump whose rear wheels share a rocker about x, its front wheels one about y."""
+    scene = changed("mecanum_bump", floor={"slope_deg": 5.0, "uphill_deg": -60.0})
+    scene["axles"] = [
+        {"name": "rear", "wheels": ["rl", "rr"], "about": "x", "point": [-0.2, 0.01, 0.06]},
+        {"name": "front", "wheels": ["fl", "fr"], "about": "y", "point": [0.2, 0.0, 0.08]},
+    ]
+    return scene
+
+
+def many_rollers() -> dict:
+    """A kiwi on bumps with 24 rollers to a wheel, in two rows of twelve."""
+    scene = changed("kiwi_slope", floor={"bumps": [[0.05, 0.1, 0.01, 0.12], [-0.1, -0.05, 0.006, 0.1]]})
+    rows = [{"offset": -0.006}, {"offset": 0.006, "phase_deg": 15.0}]
+    scene["wheel_types"]["type0"] |= {"roller_count": 12, "rows": rows}
+    return scene
+
+
+SCENES = {name: load(name)[0] for name in REFERENCES}
+SCENES |= {
+    "viscous": changed("mecanum_bump", friction={"law": "viscous", "viscosity": 30.0}),
+    "coulomb": changed("kiwi_slope", friction={"law": "coulomb"}),
+    "no friction": changed("double_row", friction={"law": "none"}),
+    "unlike wheels": unlike(),
+    "24 rollers": many_rollers(),
+    "rockers": rockers(),
+}
+
+
+def states(machine: Machine, seed: int, count: int) -> Iterator[Coordinates]:
+    """So many states, standing and leaning."""
+    random = np.random.default_rng(seed)
+    for number in range(count):
+        lean = LEANS[number % len(LEANS)]
+        now = anywhere(machine, random, lean)
+        if lean:
+            yield lowered(machine, now, random.uniform(0.1, 1.0) * DEEPEST)
+        else:
+            yield stood(machine, now, random.uniform(HIGHEST, DEEPEST, len(machine.wheels)))
+
+
+def anywhere(machine: Machine, random: np.random.Generator, lean: float) -> Coordinates:
+    wheels, rockers = len(machine.wheels), len(machine.layout.carriers)
+    towards = random.uniform(-pi, pi)
+    tilt = half(np.cos(towards) * X + np.sin(towards) * Y, lean)
+    sprung = np.array([w in machine.layout.hub for w in range(wheels)], dtype=float)
+    return Coordinates(
+        position=np.array([*random.uniform(-0.3, 0.3, 2), 0.0]),
+        quaternion=multiplied(tilt, half(Z, random.uniform(-pi, pi))),
+        velocity=random.uniform(-1.0, 1.0, 3) * [0.5, 0.5, 0.05],
+        angular_velocity=random.uniform(-1.0, 1.0, 3) * [0.2, 0.2, 1.5],
+        spin_angle=random.uniform(-pi, pi, wheels),
+        spin_rate=random.uniform(-8.0, 8.0, wheels),
+        travel=sprung * random.uniform(-1e-3, 1e-3, wheels),
+        travel_rate=sprung * random.uniform(-0.05, 0.05, wheels),
+        axle_angle=random.uniform(-1.0, 1.0, rockers) * max(lean, 2e-3),
+        axle_rate=random.uniform(-0.3, 0.3, rockers),
+        axial_rates=[random.uniform(-20.0, 20.0, wheel.count) for wheel in machine.wheels],
+    )
+
+
+def depths(machine: Machine, now: Coordinates) -> tuple[np.ndarray, Bodies]:
+    """How deep the deepest roller of every wheel is in the ground, m, < 0 above it."""
+    bodies, deepest = placed(machine.layout, now), []
+    for wheel, rollers in zip(machine.wheels, machine.layout.rollers, strict=True):
+        pairs = list(zip(bodies.x[rollers], bodies.axis[rollers], strict=True))
+        pairs.sort(key=lambda pair: wheel.lowest(*pair, Z)[2])
+        deepest.append(max(wheel.meet(x, axis, machine.ground, x[:2]).depth for x, axis in pairs[:3]))
+    return np.array(deepest), bodies
+
+
+def lowered(machine: Machine, now: Coordinates, depth: float) -> Coordinates:
+    """The same state lifted or lowered until its deepest contact is so deep."""
+    for _ in range(8):
+        now = now._replace(position=now.position + (depths(machine, now)[0].max() - depth) * Z)
+    return now
+
+
+def stood(machine: Machine, now: Coordinates, wanted: np.ndarray) -> Coordinates:
+    """The same state, lifted, tilted and its springs set so that the wheels come near to these depths."""
+    sprung = np.array([w in machine.layout.hub for w in range(len(wanted))], dtype=float)
+    for _ in range(8):
+        found, bodies = depths(machine, now)
+        arm = bodies.x[machine.layout.disk] - now.position
+        rise = np.column_stack([np.ones(len(wanted)), arm[:, 1], -arm[:, 0], np.diag(sprung)])
+        lift, *tilt = (step := np.linalg.lstsq(rise, found - wanted)[0])[:3]
+        now = now._replace(
+            position=now.position + lift * Z,
+            quaternion=multiplied(half(X, tilt[0]), multiplied(half(Y, tilt[1]), now.quaternion)),
+            travel=now.travel + step[3:],
+        )
+    return now
