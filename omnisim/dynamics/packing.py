@@ -11,6 +11,7 @@ from omnisim.base.records import blank, records
 from omnisim.base.trigonometry import exact_cos_sin
 from omnisim.contact.friction import LAWS
 from omnisim.contact.mobility import HEAVY
+from omnisim.dynamics.inertia import axle_inertia, diameter_inertia
 from omnisim.dynamics.parameters import (
     ARTICULATED,
     CONTACT,
@@ -19,6 +20,7 @@ from omnisim.dynamics.parameters import (
     FORCE_X,
     FORCE_Y,
     FORCE_Z,
+    FREE,
     JOINT,
     LOADS,
     MACHINE,
@@ -31,7 +33,9 @@ from omnisim.dynamics.parameters import (
     Parameters,
     Workspace,
 )
-from omnisim.dynamics.state import TOUCHING, Contents, places_of
+from omnisim.dynamics.spatial.packing import carried_wheels, pack_space
+from omnisim.dynamics.spatial.records import SLOTS
+from omnisim.dynamics.state import TOUCHING, Contents, places_in_space, places_of
 from omnisim.scene.cubic import cubic_curvature
 from omnisim.scene.drives import DriveLaw, Motor, drive_law
 from omnisim.scene.ideal_kinematics import inverse, rms_distance, wheel_rows
@@ -39,7 +43,7 @@ from omnisim.scene.masses import common_centre, exact_moments, point_masses
 from omnisim.scene.schema import Config, Friction, Roller, Wheel, WheelType
 
 SHORTEST = 1e-14  # relative: pieces of tables that are no longer than rounding are left out
-UPRIGHT = {"servo": SERVO, "contacts": CONTACTS}
+UPRIGHT = {"servo": SERVO, "contacts": CONTACTS, "free": FREE}
 WRENCH = [FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE]
 
 
@@ -62,15 +66,17 @@ def pack(config: Config) -> Parameters:
         spin_angles = np.array([wheel.spin_angle for wheel in config.wheels])
         wheels = [wheel | {"odometry": tuple(column)} for wheel, column in zip(wheels, twists.T, strict=True)]
         machine["odometry_yaw"] = math.radians(config.initial.yaw_deg) - twists[2] @ spin_angles
-    most = max(kind.roller_count for kind in types)
+    most = max(kind.rollers for kind in types)
+    free = config.upright == "free"
     flags = "integrals", "currents", "bearing_friction", "motors", "odometry"
-    machine["places"] = places_of(
+    machine["places"] = (places_in_space if free else places_of)(
         Contents(
             len(wheels),
             machine["slots"],
             **{flag: int(machine[flag]) for flag in flags},
             rhos=len(wheels) * most if config.solver.tracking == "implicit" else 0,
             bodies=1 + len(wheels) * (1 + most) if config.solver.formulation == "multibody" else 0,
+            carriers=len(carried_wheels(config)) if free else 0,
         )
     )
     rates = machine["places"].roller_rate
@@ -83,9 +89,10 @@ def pack(config: Config) -> Parameters:
         heavy = 1.0 / (HEAVY * machine["mass"] * wheel["radius"] ** 2)
         wheel["holding_mobility"] = heavy if wheel["follows"] else wheel["spin_mobility"]
     machine["slip_mobility"] = max(slip_mobility_bound(machine, wheel) for wheel in wheels)
-    counts = tuple(kind.roller_count for kind in types)
+    counts = tuple(kind.rollers for kind in types)
     constants = records(MACHINE, [machine])[0], records(WHEEL, wheels), rows_of(wheels), sectors(counts).copy()
-    return Parameters(*constants, *merge_tables(config, rows), workspace(config, wheels, most))
+    space = pack_space(config, wheels, machine) if free else None
+    return Parameters(*constants, *merge_tables(config, rows), workspace(config, wheels, most), space)
 
 
 def workspace(config: Config, values: list[dict], rollers: int) -> Workspace:
@@ -160,7 +167,7 @@ def machine_values(config: Config, types: list[WheelType], laws: list[DriveLaw])
         "bearing_friction": bearing_friction,
         "every_rate": every_rate,
         "bearing_relaxation": max(bearing_relaxation(kind.roller) for kind in types),
-        "slots": max(kind.roller_count for kind in types) if every_rate else TOUCHING,
+        "slots": slots(config, types, every_rate),
         "integrals": any(law.integrates for law in laws),
         "motors": bool(motors),
         "currents": any(motor.inductance > 0.0 for motor in motors),
@@ -171,6 +178,13 @@ def machine_values(config: Config, types: list[WheelType], laws: list[DriveLaw])
         "pushed": any(any(force) or torque for force, torque in zip(*config.wrench.table[1:], strict=True)),
         "body_frame": config.wrench.frame == "body",
     }
+
+
+def slots(config: Config, types: list[WheelType], every_rate: bool) -> int:
+    """Of roller rates in the state, for each wheel."""
+    if every_rate:
+        return max(kind.rollers for kind in types)
+    return SLOTS if config.upright == "free" else TOUCHING
 
 
 def gravity(config: Config) -> tuple[tuple[float, float], float]:
@@ -208,7 +222,7 @@ def wheel_values(
         "offset": (x * cos + y * sin, y * cos - x * sin),
         "radius": kind.radius,
         "roller_distance": kind.roller_distance,
-        "rollers": kind.roller_count,
+        "rollers": kind.rollers,
         "alpha": alpha,
         "sin_alpha": math.sin(alpha),
         "cos_alpha": math.cos(alpha),
@@ -257,19 +271,6 @@ def drive_values(law: DriveLaw, step: float | None) -> dict:
     }
 
 
-def axle_inertia(kind: WheelType, sin_psi: float) -> float:
-    """J_k = I_axle + N_r m_r R1^2 + N_r It (1 - s^2): the wheel about its axle, without the rollers' own Ia."""
-    count, roller = kind.roller_count, kind.roller
-    across = roller.inertia_transverse * (1.0 - sin_psi**2)
-    return kind.disk.inertia_axle + count * (roller.mass * kind.roller_distance**2 + across)
-
-
-def diameter_inertia(kind: WheelType) -> float:
-    """J_t = I_diameter + N_r m_r R1^2 / 2 + N_r It (1 - c^2 / 2): the wheel about a vertical diameter."""
-    count, roller = kind.roller_count, kind.roller
-    cos_psi = math.cos(math.radians(kind.roller_angle_deg))
-    across = roller.inertia_transverse * (1.0 - 0.5 * cos_psi**2)
-    return kind.disk.inertia_diameter + count * (0.5 * roller.mass * kind.roller_distance**2 + across)
 
 
 def slip_mobility_bound(machine: dict, wheel: dict) -> float:

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from omnisim.dynamics.spatial.records import Space
 from omnisim.dynamics.state import PLACES, TOUCHING
 
 MACHINE = np.dtype(
@@ -108,7 +109,7 @@ ROLLER_ROW = np.dtype(
     ]
 )
 FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE, DRIVE_INPUT = range(5)  # channels of the inputs; the last is of wheel 0
-SERVO, CONTACTS = 0, 1
+SERVO, CONTACTS, FREE = 0, 1, 2
 
 # What the right-hand side finds at a contact (two of each wheel) and at a wheel.
 CONTACT = np.dtype(
@@ -226,7 +227,8 @@ class Parameters(NamedTuple):
 
     machine: record MACHINE. wheels: (W,) records WHEEL. roller_rows: records ROLLER_ROW of the rows of rollers of all
     wheels. sector: (W, N, 2) cosine and sine of 2 pi i / N_r. starts: (S,) where the pieces begin, s. inputs: (S, 4 +
-    W, 2) value at the start of the piece and slope of every channel. workspace: Workspace.
+    W, 2) value at the start of the piece and slope of every channel. workspace: Workspace. space: Space, None of a
+    machine that is upright.
     """
 
     machine: np.record
@@ -236,3 +238,4 @@ class Parameters(NamedTuple):
     starts: np.ndarray
     inputs: np.ndarray
     workspace: Workspace
+    space: Space | None

@@ -24,6 +24,7 @@ from omnisim.dynamics.normal_forces.solution import given_load, loads_known
 from omnisim.dynamics.normal_forces.tilt import set_body_tilt
 from omnisim.dynamics.planar_body import free_equations, inclined_equations
 from omnisim.dynamics.sliding_wheel import press_wheel, slide_wheel, slides_alone
+from omnisim.dynamics.spatial.right_hand_side import spatial_rhs
 from omnisim.dynamics.state import YAW, X, Y, places
 from omnisim.dynamics.twist import Acceleration, body_motion, in_world, power_of, wheel_twist, world_frame
 from omnisim.dynamics.wheel import external_wrench, rho_of
@@ -35,13 +36,15 @@ def rhs(parameters, stage):
     """Write y' of a Stage; if it is `monitoring`, also what the events need to know of each wheel and, into the
     workspace, what else is of interest: inside a step nobody looks at them.
     """
-    if parameters.workspace.articulated is not None:
+    if parameters.space is not None:
+        spatial_rhs(parameters, stage)
+    elif parameters.workspace.articulated is not None:
         multibody_rhs(parameters, stage)
     else:
         reduced_rhs(parameters, stage)
     if parameters.machine.odometry:
         odometry_rates(parameters, stage.y, stage.dy)
-    if parameters.machine.implicit_tracking:
+    if parameters.space is None and parameters.machine.implicit_tracking:
         rho_rates(parameters, body_motion(parameters, stage.y), stage.y, stage.dy)
 
 

@@ -49,6 +49,11 @@ class Places(NamedTuple):
     rho: int
     bodies: int
     drift: int  # of positions, then of velocities
+    rate: int = 0  # of a machine free in space: its angular velocity; then what its carriers have, and its own losses
+    joint: int = 0
+    joint_rate: int = 0
+    contact_loss: int = 0
+    damper_loss: int = 0
 
 
 # No index made of unsigned numbers can count from the end, so compiled code need not ask.
@@ -79,11 +84,12 @@ class Contents(NamedTuple):
     odometry: int = 0
     rhos: int = 0
     bodies: int = 0
+    carriers: int = 0
 
 
 def places_of(contents):
     """The Places of a state with such Contents."""
-    wheels, slots, integrals, currents, bearing_friction, motors, odometry, rhos, bodies = contents
+    wheels, slots, integrals, currents, bearing_friction, motors, odometry, rhos, bodies, _ = contents
     rates = 3 + wheels
     rollers = 6 + 2 * wheels
     integral = 6 + 2 * wheels + slots * wheels
@@ -97,6 +103,26 @@ def places_of(contents):
     works, energies = range(works, works + 4), range(energies, energies + 4)
     drives = integral, current, *works, *energies
     return Places(3, rates, rates + 2, rates + 3, rollers, *drives, pose, rho, first, drift)
+
+
+def places_in_space(contents):
+    """The same of a machine free in space, whose state spatial/records.py describes."""
+    wheels, slots, integrals, currents, bearing_friction, motors, odometry, _, _, carriers = contents
+    joint = 7 + wheels
+    velocity = joint + carriers
+    spin_rate = velocity + 6
+    joint_rate = spin_rate + wheels
+    rollers = joint_rate + carriers
+    integral = rollers + slots * wheels
+    current = integral + integrals * wheels
+    works = current + currents * wheels
+    losses = works + 3 + bearing_friction
+    energies = losses + 2
+    pose = energies + 4 * motors
+    end = pose + 2 * odometry
+    drives = integral, current, *range(works, works + 4), *range(energies, energies + 4)
+    own = velocity + 3, joint, joint_rate, losses, losses + 1
+    return Places(7, velocity, velocity + 5, spin_rate, rollers, *drives, pose, end, end, end, *own)
 
 
 MODE = np.dtype(

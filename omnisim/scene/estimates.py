@@ -11,13 +11,12 @@ that always wins; the text of the scene stays as it is.
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple, TypeVar
 
+from omnisim.scene.masses import clearance
 from omnisim.scene.problems import Problem, allowed_at
 from omnisim.scene.rules import DECIMAL_TOLERANCE
 from omnisim.scene.schema import Chassis, Config, Disk, Roller, WheelType
 from omnisim.scene.toml_text import KeyPath
 from omnisim.scene.values import Table
-
-CLEARANCE = 0.5  # of the smallest wheel radius: how high a chassis box lies where the scene does not say
 
 AnyTable = TypeVar("AnyTable", bound=Table)
 
@@ -57,7 +56,7 @@ def complete(config: Config) -> Config:
     kinds = {name: _complete_type(kind) for name, kind in config.wheel_types.items()}
     chassis = config.chassis
     if chassis is not None and _left_out(chassis, "center_of_mass", "inertia"):
-        chassis = _filled(chassis, **_box(chassis, _clearance(config, chassis)))
+        chassis = _filled(chassis, **_box(chassis, clearance(config, chassis)))
     if chassis is config.chassis and all(kind is config.wheel_types[name] for name, kind in kinds.items()):
         return config
     return config.model_copy(update={"wheel_types": kinds, "chassis": chassis})
@@ -82,7 +81,7 @@ def estimates(config: Config) -> Iterator[Estimate]:
         size = " x ".join(f"{side:g}" for side in config.chassis.size)
         for key in _left_out(config.chassis, "center_of_mass", "inertia"):
             numbers = ", ".join(f"{number:.5g}" for number in getattr(config.chassis, key))
-            above = f", {_clearance(config, config.chassis):g} m above the floor"
+            above = f", {clearance(config, config.chassis):g} m above the floor"
             unit, where = ("m", above) if key == "center_of_mass" else ("kg m^2", f", {config.chassis.mass:g} kg")
             yield Estimate(("chassis", key), f"[{numbers}] {unit}", f"a box of {size} m{where}")
 
@@ -121,13 +120,6 @@ def _solid(kind: WheelType, roller: Roller) -> dict[str, float]:
 
 def _across(disk: Disk) -> float:
     return 0.5 * disk.inertia_axle + disk.mass * disk.width**2 / 12.0
-
-
-def _clearance(config: Config, chassis: Chassis) -> float:
-    """Between the chassis box and the floor, m."""
-    if "ground_clearance" in chassis.model_fields_set:
-        return chassis.ground_clearance
-    return CLEARANCE * min(config.type_of(wheel).radius for wheel in config.wheels)
 
 
 def _box(chassis: Chassis, clearance: float) -> dict[str, tuple[float, float, float]]:

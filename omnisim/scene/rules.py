@@ -90,7 +90,7 @@ def _wheel_rules(config: Config) -> Iterator[Problem]:
             hint = did_you_mean(wheel.type, config.wheel_types)
             yield Problem((*path, "type"), f"no such wheel type{hint or '.'} Wheel types: {known}")
         elif isinstance(wheel.roller_rates, tuple):
-            count = config.type_of(wheel).roller_count
+            count = config.type_of(wheel).rollers
             given = len(wheel.roller_rates)
             if given != count:
                 allowed = f"one finite number, or a list of roller_count = {count} finite numbers"

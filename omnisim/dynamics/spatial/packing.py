@@ -1,0 +1,221 @@
+"""From a scene to the numbers that kernels know of a machine free in space: a Space."""
+
+import math
+
+import numpy as np
+
+from omnisim.base.records import blank, records
+from omnisim.contact.roller_profile import axial_coordinate, profile_radius
+from omnisim.contact.support import PROFILES, SHAPE
+from omnisim.dynamics.inertia import diameter_inertia
+from omnisim.dynamics.spatial.records import BODY, CARRIER, HUB, MOTION, SLOTS, TOUCH, Space
+from omnisim.scene.masses import chassis_box, common_centre, point_masses, row_shift
+from omnisim.scene.schema import Config, Rocker, Wheel, WheelType
+
+AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+
+
+def pack_space(config: Config, wheels: list[dict], machine: dict) -> Space:
+    """The Space of a scene whose wheels have these values of WHEEL records, and whose machine these of MACHINE."""
+    types = [config.type_of(wheel) for wheel in config.wheels]
+    masses, points = point_masses(config)
+    centre = np.array(common_centre(masses, points))
+    standing = carried_wheels(config)
+    inertias = [wheel_inertia(*each) for each in zip(types, config.wheels, wheels, strict=True)]
+    carriers = [carrier_values(config, one, masses, points, inertias, wheels, centre) for one in standing]
+    taken = {w for one in standing for w in one}
+    fixed = [w for w in range(len(wheels)) if w not in taken]
+    assert config.chassis is not None
+    bodies = [(masses[w], points[w] - centre, inertias[w], lean(wheels[w])) for w in fixed]
+    chassis = masses[-1], points[-1] - centre, np.diag(config.chassis.inertia), np.zeros((3, 3))
+    mass, moment, inner, whole = united([*bodies, chassis])
+    counts = [kind.rollers for kind in types]
+    body = {
+        "mass": math.fsum(masses),
+        "mobility": 1.0 / math.fsum(masses),
+        "base_mass": mass,
+        "moment": moment if carriers else np.zeros(3),
+        "inertia": whole,
+        "turning": np.linalg.inv(whole),
+        "inner_inertia": inner,
+        "gravity": (*machine["downhill"], -machine["gravity"]),
+        "chassis": np.array(config.chassis.center_of_mass) - centre,
+        "origin": -centre,
+        **hull(config, centre),
+    }
+    return Space(
+        body=record(BODY, body),
+        hubs=records(HUB, [hub_values(*each, standing, centre) for each in enumerate_wheels(config, types, wheels)]),
+        shapes=records(SHAPE, [shape_values(kind, wheel) for kind, wheel in zip(types, wheels, strict=True)]),
+        disk=disk_places(types, config.wheels, max(counts)),
+        floor=None,
+        carriers=array_of(CARRIER, carriers) if carriers else None,
+        touches=blank(TOUCH, SLOTS * len(wheels)),
+        motions=blank(MOTION, len(carriers)),
+        pushes=np.zeros((1 + len(carriers), 6)),
+        balance=np.zeros((6, 7)),
+    )
+
+
+def record(dtype: np.dtype, values: dict) -> np.record:
+    return array_of(dtype, [values])[0]
+
+
+def array_of(dtype: np.dtype, rows: list[dict]) -> np.recarray:
+    """Records whose fields may be arrays."""
+    found = blank(dtype, len(rows))
+    for one, values in zip(found, rows, strict=True):
+        for name, value in values.items():
+            one[name] = value
+    return found
+
+
+def enumerate_wheels(config: Config, types: list[WheelType], wheels: list[dict]):
+    return zip(range(len(wheels)), types, config.wheels, wheels, strict=True)
+
+
+def carried_wheels(config: Config) -> list[tuple[int, ...]]:
+    """The wheels of each carrier: of suspensions, then of rockers."""
+    names = [wheel.name for wheel in config.wheels]
+    hubs = [(w,) for w, wheel in enumerate(config.wheels) if wheel.suspension is not None]
+    return [*hubs, *(tuple(names.index(name) for name in rocker.wheels) for rocker in config.axles)]
+
+
+def axle_of(wheel: Wheel, values: dict) -> np.ndarray:
+    """k in chassis axes."""
+    return np.array([-values["sin_heading"], values["cos_heading"], 0.0])
+
+
+def wheel_inertia(kind: WheelType, wheel: Wheel, values: dict) -> np.ndarray:
+    """Of a wheel with its rollers, and of the hub of a suspension, about their common centre of mass; without the
+    inertia about the axle, which turns on its own."""
+    k = axle_of(wheel, values)
+    across = np.eye(3) - np.outer(k, k)
+    shift = row_shift(kind)
+    mass = kind.disk.mass + kind.rollers * kind.roller.mass
+    if wheel.suspension is None:
+        return (diameter_inertia(kind) - mass * shift**2) * across
+    hub = wheel.suspension
+    apart = hub.mass * mass / (hub.mass + mass) * shift**2
+    return (diameter_inertia(kind) - mass * shift**2 + apart) * across + hub.inertia * np.eye(3)
+
+
+def lean(values: dict) -> np.ndarray:
+    """The part of rotor and disk that turns with what carries them, about k."""
+    k = np.array([-values["sin_heading"], values["cos_heading"], 0.0])
+    return leaning(values) * np.outer(k, k)
+
+
+def leaning(values: dict) -> float:
+    disk, rotor = values["axle_inertia"], values["rotor_inertia"]
+    return disk if values["follows"] else disk * rotor / (disk + rotor)
+
+
+def united(bodies: list[tuple]) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
+    """Mass, first moment and inertia about the origin of bodies (mass, centre, inertia about it, what leans), without
+    and with what leans."""
+    mass = math.fsum(m for m, *_ in bodies)
+    moment = np.array([math.fsum(m * r[i] for m, r, *_ in bodies) for i in range(3)])
+    inner = sum(inertia + m * (r @ r * np.eye(3) - np.outer(r, r)) for m, r, inertia, _ in bodies)
+    return mass, moment, inner, inner + sum(leaning for *_, leaning in bodies)
+
+
+def carrier_values(
+    config: Config,
+    wheels: tuple[int, ...],
+    masses: list[float],
+    points: list,
+    inertias: list[np.ndarray],
+    values: list[dict],
+    centre: np.ndarray,
+) -> dict:
+    """Values of a CARRIER record of these wheels."""
+    own = math.fsum(masses[w] for w in wheels)
+    middle = sum(masses[w] * np.array(points[w]) for w in wheels) / own
+    bodies = [(masses[w], np.array(points[w]) - middle, inertias[w], lean(values[w])) for w in wheels]
+    _, _, inner, whole = united(bodies)
+    found = {"mass": own, "centre": middle - centre, "inertia": whole, "inner_inertia": inner}
+    spring = config.wheels[wheels[0]].suspension
+    if spring is not None:
+        return found | {
+            "turns": 0,
+            "axis": AXES["z"],
+            "point": np.zeros(3),
+            "stiffness": spring.stiffness,
+            "damping": spring.damping,
+            "preload": spring.preload,
+        }
+    rocker = rocker_of(config, wheels)
+    point = np.array(rocker.point) - centre
+    still = {"stiffness": 0.0, "damping": 0.0, "preload": 0.0}
+    return found | still | {"turns": 1, "axis": AXES[rocker.about], "point": point}
+
+
+def rocker_of(config: Config, wheels: tuple[int, ...]) -> Rocker:
+    names = {config.wheels[w].name for w in wheels}
+    return next(rocker for rocker in config.axles if set(rocker.wheels) == names)
+
+
+def hub_values(
+    w: int, kind: WheelType, wheel: Wheel, values: dict, standing: list[tuple[int, ...]], centre: np.ndarray
+) -> dict:
+    """Values of a HUB record."""
+    assert kind.contact is not None
+    disk, rotor = values["axle_inertia"], values["rotor_inertia"]
+    return {
+        "centre": tuple(np.array([*wheel.position, kind.radius]) - centre),
+        "carrier": next((j for j, one in enumerate(standing) if w in one), -1),
+        "stiffness": kind.contact.stiffness,
+        "damping": kind.contact.damping,
+        "coupled": 0.0 if values["follows"] else disk / (disk + rotor),
+        "lean": leaning(values),
+        "row_count": len(kind.rows),
+    }
+
+
+def shape_values(kind: WheelType, values: dict) -> dict:
+    """Values of a SHAPE record."""
+    profile = kind.profile
+    if profile.kind == "arc":
+        rho, half = profile.curvature_radius, profile.half_length
+        end = profile.radius - rho + math.sqrt(rho**2 - half**2)
+        tilt = half / rho
+        sizes = {"radius": profile.radius, "curvature_radius": rho, "half_length": half, "end_radius": end}
+    else:
+        row = record_of(values)
+        tilt = values["cos_psi"] * math.sin(kind.covered)
+        half, end = axial_coordinate(row, kind.covered), profile_radius(row, kind.covered)
+        sizes = {"radius": kind.radius, "curvature_radius": 0.0, "half_length": half, "end_radius": end}
+    own = {"kind": PROFILES[profile.kind], "distance": kind.roller_distance, "cos_psi": values["cos_psi"]}
+    return sizes | own | {"end_tilt": tilt}
+
+
+def record_of(values: dict):
+    from types import SimpleNamespace
+
+    return SimpleNamespace(**values)
+
+
+def disk_places(types: list[WheelType], wheels: tuple[Wheel, ...], most: int) -> np.ndarray:
+    """(W, N, 3): cosine and sine of the angle of each roller on its disk, and its offset; rows take turns."""
+    places = np.zeros((len(wheels), most, 3))
+    for own, kind, wheel in zip(places, types, wheels, strict=True):
+        rows = len(kind.rows)
+        for i in range(kind.rollers):
+            row = kind.rows[i % rows]
+            angle = math.radians(wheel.phase_deg + row.phase_deg) + 2.0 * math.pi * (i // rows) / kind.roller_count
+            own[i] = math.cos(angle), math.sin(angle), row.offset
+    return places
+
+
+def hull(config: Config, centre: np.ndarray) -> dict:
+    """Corners of the chassis that must not touch the ground; its centre of mass where the scene gives no size."""
+    assert config.chassis is not None
+    corners = np.zeros((8, 3))
+    box = chassis_box(config)
+    if box is None:
+        corners[:] = np.array(config.chassis.center_of_mass) - centre
+        return {"hull": corners, "corners": 1}
+    low, high = box
+    corners[:] = [[(low, high)[(i >> j) & 1][j] - centre[j] for j in range(3)] for i in range(8)]
+    return {"hull": corners, "corners": 8}

@@ -1,0 +1,143 @@
+"""Where the chassis is and how it moves, and the same of its wheels: frames, positions, velocities.
+
+    chassis axes    x forward, y left, z up, at C            hub axes    h heading, k axle, z up, at the wheel centre O
+
+World axes belong to the base plane, z its normal. The orientation (w, x, y, z) is a quaternion of any length: only its
+direction counts, so no step need put it back to 1.
+"""
+
+import math
+from typing import NamedTuple
+
+from omnisim.base.kernel import kernel
+from omnisim.base.trigonometry import cos_sin
+from omnisim.base.vector import Vec3, combine, cross, dot, minus, plus, times
+from omnisim.dynamics.spatial.records import ORIENTATION, POSITION
+from omnisim.dynamics.state import places
+
+
+class Rotation(NamedTuple):
+    """World components of the chassis axes."""
+
+    x: Vec3
+    y: Vec3
+    z: Vec3
+
+
+class Body(NamedTuple):
+    """The chassis at an instant: its axes, C (world, m), and velocity of C (m/s) and rate (rad/s) along its axes."""
+
+    rotation: Rotation
+    position: Vec3
+    velocity: Vec3
+    rate: Vec3
+
+
+class Hub(NamedTuple):
+    """What a wheel is mounted on: its axes and O from C along chassis axes (m), velocity of O (m/s) and rate (rad/s)
+    along its own."""
+
+    h: Vec3
+    k: Vec3
+    up: Vec3
+    centre: Vec3
+    velocity: Vec3
+    rate: Vec3
+
+
+@kernel
+def vector(array, place):
+    """Three numbers of an array as a Vec3."""
+    return Vec3(array[place], array[place + 1], array[place + 2])
+
+
+@kernel
+def rotation_of(w, x, y, z):
+    """The Rotation of a quaternion of any length."""
+    s = 2.0 / (w * w + x * x + y * y + z * z)
+    return Rotation(
+        Vec3(1.0 - s * (y * y + z * z), s * (x * y + w * z), s * (x * z - w * y)),
+        Vec3(s * (x * y - w * z), 1.0 - s * (x * x + z * z), s * (y * z + w * x)),
+        Vec3(s * (x * z + w * y), s * (y * z - w * x), 1.0 - s * (x * x + y * y)),
+    )
+
+
+@kernel
+def outward(axes, v):
+    """A vector with these components along `axes`, a Rotation, in the frame in which they are given."""
+    return combine(v.x, axes.x, v.y, axes.y, v.z, axes.z)
+
+
+@kernel
+def inward(axes, v):
+    """The components of v along `axes`, a Rotation."""
+    return Vec3(dot(axes.x, v), dot(axes.y, v), dot(axes.z, v))
+
+
+@kernel
+def body_of(parameters, y):
+    """The Body in state y."""
+    at = places(parameters)
+    rotation = rotation_of(y[ORIENTATION], y[ORIENTATION + 1], y[ORIENTATION + 2], y[ORIENTATION + 3])
+    return Body(rotation, vector(y, POSITION), inward(rotation, vector(y, at.velocity)), vector(y, at.rate))
+
+
+@kernel
+def orientation_rate(y, rate, dy):
+    """Rate of the quaternion in y, q' = q w / 2, into dy; rate: along chassis axes, rad/s."""
+    w, x, y_, z = y[ORIENTATION], y[ORIENTATION + 1], y[ORIENTATION + 2], y[ORIENTATION + 3]
+    dy[ORIENTATION] = -0.5 * (x * rate.x + y_ * rate.y + z * rate.z)
+    dy[ORIENTATION + 1] = 0.5 * (w * rate.x + y_ * rate.z - z * rate.y)
+    dy[ORIENTATION + 2] = 0.5 * (w * rate.y + z * rate.x - x * rate.z)
+    dy[ORIENTATION + 3] = 0.5 * (w * rate.z + x * rate.y - y_ * rate.x)
+
+
+@kernel
+def hub_of(parameters, body, w, y):
+    """The Hub of wheel w in state y."""
+    space = parameters.space
+    wheel = parameters.wheels[w]
+    hub = space.hubs[w]
+    h, k = Vec3(wheel.cos_heading, wheel.sin_heading, 0.0), Vec3(-wheel.sin_heading, wheel.cos_heading, 0.0)
+    up = Vec3(0.0, 0.0, 1.0)
+    centre = vector(hub.centre, 0)
+    velocity, rate = body.velocity, body.rate
+    if space.carriers is not None and hub.carrier >= 0:
+        j = hub.carrier
+        carrier = space.carriers[j]
+        s, s_rate = y[places(parameters).joint + j], y[places(parameters).joint_rate + j]
+        axis, point = vector(carrier.axis, 0), vector(carrier.point, 0)
+        if carrier.turns:
+            cos, sin = cos_sin(s)
+            h, k, up = turned(h, axis, cos, sin), turned(k, axis, cos, sin), turned(up, axis, cos, sin)
+            arm = turned(minus(centre, point), axis, cos, sin)
+            centre = plus(point, arm)
+            velocity = plus(velocity, times(s_rate, cross(axis, arm)))
+            rate = plus(rate, times(s_rate, axis))
+        else:
+            centre = plus(centre, times(s, axis))
+            velocity = plus(velocity, times(s_rate, axis))
+    axes = Rotation(h, k, up)
+    velocity = plus(velocity, cross(body.rate, centre))
+    return Hub(h, k, up, centre, inward(axes, velocity), inward(axes, rate))
+
+
+@kernel
+def turned(v, axis, cos, sin):
+    """v turned about a unit axis by an angle of this cosine and sine."""
+    return combine(cos, v, sin, cross(axis, v), (1.0 - cos) * dot(axis, v), axis)
+
+
+@kernel
+def mounted(hub):
+    """The axes of a Hub along those of the chassis, a Rotation."""
+    return Rotation(hub.h, hub.k, hub.up)
+
+
+@kernel
+def tangent_of(normal):
+    """Unit vectors h = unit(k x nu) and k = nu x h in the tangent plane of the ground, along hub axes, in which nu is
+    given."""
+    size = math.sqrt(normal.x * normal.x + normal.z * normal.z)
+    h = Vec3(normal.z / size, 0.0, -normal.x / size)
+    return h, Vec3(-normal.y * normal.x / size, size, -normal.y * normal.z / size)

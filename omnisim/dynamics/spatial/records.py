@@ -1,0 +1,155 @@
+"""What kernels know of a machine free in space, beside what every machine has (parameters.py, state.py).
+
+    y = [ positions: x y z of C, orientation (w, x, y, z), spin_angle of each wheel, s of each carrier | their rates:
+          velocity of C, angular velocity along chassis axes, spin_rate of each wheel, s' of each carrier |
+          roller rates of each wheel | and what follows them for every machine, among the losses contact_loss,
+          damper_loss ]
+
+C: the common centre of mass where every carrier is at s = 0, a point of the chassis. Velocities of C and positions are
+in world axes, whose z is the normal of the base plane. Carriers are what wheels stand on that moves in the chassis: the
+hub of a suspension slides along z by s, m; a rocker turns about a line by s, rad.
+
+A wheel may touch with several rollers. Their rates have slots in the state, in the order in which they came; what
+frozen `modes` know of each contact stands in the same order.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from omnisim.contact.floor import Floor
+
+POSITION, ORIENTATION = 0, 3
+SLOTS = 8  # of contacts that a wheel may have at once
+BASE = 0  # of PUSHES: the chassis with what is fixed to it; carrier j follows as j + 1
+
+BODY = np.dtype(
+    [
+        ("mass", np.float64),  # of everything, kg
+        ("mobility", np.float64),  # 1 / mass, 1/kg
+        ("base_mass", np.float64),  # of chassis and wheels without a carrier, kg
+        ("moment", np.float64, (3,)),  # their first moment about C, kg m; 0 if there is no carrier
+        # their inertia about C, and where there is no carrier its inverse; rotors and wheels that follow angles as far
+        # as they turn with the chassis
+        ("inertia", np.float64, (3, 3)),
+        ("turning", np.float64, (3, 3)),  # 1/(kg m^2)
+        ("inner_inertia", np.float64, (3, 3)),  # the same without those
+        ("gravity", np.float64, (3,)),  # world axes, m/s^2
+        ("chassis", np.float64, (3,)),  # where the wrench acts, from C, chassis axes, m
+        ("origin", np.float64, (3,)),  # of the chassis from C, chassis axes, m
+        ("hull", np.float64, (8, 3)),  # corners of the chassis from C, which must not touch the ground, m
+        ("corners", np.int64),  # how many there are
+    ]
+)
+HUB = np.dtype(
+    [
+        ("centre", np.float64, (3,)),  # O from C at s = 0, chassis axes, m
+        ("carrier", np.int64),  # which it stands on, -1: the chassis
+        ("stiffness", np.float64),  # of the rubber of its rollers, N/m
+        ("damping", np.float64),  # N s/m
+        ("coupled", np.float64),  # part of the torque on the axle that turns it: J_k / (J_k + J_r); 0 if it follows
+        ("lean", np.float64),  # inertia that turns with the carrier about the axle: J_k J_r / (J_k + J_r), kg m^2
+        ("row_count", np.int64),
+    ],
+    align=True,
+)
+CARRIER = np.dtype(
+    [
+        ("turns", np.int64),  # 1: a rocker, 0: a suspension
+        ("axis", np.float64, (3,)),  # chassis axes
+        ("point", np.float64, (3,)),  # of the line about which it turns, from C, m
+        ("stiffness", np.float64),
+        ("damping", np.float64),
+        ("preload", np.float64),
+        ("mass", np.float64),  # with its wheels, kg
+        ("centre", np.float64, (3,)),  # of mass, from C at s = 0, m
+        ("inertia", np.float64, (3, 3)),  # about that, at s = 0
+        ("inner_inertia", np.float64, (3, 3)),  # as of BODY
+    ]
+)
+
+# What kernels find at an instant.
+TOUCH = np.dtype(
+    [
+        ("depth", np.float64),  # delta, m
+        ("normal_force", np.float64),  # N
+        ("press", np.float64),  # stiffness delta + damping delta', N
+        ("inside", np.float64),  # region_guard
+        ("slip", np.float64, (2,)),  # along h and k in the tangent plane, m/s
+        ("force", np.float64, (2,)),  # friction on the roller, N
+        ("factor", np.float64),  # g of the friction law F = -g v, N s/m
+        ("torque", np.float64),  # about the normal, N m
+        ("point", np.float64, (3,)),  # X from O, along h, k and z of the hub, m
+        ("normal", np.float64, (3,)),  # of the ground, in the same axes
+        ("lever", np.float64, (3,)),  # X - B, in the same axes, m
+        ("azimuth", np.float64, (2,)),  # cosine and sine of q
+    ],
+    align=True,
+)
+MOTION = np.dtype(
+    [
+        ("cos", np.float64),  # of the angle by which a rocker is turned
+        ("sin", np.float64),
+        ("centre", np.float64, (3,)),  # of its mass from C, m
+        ("inertia", np.float64, (3, 3)),  # about that, chassis axes
+        ("inner_inertia", np.float64, (3, 3)),
+        ("across", np.float64, (6,)),  # I s: moment about C, then force
+        ("along", np.float64, (6,)),  # s: turning, then velocity of what is at C
+        ("free", np.float64),  # s . of what accelerates it, N or N m
+        ("mobility", np.float64),  # 1 / s . I s
+    ]
+)
+SPATIAL_MODE = np.dtype(
+    [
+        ("contacts", np.int64),  # how many rollers touch
+        ("roller", np.int64, (SLOTS,)),  # which, 0..N-1
+        ("region", np.int64, (SLOTS,)),  # of each, see support.py
+        ("pressed", np.int64, (SLOTS,)),  # 1: the rubber presses, N > 0
+        ("saturated", np.int64, (SLOTS,)),  # branch of the saturated friction law
+        ("grip", np.int64, (SLOTS,)),  # SLIP, as long as there is no set-valued law
+        ("drive", np.int64),  # as of MODE
+        ("held", np.float64),
+        ("integral", np.float64),
+        ("winding", np.float64),
+        ("read_rate", np.float64),
+        ("past_rate", np.float64),
+        ("air_cos", np.float64),  # sums over the rollers in the air, gamma_i their angles on the disk:
+        ("air_sin", np.float64),  # sum p_i cos gamma_i, sum p_i sin gamma_i and sum p_i, rad/s
+        ("air_sum", np.float64),
+    ]
+)
+SPATIAL_MONITORS = np.dtype(
+    [
+        ("normal_force", np.float64),  # of the whole wheel, N
+        ("demand", np.float64),  # of the drive
+        ("clearance", np.float64),  # of the chassis over the ground, m
+        ("depth", np.float64, (SLOTS,)),
+        ("press", np.float64, (SLOTS,)),
+        ("inside", np.float64, (SLOTS,)),
+        ("slip_square", np.float64, (SLOTS,)),
+        ("factor", np.float64, (SLOTS,)),
+    ]
+)
+
+
+class Space(NamedTuple):
+    """A machine free in space: W wheels of at most N rollers, C carriers.
+
+    body: record BODY. hubs (W,): records HUB. shapes (W,): records SHAPE of their rollers. disk (W, N, 3): cosine and
+    sine of the angle of each roller on its disk, and its offset along the axle, m. floor: Floor, None if it is plane.
+    carriers (C,): records CARRIER, None if there are none. Then what is found at an instant: touches (W * SLOTS,):
+    records TOUCH; motions (C,): records MOTION; pushes (1 + C, 6): moment about C and force on chassis and carriers,
+    chassis axes; balance (6, 7): their equations.
+    """
+
+    body: np.record
+    hubs: np.recarray
+    shapes: np.recarray
+    disk: np.ndarray
+    floor: Floor | None
+    carriers: np.recarray | None
+    touches: np.recarray
+    motions: np.recarray
+    pushes: np.ndarray
+    balance: np.ndarray
+

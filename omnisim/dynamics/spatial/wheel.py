@@ -1,0 +1,222 @@
+"""One wheel of a machine free in space: its contacts, its rollers, its axle, and what it hands to what carries it.
+
+    sigma = phi' + w . k      absolute rate of the axle                   G = sum Ia p_i a_i, all rollers
+    Ia p_i' = a_i . ((X_i - B_i) x F_i) + M_i (a_i . nu) + T_i             T bearing torque
+    J_k sigma' = T_w - s sum Ia p_i'      T_w = tau + k . sum ((X - O) x F + M nu) - k . (w x G)
+
+A rotor J_r turns with phi', not with sigma: sigma' takes the part J_k / (J_k + J_r) of the torque, and the rest leans on
+what carries the wheel like the inertia J_k J_r / (J_k + J_r) about k, a constant part of its inertia. A wheel that
+follows angles is the limit of an infinite rotor.
+"""
+
+from typing import NamedTuple
+
+from omnisim.base.kernel import kernel, outlined
+from omnisim.base.trigonometry import cos_sin
+from omnisim.base.vector import Vec3, combine, cross, dot, plus, times
+from omnisim.contact.support import region_guard
+from omnisim.dynamics.actuation import actuate, followed
+from omnisim.dynamics.spatial.pose import hub_of, mounted, outward
+from omnisim.dynamics.spatial.records import BASE, SLOTS
+from omnisim.dynamics.spatial.touching import (
+    ground_normal,
+    height_of,
+    joint_rate,
+    react,
+    roller_on,
+    touching,
+)
+from omnisim.dynamics.state import places
+from omnisim.dynamics.wheel import bearing_torque
+
+ZERO = Vec3(0.0, 0.0, 0.0)
+
+
+class Rollers(NamedTuple):
+    """Of all rollers of a wheel: sum Ia p_i a_i (hub axes, N m s), sum Ia p_i' a_i (N m), heat of bearings (W)."""
+
+    momentum: Vec3
+    torque: Vec3
+    bearing_loss: float
+
+
+class Pressed(NamedTuple):
+    """What the ground does to a wheel: force (N) and moment about O (N m) along hub axes, heat of friction and of
+    rubber, W."""
+
+    force: Vec3
+    moment: Vec3
+    friction_loss: float
+    contact_loss: float
+
+
+@kernel
+def push_wheel(parameters, stage, w, body):
+    """Forces of wheel w on what carries it into `pushes`, rates of its rollers, and its axle as if its carrier did not
+    turn faster; heat of friction and of rubber, and power of its drive, W."""
+    at = places(parameters)
+    wheel = parameters.wheels[w]
+    space = parameters.space
+    own = space.hubs[w]
+    part = parameters.workspace.parts[w]
+    y, dy = stage.y, stage.dy
+    spin_rate = y[at.spin_rate + w]
+    dy[at.spin_angle + w] = spin_rate
+    cos, sin = cos_sin(y[at.spin_angle + w])
+    hub = hub_of(parameters, body, w, y)
+    demand, drive = actuate(parameters, stage, w, spin_rate)
+    rollers = rollers_of(parameters, stage, w, hub, cos, sin)
+    pressed, rollers = press_wheel(parameters, stage, w, body, hub, cos, sin, rollers)
+    if parameters.machine.bearing_friction:
+        dy[at.bearing_loss] += rollers.bearing_loss
+    turning = drive + pressed.moment.y - cross(hub.rate, rollers.momentum).y - rollers.torque.y
+    part.drive_torque, part.free_spin = drive, turning
+    part.followed = followed(parameters, stage, w)
+    about_k = own.coupled * turning + rollers.torque.y
+    if parameters.machine.follows and wheel.follows:
+        about_k = wheel.axle_inertia * part.followed + rollers.torque.y
+    sigma = spin_rate + hub.rate.y
+    momentum = plus(rollers.momentum, Vec3(0.0, wheel.axle_inertia * sigma, 0.0))
+    spun = cross(Vec3(0.0, spin_rate, 0.0), rollers.momentum)
+    changing = plus(Vec3(rollers.torque.x, about_k, rollers.torque.z), plus(spun, cross(hub.rate, momentum)))
+    axes = mounted(hub)
+    force = outward(axes, pressed.force)
+    moment = plus(
+        outward(axes, combine(1.0, pressed.moment, -1.0, changing, 0.0, changing)), cross(hub.centre, force)
+    )
+    push = space.pushes[BASE]
+    if space.carriers is not None:
+        push = space.pushes[1 + own.carrier]
+    add_push(push, moment, force)
+    if stage.monitoring:
+        stage.monitors[w].demand = demand
+    return pressed.friction_loss, pressed.contact_loss, drive * spin_rate
+
+
+@kernel
+def add_push(push, moment, force):
+    """Add a moment and a force (Vec3) to six numbers."""
+    push[0] += moment.x
+    push[1] += moment.y
+    push[2] += moment.z
+    push[3] += force.x
+    push[4] += force.y
+    push[5] += force.z
+
+
+@kernel
+def rollers_of(parameters, stage, w, hub, cos, sin):
+    """The Rollers of wheel w without those that touch; the rates of these are set to what their bearings do."""
+    wheel = parameters.wheels[w]
+    if parameters.machine.bearing_friction:
+        return rollers_in_bearings(parameters, stage, w, hub, cos, sin)
+    mode, dy = stage.mode[w], stage.dy
+    for slot in range(SLOTS):
+        dy[wheel.rates + slot] = 0.0
+    across = -wheel.cos_psi * wheel.axial_inertia
+    momentum = Vec3(
+        across * (mode.air_cos * cos + mode.air_sin * sin),
+        wheel.sin_psi * wheel.axial_inertia * mode.air_sum,
+        across * (mode.air_sin * cos - mode.air_cos * sin),
+    )
+    return Rollers(momentum, ZERO, 0.0)
+
+
+@outlined
+def rollers_in_bearings(parameters, stage, w, hub, cos, sin):
+    """The same where bearings have friction: of all rollers, whose rates are states."""
+    wheel = parameters.wheels[w]
+    momentum, torque, loss = ZERO, ZERO, 0.0
+    spin_rate = stage.y[places(parameters).spin_rate + w]
+    for i in range(wheel.rollers):
+        roller = roller_on(parameters, w, i, cos, sin)
+        rate = stage.y[wheel.rates + i]
+        joint = joint_rate(roller, rate, hub, spin_rate)
+        friction = bearing_torque(wheel, joint)
+        stage.dy[wheel.rates + i] = friction * wheel.axial_mobility
+        momentum = plus(momentum, times(wheel.axial_inertia * rate, roller.axis))
+        torque = plus(torque, times(friction, roller.axis))
+        loss -= friction * joint
+    return Rollers(momentum, torque, loss)
+
+
+@kernel
+def press_wheel(parameters, stage, w, body, hub, cos, sin, rollers):
+    """What the ground does to wheel w (Pressed), and the Rollers with those that touch."""
+    wheel = parameters.wheels[w]
+    machine = parameters.machine
+    space = parameters.space
+    mode = stage.mode[w]
+    y, dy = stage.y, stage.dy
+    spin_rate = y[places(parameters).spin_rate + w]
+    force, moment, heat, loss = ZERO, ZERO, 0.0, 0.0
+    momentum, torque = rollers.momentum, rollers.torque
+    normal = ground_normal(body, hub)
+    height = height_of(body, hub)
+    load = 0.0
+    for slot in range(mode.contacts):
+        i = mode.roller[slot]
+        roller = roller_on(parameters, w, i, cos, sin)
+        place = wheel.rates + (i if machine.every_rate else slot)
+        touched = touching(parameters, body, hub, w, mode.region[slot], roller, normal, height)
+        joint = joint_rate(roller, y[place], hub, spin_rate)
+        found = react(parameters, hub, w, touched, mode.pressed[slot], mode.saturated[slot], roller, spin_rate, joint)
+        rolling = dot(roller.axis, cross(touched.lever, found.force)) + found.torque * touched.tilt
+        dy[place] += rolling * wheel.axial_mobility
+        if not machine.bearing_friction:
+            momentum = plus(momentum, times(wheel.axial_inertia * y[place], roller.axis))
+        torque = plus(torque, times(rolling, roller.axis))
+        arm = plus(roller.centre, touched.lever)
+        force = plus(force, found.force)
+        moment = plus(moment, combine(1.0, cross(arm, found.force), found.torque, touched.normal, 0.0, arm))
+        heat += found.heat
+        loss += (found.normal_force - space.hubs[w].stiffness * touched.depth) * found.closing
+        load += found.normal_force
+        if stage.monitoring:
+            monitor_contact(parameters, stage.monitors[w], w, slot, mode.region[slot], roller, touched, found)
+    if stage.monitoring:
+        stage.monitors[w].normal_force = load
+        parameters.workspace.parts[w].normal_force = load
+    return Pressed(force, moment, heat, loss), Rollers(momentum, torque, rollers.bearing_loss)
+
+
+@kernel
+def monitor_contact(parameters, monitors, w, slot, region, roller, touched, found):
+    """What events want to know of a contact, and what is told of it."""
+    seen = parameters.space.touches[w * SLOTS + slot]
+    shape = parameters.space.shapes[w]
+    monitors.depth[slot] = touched.depth
+    monitors.press[slot] = found.press
+    monitors.inside[slot] = region_guard(shape, region, touched.tilt)
+    monitors.slip_square[slot] = found.slip.h * found.slip.h + found.slip.k * found.slip.k
+    monitors.factor[slot] = found.factor
+    seen.depth, seen.normal_force, seen.torque = touched.depth, found.normal_force, found.torque
+    seen.slip[0], seen.slip[1] = found.slip.h, found.slip.k
+    seen.force[0], seen.force[1] = found.friction.h, found.friction.k
+    arm = plus(roller.centre, touched.lever)
+    put(seen.point, arm)
+    put(seen.normal, touched.normal)
+    put(seen.lever, touched.lever)
+    seen.azimuth[0], seen.azimuth[1] = roller.cos_q, roller.sin_q
+
+
+@kernel
+def put(target, v):
+    target[0], target[1], target[2] = v.x, v.y, v.z
+
+
+@kernel
+def spin_up(parameters, stage, w, hub_turning):
+    """phi'' of wheel w from the acceleration of its carrier about k, rad/s^2; the power of a drive that follows angles,
+    W, beyond what push_wheel has told."""
+    wheel = parameters.wheels[w]
+    part = parameters.workspace.parts[w]
+    at = places(parameters)
+    if parameters.machine.follows and wheel.follows:
+        own = wheel.axle_inertia * (part.followed + hub_turning) - part.free_spin
+        stage.dy[at.spin_rate + w] = part.followed
+        part.drive_torque += own
+        return own * stage.y[at.spin_rate + w]
+    stage.dy[at.spin_rate + w] = (part.free_spin - wheel.axle_inertia * hub_turning) * wheel.spin_mobility
+    return 0.0
+
