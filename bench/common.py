@@ -14,7 +14,7 @@ from omnisim.base.status import COMPLETE, EVENTS_PER_STEP
 from omnisim.dynamics.packing import pack
 from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.state import Recording, Run
-from omnisim.march.events import EVENT
+from omnisim.march.event_log import EVENT
 from omnisim.march.initial_state import begin, blank_rows
 from omnisim.march.march import march
 from omnisim.results.trajectory import Trajectory

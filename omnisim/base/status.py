@@ -2,7 +2,10 @@
 
 SAFE_STEP = 0.5  # of the stability limit: the step that a message names
 EVENTS_PER_STEP = 4096  # more than this in one step is no progress of time
-EVENT_KINDS = ("exchange", "stick", "slip", "lift_off", "touch_down", "share_begin", "share_end", "stop")
+EVENT_KINDS = (
+    "exchange", "stick", "slip", "lift_off", "touch_down", "share_begin", "share_end", "stop", "contact_begin",
+    "contact_end",
+)  # fmt: skip
 
 (
     RUNNING,
@@ -25,7 +28,9 @@ EVENT_KINDS = ("exchange", "stick", "slip", "lift_off", "touch_down", "share_beg
     JAMMED,
     ENDED,
     STIFF_CURRENT,
-) = range(20)
+    CHASSIS_DOWN,
+    TOO_MANY_TOUCH,
+) = range(22)
 
 # What a shorter step may cure; the rest is the motion's own end, or the user's.
 CURABLE = frozenset((
@@ -89,6 +94,11 @@ SENTENCES = {
     JAMMED: (
         "friction jams at t = {time:.9g} s (a Painleve state): no loads of the wheels, none below zero, carry the "
         "machine; most was on wheel '{wheel}'; lower the centre of mass or the friction, or use upright = 'servo'"
+    ),
+    CHASSIS_DOWN: "the chassis touches the ground at t = {time:.9g} s",
+    TOO_MANY_TOUCH: (
+        "wheel '{wheel}' touches the ground at more than {contacts} places at once at t = {time:.9g} s: a machine that "
+        "lies on its wheels is not modelled"
     ),
     LIFT_OFF: (
         "wheel '{wheel}' leaves the floor at t = {time:.9g} s: the vertical force lifts more than the weight; "

@@ -12,13 +12,13 @@ from omnisim.dynamics.state import places
 from omnisim.march.events import (
     EXIT,
     GRIP,
-    GUARDS,
     NO_GUARD,
-    OF_WHEEL,
     TURN,
     Guard,
     all_hold,
     guard,
+    guard_count,
+    guard_kinds,
     resolution,
 )
 from omnisim.march.friction_modes import stopped_speed
@@ -68,9 +68,9 @@ def cut_at_event(parameters, method, run, t, h):
         undisturbed = undisturbed and all_hold(parameters, run, w)
     if undisturbed:
         return h, fired
-    for kind in range(GUARDS):
+    for kind in range(guard_kinds(parameters)):
         for w in range(len(run.mode)):
-            for side in range(2 if kind >= OF_WHEEL and run.mode[w].shared else 1):
+            for side in range(guard_count(parameters, run, kind, w)):
                 value = guard(parameters, run, Guard(kind, w, side), True)
                 if value < 0.0:
                     fired = Guard(kind, w, side)
@@ -106,14 +106,13 @@ def locate(parameters, method, run, t, h, which, value):
     s = low + (high - low) * g_low / (g_low - g_high)
     s_last = high
     g_last = g_high
-    spin = places(parameters).spin_rate + w
-    direction = run.mode[w].direction
-    if kind == EXIT:  # the angle and its rate are known at both ends
+    if parameters.space is None and kind == EXIT:  # the angle and its rate are known at both ends
         enough = SLIDING * h
-        if low == 0.0 and value >= -direction * run.trial[spin] * tolerance:  # the trial is that of the whole step
+        if low == 0.0 and value >= exit_rate(parameters, run, w, run.trial) * tolerance:  # of the whole step
             return h
         if low == 0.0 and high == h:
-            s = hermite_root(h, g_low, g_high, -direction * run.y[spin], -direction * run.trial[spin], s)
+            rates = exit_rate(parameters, run, w, run.y), exit_rate(parameters, run, w, run.trial)
+            s = hermite_root(h, g_low, g_high, rates[0], rates[1], s)
     elif parameters.workspace.resting is not None and kind == GRIP and run.mode[w].grip[side] == CREEP:
         slack = stopped_speed(parameters, run, w, side)  # what is left of the slip is taken away
         if low == 0.0 and value >= -slack:
@@ -123,14 +122,15 @@ def locate(parameters, method, run, t, h, which, value):
         if not math.isfinite(g + s):  # of a state that has burst nothing can be located
             return h
         correction = g * (s - s_last) / (g_last - g)
-        if kind == EXIT:
-            correction = g / (direction * run.trial[spin])
+        if parameters.space is None and kind == EXIT:
+            correction = -g / exit_rate(parameters, run, w, run.trial)
         if g > 0.0:
             low = s
         else:
             high = s
         # A chord over a guard that bends sharply gives a small correction far from the root: judge it at its scale.
-        near = abs(correction) <= tolerance and (kind == EXIT or abs(s - s_last) <= NEAR * h)
+        close = (parameters.space is None and kind == EXIT) or abs(s - s_last) <= NEAR * h
+        near = abs(correction) <= tolerance and close
         if abs(g) <= slack or near or high - low <= tolerance:
             break
         if abs(correction) <= enough and low <= s + correction <= high:
@@ -141,6 +141,12 @@ def locate(parameters, method, run, t, h, which, value):
         if iteration % HALVING == HALVING - 1 or not low < s < high:
             s = 0.5 * (low + high)
     return s
+
+
+@kernel
+def exit_rate(parameters, run, w, y):
+    """Rate at which the guard EXIT of wheel w changes in state y, rad/s."""
+    return -run.mode[w].direction * y[places(parameters).spin_rate + w]
 
 
 @kernel
@@ -157,6 +163,8 @@ def leaves_at_once(parameters, run, which):
     """Whether a Guard that is on its root at the start of a step, or beyond, does not come back: spin that has no rate
     or the other sense and goes on to gain it, and creeping slip that has turned."""
     kind, w, side = which
+    if parameters.space is not None:
+        return False
     if kind == TURN:
         return run.mode[w].direction * run.slopes[0, places(parameters).spin_rate + w] < 0.0
     return kind == GRIP and run.mode[w].grip[side] == CREEP

@@ -23,8 +23,6 @@ angle, monotone over several turns as well; which rollers touch at the start, ea
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.status import EVENT_KINDS, JAMMED, LIFT_OFF, RUNNING, TIPPING
 from omnisim.contact.friction import SATURATED
@@ -35,6 +33,7 @@ from omnisim.dynamics.normal_forces.rigid_plane import LEAST_REGULAR
 from omnisim.dynamics.parameters import CONTACTS
 from omnisim.dynamics.state import places
 from omnisim.dynamics.wheel import roller_end
+from omnisim.march.event_log import record
 from omnisim.march.friction_modes import (
     CREEP_SPEED,
     come_to_rest,
@@ -46,6 +45,14 @@ from omnisim.march.friction_modes import (
 )
 from omnisim.march.roller_exchange import comes_to_rest_between, edge_rounding, leave_edge, release_rollers, stand_on
 from omnisim.march.runge_kutta import refresh
+from omnisim.march.spatial_events import (
+    LIMIT,
+    SPATIAL_GUARDS,
+    all_stay,
+    change_contact,
+    sides_of,
+    spatial_guard,
+)
 
 TURN, EXIT, SHARE, LOAD, JAM, DRIVE, KINK, GRIP, YOUNG = range(9)
 OF_WHEEL, GUARDS = 6, 9  # the first are of the wheel, the others of each of its contacts
@@ -57,18 +64,9 @@ MOST_CHANGES = 50  # of modes that follow one another at one instant
 MOST_TRIED = 10  # wheels of which all sets are tried
 ON_A_LINE = 1e-9  # of the extent of the wheels squared
 CREEP_ROUNDING = 1e-3  # of the slip that no longer matters: what contacts that let go together may slip back
-EXCHANGE, STUCK, SLIPS, LIFT, LANDING, SHARED, PARTED, STOP = range(len(EVENT_KINDS))
-
-EVENT = np.dtype(
-    [
-        ("time", np.float64),  # s
-        ("kind", np.int64),  # index into EVENT_KINDS
-        ("wheel", np.int64),
-        ("roller_from", np.int64),  # -1 where not meant
-        ("roller_to", np.int64),
-    ]
-)
-
+EXCHANGE, STUCK, SLIPS, LIFT, LANDING, SHARED, PARTED, STOP = map(EVENT_KINDS.index, (
+    "exchange", "stick", "slip", "lift_off", "touch_down", "share_begin", "share_end", "stop",
+))  # fmt: skip
 
 class Guard(NamedTuple):
     """One guard: its kind, of which wheel, and of which of its contacts if it has one for each."""
@@ -90,6 +88,28 @@ def resolution(h, t):
 @kernel
 def guard(parameters, run, which, at_end):
     """Value of a Guard at the start of a step, or `at_end`, at the end of its trial: >= 0 while it holds."""
+    if parameters.space is not None:
+        return spatial_guard(parameters, run, which.kind, which.wheel, which.side, at_end)
+    return upright_guard(parameters, run, which, at_end)
+
+
+@kernel
+def guard_kinds(parameters):
+    """How many kinds of guards there are."""
+    return GUARDS if parameters.space is None else SPATIAL_GUARDS
+
+
+@kernel
+def guard_count(parameters, run, kind, w):
+    """How many guards of a kind wheel w has."""
+    if parameters.space is not None:
+        return sides_of(parameters, run, kind, w)
+    return 2 if kind >= OF_WHEEL and run.mode[w].shared else 1
+
+
+@kernel
+def upright_guard(parameters, run, which, at_end):
+    """The same of a machine that is upright."""
     kind, w, side = which
     machine = parameters.machine
     wheel = parameters.wheels[w]
@@ -132,6 +152,14 @@ def guard(parameters, run, which, at_end):
 @kernel
 def all_hold(parameters, run, w):
     """Whether every guard of wheel w holds at the end of a trial: what most steps ask, and all that they ask."""
+    if parameters.space is not None:
+        return all_stay(parameters, run, w)
+    return all_held(parameters, run, w)
+
+
+@kernel
+def all_held(parameters, run, w):
+    """The same of a machine that is upright."""
     held = guard(parameters, run, Guard(TURN, w, 0), True) >= 0.0
     held = held and guard(parameters, run, Guard(EXIT, w, 0), True) >= 0.0
     held = held and guard(parameters, run, Guard(SHARE, w, 0), True) >= 0.0
@@ -149,6 +177,15 @@ def all_hold(parameters, run, w):
 @outlined
 def transition(parameters, run, log, fired, time):
     """Change the mode after a Guard fired at `time`, and the derivative with it."""
+    if parameters.space is not None:
+        change_contact(parameters, run, log, fired.kind, fired.wheel, fired.side, time)
+    else:
+        change_mode(parameters, run, log, fired, time)
+
+
+@kernel
+def change_mode(parameters, run, log, fired, time):
+    """The same of a machine that is upright."""
     kind, w, side = fired
     mode = run.mode[w]
     clock = run.clock
@@ -254,6 +291,17 @@ def restore_consistency(parameters, run, log, time):
     long as events are resolved: rollers that change together by symmetry do so in one event, and no state in between,
     which only rounding makes, enters the extremes.
     """
+    if parameters.space is not None:
+        for w in range(len(run.mode)):
+            if guard(parameters, run, Guard(LIMIT, w, 0), False) < 0.0:
+                transition(parameters, run, log, Guard(LIMIT, w, 0), time)
+    else:
+        restore_modes(parameters, run, log, time)
+
+
+@kernel
+def restore_modes(parameters, run, log, time):
+    """The same of a machine that is upright."""
     instant = resolution(run.clock.dt, time)
     spins = places(parameters).spin_rate
     for _ in range(MOST_CHANGES):
@@ -316,12 +364,3 @@ def end_slips(parameters, run, log, w, side, time):
             if mode.stopped[other]:
                 which = roller_index(parameters.wheels[v], roller_of(mode, other)) if mode.shared else -1  # of the two
                 record(run.clock, log, time, STUCK, v, which, -1)
-
-
-@kernel
-def record(clock, log, time, kind, w, roller_from, roller_to):
-    """Append an event; the march makes sure that there is room."""
-    event = log[clock.events]
-    event.time, event.kind, event.wheel = time, kind, w
-    event.roller_from, event.roller_to = roller_from, roller_to
-    clock.events += 1

@@ -11,10 +11,13 @@ import numpy as np
 
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
-from omnisim.base.vector import Vec3, cross, dot
+from omnisim.base.vector import Vec3, cross, dot, plus
 from omnisim.contact.frame import axes
 from omnisim.dynamics.indices import contact_count
 from omnisim.dynamics.multibody.joint_forces import mounting, recover
+from omnisim.dynamics.spatial.pose import body_of, vector
+from omnisim.dynamics.spatial.pose import outward as spatial_outward
+from omnisim.dynamics.spatial.records import SLOTS
 from omnisim.dynamics.state import YAW, X, Y, places
 from omnisim.dynamics.twist import body_motion, world_frame
 from omnisim.dynamics.wheel import azimuth_of
@@ -75,21 +78,35 @@ def follow(parameters, run, rows, row):
     for w in range(len(run.mode)):
         part = workspace.parts[w]
         seen = rows.extremes[row, w]
-        widen(seen.normal_force, max(part.normal_force, 0.0) if part.loaded else 0.0)
+        if parameters.space is not None:
+            widen(seen.normal_force, part.normal_force)
+        else:
+            widen(seen.normal_force, max(part.normal_force, 0.0) if part.loaded else 0.0)
         widen(seen.drive_torque, part.drive_torque)
         widen(seen.drive_power, part.drive_torque * run.y[spin_rate + w])
         if parameters.machine.motors:
             widen(seen.voltage, part.voltage)
             widen(seen.current, part.current)
             widen(seen.electrical_power, part.voltage * part.current)
-        for side in range(contact_count(run.mode[w])):
-            force, slip = workspace.contacts[part.first + side].force, workspace.contacts[part.first + side].slip
-            seen.friction_square = max(seen.friction_square, force[0] * force[0] + force[1] * force[1])
-            seen.slip_square = max(seen.slip_square, slip[0] * slip[0] + slip[1] * slip[1])
+        if parameters.space is not None:
+            for c in range(run.mode[w].contacts):
+                touch = parameters.space.touches[w * SLOTS + c]
+                follow_slip(seen, touch.force, touch.slip)
+        else:
+            for side in range(contact_count(run.mode[w])):
+                contact = workspace.contacts[part.first + side]
+                follow_slip(seen, contact.force, contact.slip)
     if len(rows.odometry_extremes):
         follow_odometry(parameters, run.y, rows.odometry_extremes[row])
-    if len(rows.bearing_extremes):
+    if parameters.space is None and len(rows.bearing_extremes):
         follow_bearings(parameters, run, rows.bearing_extremes[row])
+
+
+@kernel
+def follow_slip(seen, force, slip):
+    """Take in friction and slip at a contact."""
+    seen.friction_square = max(seen.friction_square, force[0] * force[0] + force[1] * force[1])
+    seen.slip_square = max(seen.slip_square, slip[0] * slip[0] + slip[1] * slip[1])
 
 
 @outlined
@@ -103,12 +120,20 @@ def follow_odometry(parameters, y, found):
     """The error of the pose that the wheels report: found (3,), its length squared and its least and most yaw."""
     machine = parameters.machine
     at = places(parameters)
-    cos, sin = cos_sin(y[YAW])
-    x = y[X] - machine.centre[0] * cos + machine.centre[1] * sin - y[at.odometry]
-    y_error = y[Y] - machine.centre[0] * sin - machine.centre[1] * cos - y[at.odometry + 1]
-    yaw = machine.odometry_yaw - y[YAW]
+    reported = machine.odometry_yaw
     for w in range(len(parameters.wheels)):
-        yaw += parameters.wheels[w].odometry[2] * y[at.spin_angle + w]
+        reported += parameters.wheels[w].odometry[2] * y[at.spin_angle + w]
+    if parameters.space is not None:
+        body = body_of(parameters, y)
+        origin = plus(body.position, spatial_outward(body.rotation, vector(parameters.space.body.origin, 0)))
+        x, y_error = origin.x - y[at.odometry], origin.y - y[at.odometry + 1]
+        turned = reported - math.atan2(body.rotation.x.y, body.rotation.x.x)
+        yaw = turned - 2.0 * math.pi * round(turned / (2.0 * math.pi))
+    else:
+        cos, sin = cos_sin(y[YAW])
+        x = y[X] - machine.centre[0] * cos + machine.centre[1] * sin - y[at.odometry]
+        y_error = y[Y] - machine.centre[0] * sin - machine.centre[1] * cos - y[at.odometry + 1]
+        yaw = reported - y[YAW]
     found[POSITION_SQUARE] = max(found[POSITION_SQUARE], x * x + y_error * y_error)
     widen(found[LEAST_YAW : MOST_YAW + 1], yaw)
 

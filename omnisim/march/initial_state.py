@@ -7,8 +7,10 @@ import numpy as np
 from omnisim.base.methods import EXPLICIT, METHODS
 from omnisim.base.records import blank, plain, records
 from omnisim.dynamics.parameters import Parameters
+from omnisim.dynamics.spatial.records import SPATIAL_MODE, SPATIAL_MONITORS
 from omnisim.dynamics.state import CLOCK, EXTREME, MODE, MONITORS, YAW, Newton, Recording, Run, X, Y, places_in
 from omnisim.march.friction_modes import alignment, stopping_alignment
+from omnisim.march.spatial_start import pose_at_start, state_in_space
 from omnisim.march.stiffness import resolve
 from omnisim.march.substeps import fineness
 from omnisim.scene.schema import Config, Time
@@ -21,6 +23,7 @@ def begin(config: Config, parameters: Parameters) -> Run:
     parameters = parameters._replace(machine=machine)
     y, rates = initial_state(config, parameters)
     count = len(parameters.wheels)
+    mode, monitors = (MODE, MONITORS) if parameters.space is None else (SPATIAL_MODE, SPATIAL_MONITORS)
     tableau = METHODS[config.solver.method].tableau
     return Run(
         y=y,
@@ -29,9 +32,9 @@ def begin(config: Config, parameters: Parameters) -> Run:
         increment=np.zeros_like(y),
         slopes=np.zeros((tableau.stages + 1, len(y))),
         rates=rates,
-        mode=blank(MODE, count),
-        monitors=blank(MONITORS, count),
-        monitors_end=blank(MONITORS, count),
+        mode=blank(mode, count),
+        monitors=blank(monitors, count),
+        monitors_end=blank(monitors, count),
         clock=clock_at_start(config.time, choice, tableau.stability_limit, machine.mass * machine.slip_mobility),
         newton=newton_workspace(parameters, len(y)) if choice != EXPLICIT else None,
     )
@@ -58,9 +61,10 @@ def clock_at_start(time: Time, choice: int, stability_limit: float, lightness: f
 
 
 def newton_workspace(parameters: Parameters, states: int) -> Newton:
-    """Workspace for implicit steps: forces depend on yaw, spin angles and all rates."""
+    """Workspace for implicit steps: forces depend on yaw, spin angles and all rates; of a machine free in space on all
+    of its positions but x and y, and on uneven ground on these."""
     at = places_in(parameters)
-    active = np.arange(YAW, at.friction_loss)
+    active = np.arange(0 if parameters.space is not None and parameters.space.floor is not None else YAW, at.friction_loss)
     count = len(active)
     return Newton(
         active=active,
@@ -77,7 +81,7 @@ def blank_rows(run: Run, count: int, bearing_loads: bool = False, odometry: bool
     return Recording(
         y=np.empty((count, len(run.y))),
         rates=np.empty((count, wheels, rollers)),
-        mode=blank(MODE, count, wheels),
+        mode=blank(run.mode.dtype, count, wheels),
         piece=np.empty(count, np.uint32),
         extremes=blank(EXTREME, count, wheels),
         bearing_extremes=np.empty((count * bearing_loads, wheels, rollers + 1, 4)),
@@ -87,6 +91,8 @@ def blank_rows(run: Run, count: int, bearing_loads: bool = False, odometry: bool
 
 def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, np.ndarray]:
     """State y (n,) without the rates of the rollers in contact, and rates (W, N) of all rollers, rad/s."""
+    if parameters.space is not None:
+        return state_in_space(config, parameters, pose_at_start(config, parameters))
     machine = parameters.machine
     wheels = np.asarray(parameters.wheels)
     at = places_in(parameters)

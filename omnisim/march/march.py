@@ -36,6 +36,7 @@ from omnisim.march.friction_modes import begin_to_stop, rests, stops, take_drift
 from omnisim.march.onset import stand
 from omnisim.march.roller_exchange import release_rollers
 from omnisim.march.runge_kutta import accept, copy, refresh
+from omnisim.march.spatial_contacts import release, stand_in_space
 from omnisim.march.substeps import step_length
 from omnisim.march.validity import check, check_energy, too_fast, too_stiff
 
@@ -53,7 +54,10 @@ def march(parameters, method, run, rows, log):
     clock = run.clock
     if clock.row == 0 and clock.status == RUNNING:
         sampled(parameters, run, False)
-        stand(parameters, run, log)
+        if parameters.space is not None:
+            stand_in_space(parameters, run)
+        else:
+            stand(parameters, run, log)
         check(parameters, run)
         bearings, currents = parameters.machine.bearing_relaxation, parameters.machine.current_relaxation
         if clock.status == RUNNING:
@@ -124,8 +128,7 @@ def enter_piece(parameters, run, rows, log):
 @outlined
 def write_row(parameters, run, rows):
     row = run.clock.row
-    for w in range(len(run.mode)):
-        release_rollers(parameters, run, w)
+    release_all(parameters, run)
     check_energy(parameters, run)
     for w in range(len(run.mode)):
         rows.mode[row, w] = run.mode[w]
@@ -134,6 +137,16 @@ def write_row(parameters, run, rows):
     rows.piece[row] = run.clock.piece
     run.clock.row = row + 1
     begin_interval(parameters, run, rows, row + 1)
+
+
+@kernel
+def release_all(parameters, run):
+    """Write the roller rates of the state back to `rates`."""
+    for w in range(len(run.mode)):
+        if parameters.space is not None:
+            release(parameters, run, w)
+        else:
+            release_rollers(parameters, run, w)
 
 
 @kernel
@@ -167,8 +180,9 @@ def grid_step(parameters, method, run, rows, log):
             transition(parameters, run, log, fired, start + clock.elapsed)
             restore_consistency(parameters, run, log, start + clock.elapsed)
             follow_again(parameters, run, rows, clock.row)
-            turns += kind == TURN
-            others += kind not in (TURN, EXIT)
+            if parameters.space is None:
+                turns += kind == TURN
+                others += kind not in (TURN, EXIT)
         elif h < whole:
             slips += 1
         elif knot:

@@ -16,7 +16,8 @@ from omnisim.contact.friction import SATURATED
 from omnisim.contact.set_valued import SLIP
 from omnisim.dynamics.indices import contact_count, roller_index, roller_of
 from omnisim.dynamics.state import places
-from omnisim.march.events import SHARED, record, restore_consistency
+from omnisim.march.event_log import record
+from omnisim.march.events import SHARED, restore_consistency
 from omnisim.march.friction_modes import come_to_rest
 from omnisim.march.roller_exchange import (
     edge_rounding,

@@ -11,6 +11,7 @@ from omnisim.contact.mobility import inverse_mass, largest
 from omnisim.contact.tracking import Contact, explicit_contact, roller_axis
 from omnisim.dynamics.energy import kinetic_energy, potential_energy
 from omnisim.dynamics.indices import roller_index
+from omnisim.dynamics.spatial.energy import motion_energy, stored_energy
 from omnisim.dynamics.state import places
 from omnisim.dynamics.wheel import rho_of
 
@@ -38,7 +39,7 @@ def check(parameters, run):
         return
     stiff = -1
     for w in range(len(run.mode)):
-        if parameters.machine.implicit_tracking:
+        if parameters.space is None and parameters.machine.implicit_tracking:
             rho = rho_of(parameters, run.y, w, roller_index(parameters.wheels[w], run.mode[w].roller))
             if abs(dot(rho, rho) - 1.0) > LOST:
                 clock.status, clock.wheel = LOST_TRACK, w
@@ -69,12 +70,16 @@ def check_energy(parameters, run):
     clock = run.clock
     y = run.y
     at = places(parameters)
-    kinetic = kinetic_energy(parameters, at, y, run.rates)
-    potential = potential_energy(machine, y)
+    if parameters.space is not None:
+        kinetic, potential = motion_energy(parameters, y, run.rates), stored_energy(parameters, run.mode, y)
+    else:
+        kinetic, potential = kinetic_energy(parameters, at, y, run.rates), potential_energy(machine, y)
     if clock.row == 0:
         clock.energy, clock.potential = kinetic, potential
     fall = clock.potential - potential  # work of the weight
     loss = y[at.friction_loss] + (y[at.bearing_loss] if machine.bearing_friction else 0.0)
+    if parameters.space is not None:
+        loss += y[at.contact_loss] + y[at.damper_loss]
     balance = kinetic - clock.energy + loss - y[at.drive_work] - y[at.wrench_work] - fall
     turned_over = clock.energy + abs(y[at.drive_work]) + abs(y[at.wrench_work]) + abs(fall)
     clock.turnover = max(clock.turnover, turned_over)  # the works may have come back to nothing
@@ -104,6 +109,8 @@ def too_fast(parameters, run, w):
     """Whether friction at wheel w relaxes slip faster than explicit steps can follow."""
     clock = run.clock
     machine = parameters.machine
+    if parameters.space is not None:
+        return False
     factor = run.monitors[w].factor[0]
     if parameters.workspace.resting is not None or run.newton is not None:
         return False

@@ -9,7 +9,7 @@ from omnisim.base.calls import direct
 from omnisim.base.methods import METHODS
 from omnisim.base.status import EVENTS_PER_STEP
 from omnisim.dynamics.packing import pack
-from omnisim.march.events import EVENT
+from omnisim.march.event_log import EVENT
 from omnisim.march.initial_state import begin, blank_rows
 from omnisim.march.march import march
 from omnisim.results.assembly import Ending, outcome, so_far

@@ -17,7 +17,7 @@ DIRECTIONS = 2001  # tried for the gap: none of them can make it too large
 
 
 class Outline(NamedTuple):
-    """What the shape of a wheel's rollers follows from: R and R1 (m), alpha = pi / N_r (rad), and psi."""
+    """What the shape of a wheel's rollers follows from: R and R1 (m), the angle alpha of its end (rad), and psi."""
 
     radius: float
     roller_distance: float
@@ -31,7 +31,7 @@ Shape = Outline | np.record  # a wheel's record has these fields as well
 
 def outline(kind: WheelType) -> Outline:
     psi = math.radians(kind.roller_angle_deg)
-    return Outline(kind.radius, kind.roller_distance, math.pi / kind.roller_count, math.cos(psi), math.sin(psi))
+    return Outline(kind.radius, kind.roller_distance, kind.covered, math.cos(psi), math.sin(psi))
 
 
 # --- the roller -----------------------------------------------------------------------------------

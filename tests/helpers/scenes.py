@@ -9,7 +9,7 @@ import omnisim
 from omnisim.base.records import blank
 from omnisim.base.status import EVENTS_PER_STEP
 from omnisim.dynamics.packing import pack
-from omnisim.march.events import EVENT
+from omnisim.march.event_log import EVENT
 from omnisim.march.initial_state import begin
 from omnisim.march.onset import stand
 

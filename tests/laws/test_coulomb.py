@@ -11,7 +11,7 @@ from omnisim.contact.set_valued import SLIP, STICK
 from omnisim.dynamics.state import places
 from omnisim.dynamics.twist import body_motion
 from omnisim.dynamics.wheel import contact_state
-from omnisim.march.events import EVENT
+from omnisim.march.event_log import EVENT
 from omnisim.march.friction_modes import slip_rate
 from omnisim.march.initial_state import blank_rows
 from omnisim.march.march import march

@@ -5,11 +5,12 @@ import math
 import numpy as np
 
 from omnisim.base.records import blank, records
-from omnisim.contact.roller_profile import axial_coordinate, profile_radius
 from omnisim.contact.support import PROFILES, SHAPE
 from omnisim.dynamics.inertia import diameter_inertia
 from omnisim.dynamics.spatial.records import BODY, CARRIER, HUB, MOTION, SLOTS, TOUCH, Space
 from omnisim.scene.masses import chassis_box, common_centre, point_masses, row_shift
+from omnisim.scene.solids import outline
+from omnisim.scene.solids import profile as generatrix
 from omnisim.scene.schema import Config, Rocker, Wheel, WheelType
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -182,18 +183,11 @@ def shape_values(kind: WheelType, values: dict) -> dict:
         tilt = half / rho
         sizes = {"radius": profile.radius, "curvature_radius": rho, "half_length": half, "end_radius": end}
     else:
-        row = record_of(values)
         tilt = values["cos_psi"] * math.sin(kind.covered)
-        half, end = axial_coordinate(row, kind.covered), profile_radius(row, kind.covered)
+        half, end = map(float, generatrix(outline(kind), np.array(kind.covered)))
         sizes = {"radius": kind.radius, "curvature_radius": 0.0, "half_length": half, "end_radius": end}
     own = {"kind": PROFILES[profile.kind], "distance": kind.roller_distance, "cos_psi": values["cos_psi"]}
     return sizes | own | {"end_tilt": tilt}
-
-
-def record_of(values: dict):
-    from types import SimpleNamespace
-
-    return SimpleNamespace(**values)
 
 
 def disk_places(types: list[WheelType], wheels: tuple[Wheel, ...], most: int) -> np.ndarray:

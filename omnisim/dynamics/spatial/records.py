@@ -73,8 +73,6 @@ TOUCH = np.dtype(
     [
         ("depth", np.float64),  # delta, m
         ("normal_force", np.float64),  # N
-        ("press", np.float64),  # stiffness delta + damping delta', N
-        ("inside", np.float64),  # region_guard
         ("slip", np.float64, (2,)),  # along h and k in the tangent plane, m/s
         ("force", np.float64, (2,)),  # friction on the roller, N
         ("factor", np.float64),  # g of the friction law F = -g v, N s/m
@@ -101,9 +99,13 @@ MOTION = np.dtype(
 )
 SPATIAL_MODE = np.dtype(
     [
-        ("contacts", np.int64),  # how many rollers touch
+        ("rollers", np.int64),  # how many touch
         ("roller", np.int64, (SLOTS,)),  # which, 0..N-1
-        ("region", np.int64, (SLOTS,)),  # of each, see support.py
+        ("contacts", np.int64),  # how many contacts they have: one each, but on a step
+        ("slot", np.int64, (SLOTS,)),  # of each contact: which of the rollers that touch
+        ("first", np.int64, (SLOTS,)),  # 1: it is the first of its roller
+        ("piece", np.int64, (SLOTS,)),  # of the floor, see floor.py
+        ("region", np.int64, (SLOTS,)),  # of the roller, see support.py
         ("pressed", np.int64, (SLOTS,)),  # 1: the rubber presses, N > 0
         ("saturated", np.int64, (SLOTS,)),  # branch of the saturated friction law
         ("grip", np.int64, (SLOTS,)),  # SLIP, as long as there is no set-valued law
@@ -122,10 +124,10 @@ SPATIAL_MONITORS = np.dtype(
     [
         ("normal_force", np.float64),  # of the whole wheel, N
         ("demand", np.float64),  # of the drive
-        ("clearance", np.float64),  # of the chassis over the ground, m
         ("depth", np.float64, (SLOTS,)),
         ("press", np.float64, (SLOTS,)),
-        ("inside", np.float64, (SLOTS,)),
+        ("inside", np.float64, (SLOTS,)),  # its region
+        ("within", np.float64, (SLOTS,)),  # its piece of the floor, m
         ("slip_square", np.float64, (SLOTS,)),
         ("factor", np.float64, (SLOTS,)),
     ]

@@ -11,9 +11,9 @@ All along hub axes, from the wheel centre O. B: centre of the roller.
 import math
 from typing import NamedTuple
 
-from omnisim.base.kernel import kernel
+from omnisim.base.kernel import kernel, outlined
 from omnisim.base.vector import Vec3, combine, cross, dot, plus, times
-from omnisim.contact.common_normal import touch
+from omnisim.contact.common_normal import ANY, touch
 from omnisim.contact.frame import Slip
 from omnisim.contact.friction import friction
 from omnisim.contact.support import Support, region_of, support
@@ -32,12 +32,14 @@ class Roller(NamedTuple):
 
 
 class Touching(NamedTuple):
-    """Where a roller would touch: normal of the ground along hub axes, delta (m), tilt nu . a, and X - B (m)."""
+    """Where a roller would touch: normal of the ground along hub axes, delta (m), tilt nu . a, X - B (m), and how far X
+    is inside the piece of the ground, m."""
 
     normal: Vec3
     depth: float
     tilt: float
     lever: Vec3
+    within: float
 
 
 class Reaction(NamedTuple):
@@ -86,7 +88,7 @@ def touch_plane(shape, region, roller, normal, height):
     across = max(math.sqrt(max(1.0 - tilt * tilt, 0.0)), STANDING)
     found = support(shape, region, tilt, across)
     depth = found.r * across - found.u * tilt - height - dot(roller.centre, normal)
-    return Touching(normal, depth, tilt, lever_of(roller, normal, found, tilt, across, depth))
+    return Touching(normal, depth, tilt, lever_of(roller, normal, found, tilt, across, depth), math.inf)
 
 
 @kernel
@@ -97,34 +99,40 @@ def lever_of(roller, normal, found, tilt, across, depth):
 
 
 @kernel
-def touch_ground(parameters, body, hub, w, region, roller):
-    """The same on uneven ground."""
-    space = parameters.space
+def in_world(body, hub, roller):
+    """Centre (m) and axis of a Roller, world axes."""
     axes = mounted(hub)
     centre = plus(body.position, outward(body.rotation, plus(hub.centre, outward(axes, roller.centre))))
-    axis = outward(body.rotation, outward(axes, roller.axis))
-    found = touch(space.floor, space.shapes[w], region, centre, axis)
-    normal = inward(axes, inward(body.rotation, found.normal))
+    return centre, outward(body.rotation, outward(axes, roller.axis))
+
+
+@outlined
+def touch_ground(parameters, body, hub, w, piece, region, roller):
+    """The same on a piece of uneven ground."""
+    space = parameters.space
+    centre, axis = in_world(body, hub, roller)
+    found = touch(space.floor, piece, space.shapes[w], region, centre, axis)
+    normal = inward(mounted(hub), inward(body.rotation, found.nu))
     shape = Support(found.support.u, found.support.r, 0.0, 0.0)
-    across = max(found.across, STANDING)
-    return Touching(normal, found.depth, found.tilt, lever_of(roller, normal, shape, found.tilt, across, found.depth))
+    lever = lever_of(roller, normal, shape, found.tilt, max(found.across, STANDING), found.depth)
+    return Touching(normal, found.depth, found.tilt, lever, found.inside if found.converged else -math.inf)
 
 
 @kernel
-def touching(parameters, body, hub, w, region, roller, normal, height):
+def touching(parameters, body, hub, w, piece, region, roller, normal, height):
     """The Touching of a Roller of wheel w in a frozen region; normal and height as `touch_plane` wants them."""
     if parameters.space.floor is None:
         return touch_plane(parameters.space.shapes[w], region, roller, normal, height)
-    return touch_ground(parameters, body, hub, w, region, roller)
+    return touch_ground(parameters, body, hub, w, piece, region, roller)
 
 
 @kernel
-def region_now(parameters, body, hub, w, roller, normal):
-    """In which region the lowest point of a roller lies."""
-    shape = parameters.space.shapes[w]
+def touching_now(parameters, body, hub, w, piece, roller, normal, height):
+    """The same in whatever region the lowest point is."""
     if parameters.space.floor is None:
-        return region_of(shape, dot(roller.axis, normal))
-    return 0
+        shape = parameters.space.shapes[w]
+        return touch_plane(shape, region_of(shape, dot(roller.axis, normal)), roller, normal, height)
+    return touch_ground(parameters, body, hub, w, piece, ANY, roller)
 
 
 @kernel

@@ -154,16 +154,16 @@ def press_wheel(parameters, stage, w, body, hub, cos, sin, rollers):
     normal = ground_normal(body, hub)
     height = height_of(body, hub)
     load = 0.0
-    for slot in range(mode.contacts):
-        i = mode.roller[slot]
+    for c in range(mode.contacts):
+        i = mode.roller[mode.slot[c]]
         roller = roller_on(parameters, w, i, cos, sin)
-        place = wheel.rates + (i if machine.every_rate else slot)
-        touched = touching(parameters, body, hub, w, mode.region[slot], roller, normal, height)
+        place = wheel.rates + (i if machine.every_rate else mode.slot[c])
+        touched = touching(parameters, body, hub, w, mode.piece[c], mode.region[c], roller, normal, height)
         joint = joint_rate(roller, y[place], hub, spin_rate)
-        found = react(parameters, hub, w, touched, mode.pressed[slot], mode.saturated[slot], roller, spin_rate, joint)
+        found = react(parameters, hub, w, touched, mode.pressed[c], mode.saturated[c], roller, spin_rate, joint)
         rolling = dot(roller.axis, cross(touched.lever, found.force)) + found.torque * touched.tilt
         dy[place] += rolling * wheel.axial_mobility
-        if not machine.bearing_friction:
+        if mode.first[c] and not machine.bearing_friction:
             momentum = plus(momentum, times(wheel.axial_inertia * y[place], roller.axis))
         torque = plus(torque, times(rolling, roller.axis))
         arm = plus(roller.centre, touched.lever)
@@ -173,7 +173,7 @@ def press_wheel(parameters, stage, w, body, hub, cos, sin, rollers):
         loss += (found.normal_force - space.hubs[w].stiffness * touched.depth) * found.closing
         load += found.normal_force
         if stage.monitoring:
-            monitor_contact(parameters, stage.monitors[w], w, slot, mode.region[slot], roller, touched, found)
+            monitor_contact(parameters, stage.monitors[w], w, c, mode.region[c], roller, touched, found)
     if stage.monitoring:
         stage.monitors[w].normal_force = load
         parameters.workspace.parts[w].normal_force = load
@@ -181,15 +181,16 @@ def press_wheel(parameters, stage, w, body, hub, cos, sin, rollers):
 
 
 @kernel
-def monitor_contact(parameters, monitors, w, slot, region, roller, touched, found):
+def monitor_contact(parameters, monitors, w, c, region, roller, touched, found):
     """What events want to know of a contact, and what is told of it."""
-    seen = parameters.space.touches[w * SLOTS + slot]
+    seen = parameters.space.touches[w * SLOTS + c]
     shape = parameters.space.shapes[w]
-    monitors.depth[slot] = touched.depth
-    monitors.press[slot] = found.press
-    monitors.inside[slot] = region_guard(shape, region, touched.tilt)
-    monitors.slip_square[slot] = found.slip.h * found.slip.h + found.slip.k * found.slip.k
-    monitors.factor[slot] = found.factor
+    monitors.depth[c] = touched.depth
+    monitors.press[c] = found.press
+    monitors.inside[c] = region_guard(shape, region, touched.tilt)
+    monitors.within[c] = touched.within
+    monitors.slip_square[c] = found.slip.h * found.slip.h + found.slip.k * found.slip.k
+    monitors.factor[c] = found.factor
     seen.depth, seen.normal_force, seen.torque = touched.depth, found.normal_force, found.torque
     seen.slip[0], seen.slip[1] = found.slip.h, found.slip.k
     seen.force[0], seen.force[1] = found.friction.h, found.friction.k

@@ -1,0 +1,240 @@
+"""Which rollers of a machine free in space touch the ground: how contacts begin, end, and what is remembered of them.
+
+The rates of rollers that touch are states; those of all others stand in `rates`, and enter through three sums. A roller
+may have two contacts, with the ground before a step and with its edge: one rate, two forces.
+"""
+
+import math
+
+from omnisim.base.kernel import kernel, outlined
+from omnisim.base.trigonometry import cos_sin
+from omnisim.contact.common_normal import quickly_clear
+from omnisim.contact.floor import pieces
+from omnisim.contact.friction import SATURATED
+from omnisim.contact.support import WITHIN, region_of
+from omnisim.dynamics.spatial.pose import body_of, hub_of
+from omnisim.dynamics.spatial.records import SLOTS
+from omnisim.dynamics.spatial.touching import ground_normal, height_of, in_world, roller_on, touching_now
+from omnisim.dynamics.state import places
+from omnisim.march.runge_kutta import refresh
+
+
+@kernel
+def piece_count(space):
+    """Of how many pieces the floor is."""
+    if space.floor is None:
+        return 1
+    return pieces(space.floor)
+
+
+@kernel
+def gap_of(parameters, y, w, i, piece):
+    """How far roller i of wheel w is from touching a piece of the floor in state y, m; < 0: it overlaps."""
+    body = body_of(parameters, y)
+    hub = hub_of(parameters, body, w, y)
+    cos, sin = cos_sin(y[places(parameters).spin_angle + w])
+    return gap_at(parameters, body, hub, w, i, piece, cos, sin)
+
+
+@kernel
+def gap_at(parameters, body, hub, w, i, piece, cos, sin):
+    """The same with the cosine and the sine of the spin angle."""
+    roller = roller_on(parameters, w, i, cos, sin)
+    space = parameters.space
+    if space.floor is not None:
+        centre, _ = in_world(body, hub, roller)
+        if quickly_clear(space.floor, piece, space.shapes[w], centre):
+            return math.inf
+    touched = touching_now(parameters, body, hub, w, piece, roller, ground_normal(body, hub), height_of(body, hub))
+    return -min(touched.depth, touched.within)
+
+
+@kernel
+def in_contact(mode, i, piece):
+    """Whether roller i touches this piece of the floor."""
+    found = False
+    for c in range(mode.contacts):
+        found = found or (mode.roller[mode.slot[c]] == i and mode.piece[c] == piece)
+    return found
+
+
+@kernel
+def nothing_meets(parameters, mode, w, y):
+    """Whether no roller of wheel w overlaps the ground beside those that touch it, in state y.
+
+    On a plane a wheel is round enough: the next to touch is a neighbour of one that does, or in the air of the lowest
+    place.
+    """
+    wheel = parameters.wheels[w]
+    space = parameters.space
+    body = body_of(parameters, y)
+    hub = hub_of(parameters, body, w, y)
+    cos, sin = cos_sin(y[places(parameters).spin_angle + w])
+    free = True
+    if space.floor is not None:
+        for piece in range(piece_count(space)):
+            for i in range(wheel.rollers):
+                if not in_contact(mode, i, piece):
+                    free = free and gap_at(parameters, body, hub, w, i, piece, cos, sin) >= 0.0
+        return free
+    rows = space.hubs[w].row_count
+    if mode.contacts == 0:
+        lowest = lowest_roller(parameters, w, ground_normal(body, hub), cos, sin)
+        for step in range(-rows, 2 * rows):
+            i = (lowest + step) % wheel.rollers
+            free = free and gap_at(parameters, body, hub, w, i, 0, cos, sin) >= 0.0
+        return free
+    for c in range(mode.contacts):
+        for step in range(1, rows + 1):
+            here = mode.roller[mode.slot[c]]
+            ahead, behind = (here + step) % wheel.rollers, (here - step) % wheel.rollers
+            if not in_contact(mode, ahead, 0):
+                free = free and gap_at(parameters, body, hub, w, ahead, 0, cos, sin) >= 0.0
+            if not in_contact(mode, behind, 0):
+                free = free and gap_at(parameters, body, hub, w, behind, 0, cos, sin) >= 0.0
+    return free
+
+
+@outlined
+def lowest_roller(parameters, w, normal, cos, sin):
+    """The roller of the first row of wheel w that is next to the lowest place of the wheel, 0..N-1."""
+    wheel, space = parameters.wheels[w], parameters.space
+    rows = space.hubs[w].row_count
+    place = space.disk[w, 0]
+    # azimuth of the lowest place less that of roller 0
+    q_low = math.atan2(-normal.x, normal.z)
+    q_0 = math.atan2(place[1] * cos - place[0] * sin, place[0] * cos + place[1] * sin)
+    pitch = 2.0 * math.pi * rows / wheel.rollers
+    return (round((q_low - q_0) / pitch) * rows) % wheel.rollers
+
+
+@kernel
+def stand_in_space(parameters, run):
+    """The contacts at t = 0, and the derivative."""
+    for w in range(len(run.mode)):
+        mode = run.mode[w]
+        mode.rollers = mode.contacts = 0
+        sum_air(parameters, run, w)
+        for piece in range(piece_count(parameters.space)):
+            for i in range(parameters.wheels[w].rollers):
+                if gap_of(parameters, run.y, w, i, piece) < 0.0 and mode.contacts < SLOTS:
+                    add_contact(parameters, run, w, i, piece)
+    refresh(parameters, run, 0.0)
+    for w in range(len(run.mode)):
+        mode = run.mode[w]
+        for c in range(mode.contacts):
+            mode.pressed[c] = run.monitors[w].press[c] >= 0.0
+    refresh(parameters, run, 0.0)
+
+
+@kernel
+def add_contact(parameters, run, w, i, piece):
+    """Let roller i of wheel w touch a piece of the floor."""
+    mode = run.mode[w]
+    slot = -1
+    for r in range(mode.rollers):
+        slot = r if mode.roller[r] == i else slot
+    c = mode.contacts
+    mode.contacts = c + 1
+    mode.first[c] = slot < 0
+    if slot < 0:
+        slot = mode.rollers
+        mode.rollers = slot + 1
+        mode.roller[slot] = i
+        if not parameters.machine.every_rate:
+            place = parameters.wheels[w].rates + slot
+            run.y[place], run.carry[place] = run.rates[w, i], 0.0
+            sum_air(parameters, run, w)
+    mode.slot[c], mode.piece[c], mode.pressed[c] = slot, piece, 1
+    mode.region[c] = region_here(parameters, run.y, w, i, piece)
+    mode.saturated[c] = 0
+    mode.grip[c] = 0
+
+
+@kernel
+def region_here(parameters, y, w, i, piece):
+    """In which region the lowest point of roller i of wheel w is."""
+    body = body_of(parameters, y)
+    hub = hub_of(parameters, body, w, y)
+    cos, sin = cos_sin(y[places(parameters).spin_angle + w])
+    roller = roller_on(parameters, w, i, cos, sin)
+    touched = touching_now(parameters, body, hub, w, piece, roller, ground_normal(body, hub), height_of(body, hub))
+    return region_of(parameters.space.shapes[w], touched.tilt)
+
+
+@kernel
+def remove_contact(parameters, run, w, c):
+    """Let contact c of wheel w end; its roller leaves the ground if it has no other."""
+    mode = run.mode[w]
+    release(parameters, run, w)
+    slot, was_first = mode.slot[c], mode.first[c]
+    last = mode.contacts - 1
+    for d in range(c, last):
+        mode.slot[d], mode.first[d], mode.piece[d] = mode.slot[d + 1], mode.first[d + 1], mode.piece[d + 1]
+        mode.region[d], mode.pressed[d] = mode.region[d + 1], mode.pressed[d + 1]
+        mode.saturated[d], mode.grip[d] = mode.saturated[d + 1], mode.grip[d + 1]
+    mode.contacts = last
+    other = -1
+    for d in range(last - 1, -1, -1):
+        other = d if mode.slot[d] == slot else other
+    if other >= 0:
+        mode.first[other] = mode.first[other] or was_first
+        return
+    for r in range(slot, mode.rollers - 1):
+        mode.roller[r] = mode.roller[r + 1]
+    for d in range(last):
+        if mode.slot[d] > slot:
+            mode.slot[d] -= 1
+    mode.rollers -= 1
+    if parameters.machine.every_rate:
+        return
+    for r in range(SLOTS):
+        place = parameters.wheels[w].rates + r
+        run.y[place] = run.rates[w, mode.roller[r]] if r < mode.rollers else 0.0
+        run.carry[place] = 0.0
+    sum_air(parameters, run, w)
+
+
+@kernel
+def release(parameters, run, w):
+    """Write the rates of the rollers that touch back to `rates`, where those of all rollers stand."""
+    mode, wheel = run.mode[w], parameters.wheels[w]
+    if parameters.machine.every_rate:
+        for i in range(wheel.rollers):
+            run.rates[w, i] = run.y[wheel.rates + i]
+        return
+    for slot in range(mode.rollers):
+        run.rates[w, mode.roller[slot]] = run.y[wheel.rates + slot]
+
+
+@kernel
+def sum_air(parameters, run, w):
+    """The sums over the rollers of wheel w in the air, anew each time, so they never drift."""
+    mode, wheel = run.mode[w], parameters.wheels[w]
+    mode.air_cos, mode.air_sin, mode.air_sum = 0.0, 0.0, 0.0
+    for i in range(wheel.rollers):
+        touches = False
+        for slot in range(mode.rollers):
+            touches = touches or mode.roller[slot] == i
+        if not touches:
+            rate, place = run.rates[w, i], parameters.space.disk[w, i]
+            mode.air_cos += rate * place[0]
+            mode.air_sin += rate * place[1]
+            mode.air_sum += rate
+
+
+@kernel
+def next_region(region, tilt_sign):
+    """The region beyond the end of this one; tilt_sign: of nu . a."""
+    if region != WITHIN:
+        return WITHIN
+    return -1 if tilt_sign > 0.0 else 1
+
+
+@kernel
+def branch(parameters, run, w, c):
+    """Branch of the saturated friction law of contact c, as its slip is."""
+    machine = parameters.machine
+    if machine.law != SATURATED:
+        return 0
+    return 1 if run.monitors[w].slip_square[c] > machine.slip_speed * machine.slip_speed else 0

@@ -1,0 +1,161 @@
+"""Events of a machine free in space: what ends the validity of its modes, and what they are afterwards.
+
+    guard  while the mode holds                                           afterwards
+    DOWN   the chassis is above the ground                                the march stops
+    LIMIT  as DRIVE of events.py
+    APART  delta >= 0: the rubber is pressed in                           the contact ends
+    PIECE  the contact is on its piece of the floor                       it ends
+    PRESS  stiffness delta + damping delta' >= 0, or <= 0 while N = 0     the rubber presses no more, or again
+    RIM    the lowest point is within the profile, or on its rim          the other
+    KINK   |v| stays on its side of slip_speed                            the other branch of the saturated law
+    MEET   a roller that does not touch is apart from the ground          it touches
+
+Contacts begin and end where delta = 0, N may end before, and the lowest point passes from the profile to the rim of the
+roller's end: at each of them the force has a kink, and stepped through it would cost the order of the method.
+"""
+
+import math
+
+from omnisim.base.kernel import kernel, outlined
+from omnisim.base.status import CHASSIS_DOWN, EVENT_KINDS, TOO_MANY_TOUCH
+from omnisim.contact.floor import surface
+from omnisim.contact.friction import SATURATED
+from omnisim.dynamics.actuation import limit_guard, next_limit
+from omnisim.dynamics.spatial.pose import body_of, outward, vector
+from omnisim.dynamics.spatial.records import SLOTS
+from omnisim.dynamics.state import places
+from omnisim.march.event_log import record
+from omnisim.march.runge_kutta import refresh
+from omnisim.march.spatial_contacts import (
+    add_contact,
+    branch,
+    gap_of,
+    in_contact,
+    next_region,
+    nothing_meets,
+    piece_count,
+    remove_contact,
+)
+
+DOWN, LIMIT, APART, PIECE, PRESS, RIM, KINK, MEET = range(8)
+SPATIAL_GUARDS = 8
+BEGIN, END = EVENT_KINDS.index("contact_begin"), EVENT_KINDS.index("contact_end")
+LIFT, LANDING = EVENT_KINDS.index("lift_off"), EVENT_KINDS.index("touch_down")
+
+
+@kernel
+def sides_of(parameters, run, kind, w):
+    """How many guards of a kind wheel w has."""
+    if kind == MEET:
+        return parameters.wheels[w].rollers * piece_count(parameters.space)
+    if kind in (DOWN, LIMIT):
+        return 1
+    return run.mode[w].contacts
+
+
+@kernel
+def spatial_guard(parameters, run, kind, w, side, at_end):
+    """Value of a guard at the start of a step, or `at_end`, at the end of its trial: >= 0 while it holds."""
+    mode = run.mode[w]
+    y = run.trial if at_end else run.y
+    monitors = run.monitors_end[w] if at_end else run.monitors[w]
+    if kind == APART:
+        return monitors.depth[side]
+    if kind == PRESS:
+        return monitors.press[side] if mode.pressed[side] else -monitors.press[side]
+    if kind == RIM:
+        return monitors.inside[side]
+    if kind == PIECE:
+        return monitors.within[side]
+    if kind == LIMIT:
+        spin_rate = y[places(parameters).spin_rate + w]
+        return limit_guard(parameters.wheels[w], mode.drive, monitors.demand, spin_rate)
+    if kind == KINK:
+        if parameters.machine.law != SATURATED:
+            return 0.0
+        excess = math.sqrt(monitors.slip_square[side]) - parameters.machine.slip_speed
+        return excess if mode.saturated[side] else -excess
+    if kind == DOWN:
+        return clearance(parameters, y) if w == 0 else 0.0
+    rollers = parameters.wheels[w].rollers
+    i, piece = side % rollers, side // rollers
+    return 0.0 if in_contact(mode, i, piece) else gap_of(parameters, y, w, i, piece)
+
+
+@kernel
+def all_stay(parameters, run, w):
+    """Whether every guard of wheel w holds at the end of a trial."""
+    mode, monitors = run.mode[w], run.monitors_end[w]
+    held = spatial_guard(parameters, run, LIMIT, w, 0, True) >= 0.0
+    held = held and spatial_guard(parameters, run, DOWN, w, 0, True) >= 0.0
+    for c in range(mode.contacts):
+        press = monitors.press[c] if mode.pressed[c] else -monitors.press[c]
+        held = held and monitors.depth[c] >= 0.0 and press >= 0.0
+        held = held and monitors.inside[c] >= 0.0 and monitors.within[c] >= 0.0
+        if parameters.machine.law == SATURATED:
+            held = held and spatial_guard(parameters, run, KINK, w, c, True) >= 0.0
+    return held and nothing_meets(parameters, mode, w, run.trial)
+
+
+@kernel
+def clearance(parameters, y):
+    """Height of the lowest corner of the chassis over the ground, m."""
+    space = parameters.space
+    body = body_of(parameters, y)
+    least = math.inf
+    for i in range(space.body.corners):
+        corner = outward(body.rotation, vector(space.body.hull[i], 0))
+        height = body.position.z + corner.z
+        if space.floor is not None:
+            height -= surface(space.floor, body.position.x + corner.x, body.position.y + corner.y).height
+        least = min(least, height)
+    return least
+
+
+@outlined
+def change_contact(parameters, run, log, kind, w, side, time):
+    """Change the mode of wheel w after a guard fired at `time`, and the derivative with it."""
+    mode, clock = run.mode[w], run.clock
+    if kind == DOWN:
+        clock.status, clock.wheel = CHASSIS_DOWN, -1
+        return
+    if kind == LIMIT:
+        spin_rate = run.y[places(parameters).spin_rate + w]
+        mode.drive = next_limit(parameters.wheels[w], mode.drive, run.monitors[w].demand, spin_rate)
+    elif kind in (APART, PIECE):
+        i = mode.roller[mode.slot[side]]
+        record(clock, log, time, END, w, i, -1)
+        remove_contact(parameters, run, w, side)
+        if mode.contacts == 0:
+            record(clock, log, time, LIFT, w, -1, -1)
+    elif kind == PRESS:
+        mode.pressed[side] = 1 - mode.pressed[side]
+    elif kind == RIM:
+        mode.region[side] = next_region(mode.region[side], tilt_here(parameters, run, w, side))
+    elif kind == KINK:
+        mode.saturated[side] = 1 - mode.saturated[side]
+    else:
+        rollers = parameters.wheels[w].rollers
+        i = side % rollers
+        if mode.contacts == SLOTS:
+            clock.status, clock.wheel = TOO_MANY_TOUCH, w
+            return
+        if mode.contacts == 0:
+            record(clock, log, time, LANDING, w, -1, -1)
+        record(clock, log, time, BEGIN, w, -1, i)
+        add_contact(parameters, run, w, i, side // rollers)
+        if parameters.machine.law == SATURATED:
+            refresh(parameters, run, time)
+            mode.saturated[mode.contacts - 1] = branch(parameters, run, w, mode.contacts - 1)
+    refresh(parameters, run, time)
+
+
+@kernel
+def tilt_here(parameters, run, w, c):
+    """nu . a at contact c, from what its last evaluation has left, or its sign."""
+    seen = parameters.space.touches[w * SLOTS + c]
+    wheel = parameters.wheels[w]
+    cos_q, sin_q = seen.azimuth[0], seen.azimuth[1]
+    along_h, along_up = -wheel.cos_psi * cos_q, -wheel.cos_psi * sin_q
+    return along_h * seen.normal[0] + wheel.sin_psi * seen.normal[1] + along_up * seen.normal[2]
+
