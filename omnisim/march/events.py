@@ -68,6 +68,7 @@ EXCHANGE, STUCK, SLIPS, LIFT, LANDING, SHARED, PARTED, STOP = map(EVENT_KINDS.in
     "exchange", "stick", "slip", "lift_off", "touch_down", "share_begin", "share_end", "stop",
 ))  # fmt: skip
 
+
 class Guard(NamedTuple):
     """One guard: its kind, of which wheel, and of which of its contacts if it has one for each."""
 

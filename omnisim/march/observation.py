@@ -17,6 +17,7 @@ from omnisim.dynamics.multibody.joint_forces import recover, resolve_joints
 from omnisim.dynamics.normal_forces.servo import find_servo, set_all_tilt
 from omnisim.dynamics.normal_forces.solution import loads_known
 from omnisim.dynamics.parameters import Parameters
+from omnisim.dynamics.spatial.records import SPATIAL_MONITORS
 from omnisim.dynamics.state import MONITORS, Recording, X, Y, places
 from omnisim.dynamics.twist import Acceleration, acceleration_of, body_motion, wheel_motion, wheel_twist, world_frame
 from omnisim.dynamics.wheel import (
@@ -25,6 +26,7 @@ from omnisim.dynamics.wheel import (
     rho_of,
 )
 from omnisim.march.runge_kutta import evaluate
+from omnisim.march.spatial_observation import observe_in_space
 
 OBSERVED_WHEEL = np.dtype(
     [
@@ -34,10 +36,13 @@ OBSERVED_WHEEL = np.dtype(
         ("current", np.float64),  # A
         ("share", np.float64),  # of the roller ahead while two carry the load, 1
         ("contact_torque", np.float64),  # on the roller about the normal, N m
-        ("angle", np.float64),  # q of the roller in contact, rad
+        ("roller", np.int64),  # in contact, 0..N-1; -1 in the air
+        ("angle", np.float64),  # its q, rad
         ("point", np.float64, (3,)),  # world, m
         ("slip_velocity", np.float64, (2,)),  # h, k, m/s
         ("friction_force", np.float64, (2,)),  # on the roller, N
+        ("travel", np.float64),  # of a carrier, m or rad
+        ("travel_rate", np.float64),
     ]
 )
 
@@ -48,7 +53,8 @@ class Observed(NamedTuple):
     slopes (T, n): y'; servo (T, 2): torque about chassis x and y, N m; wheels (T, W): records OBSERVED_WHEEL;
     joint_rate (T, W, N), rad/s; motion (3, T, W, N, 3): position, velocity and acceleration of every roller centre,
     world axes; bearing_loads (T, W, N + 1, 2, 3): force (N) and moment (N m) of the axles of each wheel and its
-    rollers, along their own directions, or no rows if nobody asks for them.
+    rollers, along their own directions, or no rows if nobody asks for them; energies (T, 3): kinetic, of gravity and
+    elastic, J, of a machine free in space.
     """
 
     slopes: np.ndarray
@@ -57,6 +63,7 @@ class Observed(NamedTuple):
     joint_rate: np.ndarray
     motion: np.ndarray
     bearing_loads: np.ndarray
+    energies: np.ndarray
 
 
 @kernel
@@ -84,6 +91,7 @@ def observe(parameters, rows, times, monitors, observed):
             seen.normal_force = max(part.normal_force, 0.0) if part.loaded else 0.0
             seen.drive_torque, seen.share, seen.contact_torque = part.drive_torque, contact.share, contact.torque
             seen.voltage, seen.current = part.voltage, part.current
+            seen.roller = roller_index(wheel, mode[w].roller)
             seen.angle = contact_angle(parameters, mode[w], w, frame, y)
             along = wheel.offset[0]
             across = wheel.offset[1] + contact.l
@@ -157,6 +165,10 @@ def observed_rows(parameters: Parameters, rows: Recording, times: np.ndarray, be
         joint_rate=np.empty((count, wheels, rollers)),
         motion=np.empty((3, count, wheels, rollers, 3)),
         bearing_loads=np.zeros((count if bearing_loads else 0, wheels, rollers + 1, 2, 3)),
+        energies=np.zeros((0 if parameters.space is None else count, 3)),
     )
+    if parameters.space is not None:
+        direct(observe_in_space, parameters, rows, times, blank(SPATIAL_MONITORS, wheels), observed)
+        return observed
     direct(observe, parameters, rows, times, blank(MONITORS, wheels), observed)
     return observed

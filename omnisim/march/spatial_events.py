@@ -158,4 +158,3 @@ def tilt_here(parameters, run, w, c):
     cos_q, sin_q = seen.azimuth[0], seen.azimuth[1]
     along_h, along_up = -wheel.cos_psi * cos_q, -wheel.cos_psi * sin_q
     return along_h * seen.normal[0] + wheel.sin_psi * seen.normal[1] + along_up * seen.normal[2]
-

@@ -26,9 +26,7 @@ def pose_at_start(config: Config, parameters: Parameters) -> Pose:
     assert space is not None
     count = 0 if space.carriers is None else len(space.carriers)
     initial = config.initial
-    return Pose(
-        initial.height or 0.0, math.radians(initial.pitch_deg), math.radians(initial.roll_deg), np.zeros(count)
-    )
+    return Pose(initial.height or 0.0, math.radians(initial.pitch_deg), math.radians(initial.roll_deg), np.zeros(count))
 
 
 def state_in_space(config: Config, parameters: Parameters, pose: Pose) -> tuple[np.ndarray, np.ndarray]:
@@ -47,7 +45,7 @@ def state_in_space(config: Config, parameters: Parameters, pose: Pose) -> tuple[
     origin = np.array([*initial.position, pose.height])
     y[POSITION : POSITION + 3] = origin + arm
     y[ORIENTATION : ORIENTATION + 4] = quaternion(yaw, pose.pitch, pose.roll)
-    y[at.velocity : at.velocity + 3] = [*initial.velocity, initial.vertical_velocity] + np.cross(rate, arm)
+    y[at.velocity : at.velocity + 3] = np.add([*initial.velocity, initial.vertical_velocity], np.cross(rate, arm))
     y[at.rate : at.rate + 3] = inner = rotation.T @ rate
     y[at.joint : at.joint + len(pose.carriers)] = pose.carriers
     if parameters.machine.odometry:

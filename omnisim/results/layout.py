@@ -47,7 +47,7 @@ class Quantity:
         return replace(self, path=self.path.format(wheel=wheel), axes=axes)
 
 
-TIME, AXIS, PLANE, TANGENT, HUB, MOUNT = "time", "axis", "plane", "tangent", "hub", "mount"
+TIME, AXIS, PLANE, TANGENT, HUB, MOUNT, PART = "time", "axis", "plane", "tangent", "hub", "mount", "quaternion"
 ROLLER, EVENT_NUMBER = "wheels/{wheel}/rollers/roller", "events/event"
 LABELS = {
     AXIS: ("x", "y", "z"),
@@ -55,6 +55,7 @@ LABELS = {
     TANGENT: ("h", "k"),
     HUB: ("h", "k", "n"),
     MOUNT: ("radial", "lateral", "axial"),
+    PART: ("w", "x", "y", "z"),
 }  # the other two, ROLLER and EVENT_NUMBER, count from 0
 
 BODY = "wheel centre (bare wheel) or chassis origin on the floor (vehicle)"
@@ -104,12 +105,15 @@ TABLE = (
     Quantity(HUB, (HUB,), "1", "directions at a wheel's axle: h heading, k left, n up", "str", optional=True),
     Quantity(MOUNT, (MOUNT,), "1", "directions of a roller's axle: radial from the wheel centre, axial along it", "str",
              optional=True),
+    Quantity(PART, (PART,), "1", "parts of a quaternion", "str", optional=True),
     Quantity("body/position", (TIME, AXIS), "m", f"position of the {BODY}"),
     Quantity("body/velocity", (TIME, AXIS), "m/s", f"velocity of the {BODY}"),
     Quantity("body/acceleration", (TIME, AXIS), "m/s^2", f"acceleration of the {BODY}"),
     Quantity("body/yaw", T, "rad", "yaw angle, counterclockwise from above, never wrapped"),
     Quantity("body/yaw_rate", T, "rad/s", "yaw rate"),
     Quantity("body/yaw_acceleration", T, "rad/s^2", "yaw acceleration"),
+    Quantity("body/orientation", (TIME, PART), "1", "unit quaternion from chassis axes to world axes", optional=True),
+    Quantity("body/angular_velocity", (TIME, AXIS), "rad/s", "angular velocity of the chassis", optional=True),
     Quantity("body/servo_torque", (TIME, PLANE), "N m", "torque about chassis x and y that keeps a machine upright",
              optional=True),
     Quantity("odometry/position", (TIME, PLANE), "m", "chassis origin as ideal wheels without slip would report it",
@@ -130,13 +134,16 @@ TABLE = (
     Quantity(f"{WHEELS}/heat", T, "W", "power turned into heat in the windings of the motor", optional=True),
     Quantity(f"{WHEELS}/normal_force", T, "N", "normal force of the floor on the wheel"),
     Quantity(f"{WHEELS}/contact_angle", T, "rad", "azimuth of contact_roller from straight down towards h"),
-    Quantity(f"{WHEELS}/contact_roller", T, "1", "roller in contact with the floor", "int64"),
+    Quantity(f"{WHEELS}/contact_roller", T, "1",
+             "roller in contact with the floor; of several the one that carries most, -1 in the air", "int64"),
     Quantity(f"{WHEELS}/contact_point", (TIME, AXIS), "m", "where contact_roller touches the floor"),
     Quantity(f"{WHEELS}/slip_velocity", (TIME, TANGENT), "m/s", "velocity of contact_roller at its contact point"),
     Quantity(f"{WHEELS}/friction_force", (TIME, TANGENT), "N", "friction force of the floor on contact_roller"),
     Quantity(f"{WHEELS}/contact_share", T, "1",
              "1, or the share of contact_roller (the one at q = +alpha) while two rollers carry the load"),
     Quantity(f"{WHEELS}/contact_torque", T, "N m", "torque of the floor on contact_roller about the normal"),
+    Quantity(f"{WHEELS}/suspension_travel", T, "m", "travel of the hub along chassis z, up", optional=True),
+    Quantity(f"{WHEELS}/suspension_rate", T, "m/s", "its rate", optional=True),
     Quantity(f"{WHEELS}/servo_torque", T, "N m", "torque about h that keeps a bare wheel upright", optional=True),
     Quantity(f"{WHEELS}/bearing_force", (TIME, HUB), "N", "force of the axle on the wheel", optional=True),
     Quantity(f"{WHEELS}/bearing_moment", (TIME, HUB), "N m",
@@ -158,8 +165,10 @@ TABLE = (
     Quantity("constraints/velocity_drift", T, "1", "the same of velocities, m/s or rad/s", optional=True),
     *_extremes(),
     Quantity("energy/kinetic", T, "J", "kinetic energy of all bodies"),
-    Quantity("energy/gravity", T, "J", "energy of all bodies in gravity, on an inclined floor: 0 at the world's origin",
-             optional=True),
+    Quantity("energy/gravity", T, "J", "energy of all bodies in gravity, if it changes: 0 at the world's origin", optional=True),
+    Quantity("energy/elastic", T, "J", "energy stored in rubber and springs", optional=True),
+    Quantity("energy/contact_loss", T, "J", "energy lost in the damping of rubber since t = 0", optional=True),
+    Quantity("energy/damper_loss", T, "J", "energy lost in the dampers of suspensions since t = 0", optional=True),
     Quantity("energy/friction_loss", T, "J", "energy lost to friction since t = 0"),
     Quantity("energy/bearing_loss", T, "J", "energy lost in the rollers' bearings since t = 0"),
     Quantity("energy/drive_work", T, "J", "work of the drives since t = 0"),

@@ -12,6 +12,7 @@ from omnisim.dynamics.parameters import DRIVE_INPUT, SERVO, Parameters
 from omnisim.dynamics.state import YAW, Places, Recording, places_in
 from omnisim.march.extremes import bearing_extremes, odometry_extremes, wheel_extremes
 from omnisim.march.observation import Observed, observed_rows
+from omnisim.results.spatial import balanced_in_space, body_in_space, origin_in_space, yaw_in_space
 from omnisim.scene.schema import Config
 
 EXTREMES = "extremes"  # a group for each wheel
@@ -62,6 +63,8 @@ class Observables:
         folder, _, wheel = name.rpartition("/")
         if name == "time":
             return {"time": self.times}
+        if name == "body" and parameters.space is not None:
+            return body_in_space(parameters, self.rows.y, self.observed.slopes)
         if name == "body":
             data = body(parameters, self.rows.y, self.observed.slopes, self.config.chassis is None)
             servo = self.config.chassis is not None and machine.upright == SERVO
@@ -70,7 +73,7 @@ class Observables:
             return works(parameters, self.rows.y)
         if name == "energy":
             data = self._group("works")
-            data = data | balanced(parameters, self.rows, data)
+            data = data | self._balanced(data)
             return data | (motor_energies(parameters, self.rows.y, data["energy/balance"]) if machine.motors else {})
         if name == "odometry" and machine.odometry:
             extremes = odometry_extremes(self.rows.odometry_extremes)
@@ -81,12 +84,18 @@ class Observables:
             return self._of_wheel(folder, wheel)
         return {}
 
+    def _balanced(self, done: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """Energies, and what is missing between them and these works."""
+        if self.parameters.space is None:
+            return balanced(self.plain, self.rows, done)
+        return balanced_in_space(self.plain, self.rows.y, self.observed.energies, done)
+
     def _of_wheel(self, folder: str, name: str) -> dict[str, np.ndarray]:
         """Of one wheel: its extremes, or all else."""
         w = self.names[name]
         config = self.config
         motor = config.wheels[w].drive.kind == "dc_motor"
-        number = config.type_of(config.wheels[w]).roller_count
+        number = config.type_of(config.wheels[w]).rollers
         chassis = config.chassis is not None
         if folder == EXTREMES:
             extremes = wheel_extremes(np.asarray(self.rows.extremes)[:, w], motor)
@@ -98,6 +107,9 @@ class Observables:
             group["target_rate"] = targets(self.parameters, w, self.rows.piece, self.times)
         if motor:
             group |= motor_datasets(self.observed.wheels[:, w], self.parameters.wheels[w].resistance)
+        if config.wheels[w].suspension is not None:
+            seen = np.asarray(self.observed.wheels)[:, w]
+            group |= {"suspension_travel": seen["travel"], "suspension_rate": seen["travel_rate"]}
         if not chassis:
             group["servo_torque"] = self.observed.servo[:, 0]
         if config.bearing_loads:
@@ -151,11 +163,15 @@ def odometry(parameters: Parameters, y: np.ndarray) -> dict[str, np.ndarray]:
     spin_angles = y[:, at.spin_angle : at.spin_angle + len(columns)]
     reported = y[:, at.odometry : at.odometry + 2]
     yaw = parameters.machine.odometry_yaw + spin_angles @ columns[:, 2]
+    if parameters.space is not None:
+        position, turned = origin_in_space(parameters, y)[0][:, :2], yaw_in_space(y)
+    else:
+        position, turned = y[:, :YAW] - to_centre(parameters, y), y[:, YAW]
     return {
         "odometry/position": reported,
         "odometry/yaw": yaw,
-        "odometry/position_error": reported - (y[:, :YAW] - to_centre(parameters, y)),
-        "odometry/yaw_error": yaw - y[:, YAW],
+        "odometry/position_error": reported - position,
+        "odometry/yaw_error": yaw - turned,
     }
 
 
@@ -224,7 +240,7 @@ def bearing_loads(found: np.ndarray, rollers: int, chassis: bool) -> dict[str, n
 
 def wheel_datasets(at: Places, w: int, rollers: int, rows: Recording, observed: Observed) -> dict[str, np.ndarray]:
     """Datasets of wheel w with so many rollers, by path below its group."""
-    contacts, mode = np.asarray(observed.wheels)[:, w], np.asarray(rows.mode)[:, w]
+    contacts = np.asarray(observed.wheels)[:, w]
     position, velocity, acceleration = observed.motion[:, :, w, :rollers]
     return {
         "spin_angle": rows.y[:, at.spin_angle + w],
@@ -234,7 +250,7 @@ def wheel_datasets(at: Places, w: int, rollers: int, rows: Recording, observed: 
         "drive_power": contacts["drive_torque"] * rows.y[:, at.spin_rate + w],
         "normal_force": contacts["normal_force"],
         "contact_angle": contacts["angle"],
-        "contact_roller": mode["roller"] % rollers,
+        "contact_roller": contacts["roller"],
         "contact_point": contacts["point"],
         "slip_velocity": contacts["slip_velocity"],
         "friction_force": contacts["friction_force"],

@@ -62,9 +62,7 @@ def weight_energy(parameters, y):
     gravity = vector(space.body.gravity, 0)
     energy = -space.body.mass * dot(gravity, vector(y, POSITION))
     if space.carriers is not None:
-        down = Vec3(
-            dot(body.rotation.x, gravity), dot(body.rotation.y, gravity), dot(body.rotation.z, gravity)
-        )
+        down = Vec3(dot(body.rotation.x, gravity), dot(body.rotation.y, gravity), dot(body.rotation.z, gravity))
         energy -= dot(down, vector(space.body.moment, 0))
         for j in range(len(space.carriers)):
             carrier = space.carriers[j]

@@ -9,9 +9,9 @@ from omnisim.contact.support import PROFILES, SHAPE
 from omnisim.dynamics.inertia import diameter_inertia
 from omnisim.dynamics.spatial.records import BODY, CARRIER, HUB, MOTION, SLOTS, TOUCH, Space
 from omnisim.scene.masses import chassis_box, common_centre, point_masses, row_shift
+from omnisim.scene.schema import Config, Rocker, Wheel, WheelType
 from omnisim.scene.solids import outline
 from omnisim.scene.solids import profile as generatrix
-from omnisim.scene.schema import Config, Rocker, Wheel, WheelType
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 

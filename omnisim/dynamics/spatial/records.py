@@ -154,4 +154,3 @@ class Space(NamedTuple):
     motions: np.recarray
     pushes: np.ndarray
     balance: np.ndarray
-

@@ -223,7 +223,8 @@ def carry(parameters, stage, body, j):
     swept = plus(cross(body.rate, cross(body.rate, centre)), times(2.0 * s_rate, cross(body.rate, along)))
     lifted = times(carrier.mass, plus(swept, bend))
     gyration = plus(
-        product(motion.inertia, times(s_rate, cross(body.rate, turning))), cross(rate, product(motion.inner_inertia, rate))
+        product(motion.inertia, times(s_rate, cross(body.rate, turning))),
+        cross(rate, product(motion.inner_inertia, rate)),
     )
     push = space.pushes[1 + j]
     moment = minus(vector(push, 0), plus(gyration, cross(centre, lifted)))

@@ -156,9 +156,7 @@ def react(parameters, hub, w, touched, pressed, saturated, roller, spin_rate, jo
     factor, torque = friction(machine, saturated, load, slip, turn)
     held = Slip(-factor * slip.h, -factor * slip.k)
     heat = factor * (slip.h * slip.h + slip.k * slip.k) - torque * turn
-    return Reaction(
-        closing, press, load, slip, held, factor, combine(load, normal, held.h, h, held.k, k), torque, heat
-    )
+    return Reaction(closing, press, load, slip, held, factor, combine(load, normal, held.h, h, held.k, k), torque, heat)
 
 
 @kernel

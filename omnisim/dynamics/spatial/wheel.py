@@ -81,9 +81,7 @@ def push_wheel(parameters, stage, w, body):
     changing = plus(Vec3(rollers.torque.x, about_k, rollers.torque.z), plus(spun, cross(hub.rate, momentum)))
     axes = mounted(hub)
     force = outward(axes, pressed.force)
-    moment = plus(
-        outward(axes, combine(1.0, pressed.moment, -1.0, changing, 0.0, changing)), cross(hub.centre, force)
-    )
+    moment = plus(outward(axes, combine(1.0, pressed.moment, -1.0, changing, 0.0, changing)), cross(hub.centre, force))
     push = space.pushes[BASE]
     if space.carriers is not None:
         push = space.pushes[1 + own.carrier]
@@ -220,4 +218,3 @@ def spin_up(parameters, stage, w, hub_turning):
         return own * stage.y[at.spin_rate + w]
     stage.dy[at.spin_rate + w] = (part.free_spin - wheel.axle_inertia * hub_turning) * wheel.spin_mobility
     return 0.0
-
