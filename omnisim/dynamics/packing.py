@@ -271,8 +271,6 @@ def drive_values(law: DriveLaw, step: float | None) -> dict:
     }
 
 
-
-
 def slip_mobility_bound(machine: dict, wheel: dict) -> float:
     """Upper bound of the trace of `mobility.inverse_mass` over the whole roller, 1/kg.
 

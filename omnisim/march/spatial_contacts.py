@@ -7,15 +7,13 @@ may have two contacts, with the ground before a step and with its edge: one rate
 import math
 
 from omnisim.base.kernel import kernel, outlined
-from omnisim.base.trigonometry import cos_sin
-from omnisim.contact.common_normal import quickly_clear
+from omnisim.contact.common_normal import ANY, quickly_clear
 from omnisim.contact.floor import pieces
 from omnisim.contact.friction import SATURATED
 from omnisim.contact.support import WITHIN, region_of
-from omnisim.dynamics.spatial.pose import body_of, hub_of
+from omnisim.dynamics.spatial.pose import body_of
 from omnisim.dynamics.spatial.records import SLOTS
-from omnisim.dynamics.spatial.touching import ground_normal, height_of, in_world, roller_on, touching_now
-from omnisim.dynamics.state import places
+from omnisim.dynamics.spatial.touching import in_world, roller_on, standing, touching
 from omnisim.march.runge_kutta import refresh
 
 
@@ -30,22 +28,18 @@ def piece_count(space):
 @kernel
 def gap_of(parameters, y, w, i, piece):
     """How far roller i of wheel w is from touching a piece of the floor in state y, m; < 0: it overlaps."""
-    body = body_of(parameters, y)
-    hub = hub_of(parameters, body, w, y)
-    cos, sin = cos_sin(y[places(parameters).spin_angle + w])
-    return gap_at(parameters, body, hub, w, i, piece, cos, sin)
+    return gap_at(parameters, w, standing(parameters, w, body_of(parameters, y), y), i, piece)
 
 
 @kernel
-def gap_at(parameters, body, hub, w, i, piece, cos, sin):
-    """The same with the cosine and the sine of the spin angle."""
-    roller = roller_on(parameters, w, i, cos, sin)
+def gap_at(parameters, w, stand, i, piece):
+    """The same of its Standing."""
     space = parameters.space
     if space.floor is not None:
-        centre, _ = in_world(body, hub, roller)
+        centre, _ = in_world(stand, roller_on(parameters, w, i, stand))
         if quickly_clear(space.floor, piece, space.shapes[w], centre):
             return math.inf
-    touched = touching_now(parameters, body, hub, w, piece, roller, ground_normal(body, hub), height_of(body, hub))
+    touched = touching(parameters, w, stand, piece, ANY, i)
     return -min(touched.depth, touched.within)
 
 
@@ -67,43 +61,41 @@ def nothing_meets(parameters, mode, w, y):
     """
     wheel = parameters.wheels[w]
     space = parameters.space
-    body = body_of(parameters, y)
-    hub = hub_of(parameters, body, w, y)
-    cos, sin = cos_sin(y[places(parameters).spin_angle + w])
+    stand = standing(parameters, w, body_of(parameters, y), y)
     free = True
     if space.floor is not None:
         for piece in range(piece_count(space)):
             for i in range(wheel.rollers):
                 if not in_contact(mode, i, piece):
-                    free = free and gap_at(parameters, body, hub, w, i, piece, cos, sin) >= 0.0
+                    free = free and gap_at(parameters, w, stand, i, piece) >= 0.0
         return free
     rows = space.hubs[w].row_count
     if mode.contacts == 0:
-        lowest = lowest_roller(parameters, w, ground_normal(body, hub), cos, sin)
+        lowest = lowest_roller(parameters, w, stand)
         for step in range(-rows, 2 * rows):
             i = (lowest + step) % wheel.rollers
-            free = free and gap_at(parameters, body, hub, w, i, 0, cos, sin) >= 0.0
+            free = free and gap_at(parameters, w, stand, i, 0) >= 0.0
         return free
     for c in range(mode.contacts):
         for step in range(1, rows + 1):
             here = mode.roller[mode.slot[c]]
             ahead, behind = (here + step) % wheel.rollers, (here - step) % wheel.rollers
             if not in_contact(mode, ahead, 0):
-                free = free and gap_at(parameters, body, hub, w, ahead, 0, cos, sin) >= 0.0
+                free = free and gap_at(parameters, w, stand, ahead, 0) >= 0.0
             if not in_contact(mode, behind, 0):
-                free = free and gap_at(parameters, body, hub, w, behind, 0, cos, sin) >= 0.0
+                free = free and gap_at(parameters, w, stand, behind, 0) >= 0.0
     return free
 
 
 @outlined
-def lowest_roller(parameters, w, normal, cos, sin):
+def lowest_roller(parameters, w, stand):
     """The roller of the first row of wheel w that is next to the lowest place of the wheel, 0..N-1."""
     wheel, space = parameters.wheels[w], parameters.space
     rows = space.hubs[w].row_count
-    place = space.disk[w, 0]
+    first = roller_on(parameters, w, 0, stand)
     # azimuth of the lowest place less that of roller 0
-    q_low = math.atan2(-normal.x, normal.z)
-    q_0 = math.atan2(place[1] * cos - place[0] * sin, place[0] * cos + place[1] * sin)
+    q_low = math.atan2(-stand.normal.x, stand.normal.z)
+    q_0 = math.atan2(first.sin_q, first.cos_q)
     pitch = 2.0 * math.pi * rows / wheel.rollers
     return (round((q_low - q_0) / pitch) * rows) % wheel.rollers
 
@@ -154,12 +146,8 @@ def add_contact(parameters, run, w, i, piece):
 @kernel
 def region_here(parameters, y, w, i, piece):
     """In which region the lowest point of roller i of wheel w is."""
-    body = body_of(parameters, y)
-    hub = hub_of(parameters, body, w, y)
-    cos, sin = cos_sin(y[places(parameters).spin_angle + w])
-    roller = roller_on(parameters, w, i, cos, sin)
-    touched = touching_now(parameters, body, hub, w, piece, roller, ground_normal(body, hub), height_of(body, hub))
-    return region_of(parameters.space.shapes[w], touched.tilt)
+    stand = standing(parameters, w, body_of(parameters, y), y)
+    return region_of(parameters.space.shapes[w], touching(parameters, w, stand, piece, ANY, i).tilt)
 
 
 @kernel

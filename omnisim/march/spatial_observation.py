@@ -8,7 +8,7 @@ from omnisim.base.vector import combine, cross, minus, plus, times
 from omnisim.dynamics.spatial.energy import motion_energy, spring_energy, weight_energy
 from omnisim.dynamics.spatial.pose import body_of, hub_of, inward, mounted, outward, turned, vector
 from omnisim.dynamics.spatial.records import SLOTS
-from omnisim.dynamics.spatial.touching import joint_rate, roller_on
+from omnisim.dynamics.spatial.touching import joint_rate, roller_on, standing
 from omnisim.dynamics.spatial.wheel import put
 from omnisim.dynamics.state import places
 from omnisim.march.runge_kutta import evaluate
@@ -75,11 +75,10 @@ def observe_roller(parameters, rows, row, w, i, body, observed):
     """Joint rate of roller i of wheel w, and position, velocity and acceleration of its centre, world axes."""
     y, dy = rows.y[row], observed.slopes[row]
     at = places(parameters)
-    hub = hub_of(parameters, body, w, y)
-    cos, sin = cos_sin(y[at.spin_angle + w])
-    roller = roller_on(parameters, w, i, cos, sin)
-    spin_rate = y[at.spin_rate + w]
-    observed.joint_rate[row, w, i] = joint_rate(roller, rows.rates[row, w, i], hub, spin_rate)
+    stand = standing(parameters, w, body, y)
+    hub, spin_rate = stand.hub, stand.spin_rate
+    roller = roller_on(parameters, w, i, stand)
+    observed.joint_rate[row, w, i] = joint_rate(stand, roller, rows.rates[row, w, i])
     axes = mounted(hub)
     arm = outward(axes, roller.centre)
     carried = outward(axes, hub.rate)

@@ -70,8 +70,7 @@ def roller_rates(config: Config, parameters: Parameters, y: np.ndarray, rate: np
         cos_g, sin_g = space.disk[w, :number, 0], space.disk[w, :number, 1]
         cos_q = cos_g * math.cos(angle) + sin_g * math.sin(angle)
         sin_q = sin_g * math.cos(angle) - cos_g * math.sin(angle)
-        along = rate[0] * record.cos_heading + rate[1] * record.sin_heading
-        about = rate[1] * record.cos_heading - rate[0] * record.sin_heading + y[at.spin_rate + w]
+        along, about = space.hubs[w].h @ rate, space.hubs[w].k @ rate + y[at.spin_rate + w]
         turning = record.sin_psi * about - record.cos_psi * (along * cos_q + rate[2] * sin_q)
         rates[w, :number] = np.asarray(wheel.roller_rates) + turning
     return rates

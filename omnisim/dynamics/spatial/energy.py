@@ -1,12 +1,11 @@
 """Energy of a machine free in space by its state."""
 
 from omnisim.base.kernel import kernel
-from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
 from omnisim.dynamics.spatial.pose import body_of, hub_of, vector
 from omnisim.dynamics.spatial.records import POSITION
 from omnisim.dynamics.spatial.right_hand_side import place_carrier, product
-from omnisim.dynamics.spatial.touching import ground_normal, height_of, roller_on, touching
+from omnisim.dynamics.spatial.touching import standing, touching
 from omnisim.dynamics.state import places
 
 
@@ -79,12 +78,10 @@ def spring_energy(parameters, mode, y):
     body = body_of(parameters, y)
     energy = 0.0
     for w in range(len(parameters.wheels)):
-        hub = hub_of(parameters, body, w, y)
-        cos, sin = cos_sin(y[at.spin_angle + w])
-        normal, height = ground_normal(body, hub), height_of(body, hub)
+        stand = standing(parameters, w, body, y)
         for c in range(mode[w].contacts):
-            roller = roller_on(parameters, w, mode[w].roller[mode[w].slot[c]], cos, sin)
-            touched = touching(parameters, body, hub, w, mode[w].piece[c], mode[w].region[c], roller, normal, height)
+            i = mode[w].roller[mode[w].slot[c]]
+            touched = touching(parameters, w, stand, mode[w].piece[c], mode[w].region[c], i)
             energy += 0.5 * space.hubs[w].stiffness * touched.depth * touched.depth
     if space.carriers is not None:
         for j in range(len(space.carriers)):

@@ -5,7 +5,9 @@ import math
 import numpy as np
 
 from omnisim.base.records import blank, records
+from omnisim.base.trigonometry import exact_cos_sin
 from omnisim.contact.support import PROFILES, SHAPE
+from omnisim.dynamics.ground import floor_of_scene
 from omnisim.dynamics.inertia import diameter_inertia
 from omnisim.dynamics.spatial.records import BODY, CARRIER, HUB, MOTION, SLOTS, TOUCH, Space
 from omnisim.scene.masses import chassis_box, common_centre, point_masses, row_shift
@@ -13,6 +15,7 @@ from omnisim.scene.schema import Config, Rocker, Wheel, WheelType
 from omnisim.scene.solids import outline
 from omnisim.scene.solids import profile as generatrix
 
+Rigid = tuple[float, np.ndarray, np.ndarray, np.ndarray]  # mass, centre, inertia about it, what of it leans
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
@@ -22,15 +25,18 @@ def pack_space(config: Config, wheels: list[dict], machine: dict) -> Space:
     masses, points = point_masses(config)
     centre = np.array(common_centre(masses, points))
     standing = carried_wheels(config)
-    inertias = [wheel_inertia(*each) for each in zip(types, config.wheels, wheels, strict=True)]
-    carriers = [carrier_values(config, one, masses, points, inertias, wheels, centre) for one in standing]
-    taken = {w for one in standing for w in one}
-    fixed = [w for w in range(len(wheels)) if w not in taken]
+    inertias = [wheel_inertia(*each) for each in zip(types, config.wheels, strict=True)]
     assert config.chassis is not None
-    bodies = [(masses[w], points[w] - centre, inertias[w], lean(wheels[w])) for w in fixed]
+    rolling = [
+        (masses[w], points[w] - centre, inertias[w], lean(wheel, wheels[w])) for w, wheel in enumerate(config.wheels)
+    ]
+    carriers = [carrier_values(config, one, [rolling[w] for w in one], centre) for one in standing]
+    taken = {w for one in standing for w in one}
+    fixed = [one for w, one in enumerate(rolling) if w not in taken]
     chassis = masses[-1], points[-1] - centre, np.diag(config.chassis.inertia), np.zeros((3, 3))
-    mass, moment, inner, whole = united([*bodies, chassis])
+    mass, moment, inner, whole = united([*fixed, chassis])
     counts = [kind.rollers for kind in types]
+    mounted = zip(types, config.wheels, wheels, strict=True)
     body = {
         "mass": math.fsum(masses),
         "mobility": 1.0 / math.fsum(masses),
@@ -46,10 +52,12 @@ def pack_space(config: Config, wheels: list[dict], machine: dict) -> Space:
     }
     return Space(
         body=record(BODY, body),
-        hubs=records(HUB, [hub_values(*each, standing, centre) for each in enumerate_wheels(config, types, wheels)]),
+        hubs=array_of(
+            HUB, [hub_values(*each, centre) | {"carrier": carrier_of(standing, w)} for w, each in enumerate(mounted)]
+        ),
         shapes=records(SHAPE, [shape_values(kind, wheel) for kind, wheel in zip(types, wheels, strict=True)]),
         disk=disk_places(types, config.wheels, max(counts)),
-        floor=None,
+        floor=floor_of_scene(config),
         carriers=array_of(CARRIER, carriers) if carriers else None,
         touches=blank(TOUCH, SLOTS * len(wheels)),
         motions=blank(MOTION, len(carriers)),
@@ -71,10 +79,6 @@ def array_of(dtype: np.dtype, rows: list[dict]) -> np.recarray:
     return found
 
 
-def enumerate_wheels(config: Config, types: list[WheelType], wheels: list[dict]):
-    return zip(range(len(wheels)), types, config.wheels, wheels, strict=True)
-
-
 def carried_wheels(config: Config) -> list[tuple[int, ...]]:
     """The wheels of each carrier: of suspensions, then of rockers."""
     names = [wheel.name for wheel in config.wheels]
@@ -82,15 +86,16 @@ def carried_wheels(config: Config) -> list[tuple[int, ...]]:
     return [*hubs, *(tuple(names.index(name) for name in rocker.wheels) for rocker in config.axles)]
 
 
-def axle_of(wheel: Wheel, values: dict) -> np.ndarray:
-    """k in chassis axes."""
-    return np.array([-values["sin_heading"], values["cos_heading"], 0.0])
+def heading_of(wheel: Wheel) -> tuple[np.ndarray, np.ndarray]:
+    """h and k in chassis axes."""
+    cos, sin = exact_cos_sin(wheel.heading_deg)
+    return np.array([cos, sin, 0.0]), np.array([-sin, cos, 0.0])
 
 
-def wheel_inertia(kind: WheelType, wheel: Wheel, values: dict) -> np.ndarray:
+def wheel_inertia(kind: WheelType, wheel: Wheel) -> np.ndarray:
     """Of a wheel with its rollers, and of the hub of a suspension, about their common centre of mass; without the
     inertia about the axle, which turns on its own."""
-    k = axle_of(wheel, values)
+    _, k = heading_of(wheel)
     across = np.eye(3) - np.outer(k, k)
     shift = row_shift(kind)
     mass = kind.disk.mass + kind.rollers * kind.roller.mass
@@ -101,9 +106,9 @@ def wheel_inertia(kind: WheelType, wheel: Wheel, values: dict) -> np.ndarray:
     return (diameter_inertia(kind) - mass * shift**2 + apart) * across + hub.inertia * np.eye(3)
 
 
-def lean(values: dict) -> np.ndarray:
+def lean(wheel: Wheel, values: dict) -> np.ndarray:
     """The part of rotor and disk that turns with what carries them, about k."""
-    k = np.array([-values["sin_heading"], values["cos_heading"], 0.0])
+    _, k = heading_of(wheel)
     return leaning(values) * np.outer(k, k)
 
 
@@ -112,7 +117,7 @@ def leaning(values: dict) -> float:
     return disk if values["follows"] else disk * rotor / (disk + rotor)
 
 
-def united(bodies: list[tuple]) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
+def united(bodies: list[Rigid]) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
     """Mass, first moment and inertia about the origin of bodies (mass, centre, inertia about it, what leans), without
     and with what leans."""
     mass = math.fsum(m for m, *_ in bodies)
@@ -121,21 +126,12 @@ def united(bodies: list[tuple]) -> tuple[float, np.ndarray, np.ndarray, np.ndarr
     return mass, moment, inner, inner + sum(leaning for *_, leaning in bodies)
 
 
-def carrier_values(
-    config: Config,
-    wheels: tuple[int, ...],
-    masses: list[float],
-    points: list,
-    inertias: list[np.ndarray],
-    values: list[dict],
-    centre: np.ndarray,
-) -> dict:
-    """Values of a CARRIER record of these wheels."""
-    own = math.fsum(masses[w] for w in wheels)
-    middle = sum(masses[w] * np.array(points[w]) for w in wheels) / own
-    bodies = [(masses[w], np.array(points[w]) - middle, inertias[w], lean(values[w])) for w in wheels]
-    _, _, inner, whole = united(bodies)
-    found = {"mass": own, "centre": middle - centre, "inertia": whole, "inner_inertia": inner}
+def carrier_values(config: Config, wheels: tuple[int, ...], bodies: list[Rigid], centre: np.ndarray) -> dict:
+    """Values of a CARRIER record of these wheels, which are bodies about C, `centre` in chassis axes."""
+    own = math.fsum(mass for mass, *_ in bodies)
+    middle = sum(mass * place for mass, place, *_ in bodies) / own
+    _, _, inner, whole = united([(mass, place - middle, inertia, leans) for mass, place, inertia, leans in bodies])
+    found = {"mass": own, "centre": middle, "inertia": whole, "inner_inertia": inner}
     spring = config.wheels[wheels[0]].suspension
     if spring is not None:
         return found | {
@@ -157,15 +153,19 @@ def rocker_of(config: Config, wheels: tuple[int, ...]) -> Rocker:
     return next(rocker for rocker in config.axles if set(rocker.wheels) == names)
 
 
-def hub_values(
-    w: int, kind: WheelType, wheel: Wheel, values: dict, standing: list[tuple[int, ...]], centre: np.ndarray
-) -> dict:
-    """Values of a HUB record."""
+def carrier_of(standing: list[tuple[int, ...]], w: int) -> int:
+    return next((j for j, one in enumerate(standing) if w in one), -1)
+
+
+def hub_values(kind: WheelType, wheel: Wheel, values: dict, centre: np.ndarray) -> dict:
+    """Values of a HUB record, but for its carrier."""
     assert kind.contact is not None
+    h, k = heading_of(wheel)
     disk, rotor = values["axle_inertia"], values["rotor_inertia"]
     return {
-        "centre": tuple(np.array([*wheel.position, kind.radius]) - centre),
-        "carrier": next((j for j, one in enumerate(standing) if w in one), -1),
+        "centre": np.array([*wheel.position, kind.radius]) - centre,
+        "h": h,
+        "k": k,
         "stiffness": kind.contact.stiffness,
         "damping": kind.contact.damping,
         "coupled": 0.0 if values["follows"] else disk / (disk + rotor),

@@ -96,10 +96,8 @@ def orientation_rate(y, rate, dy):
 def hub_of(parameters, body, w, y):
     """The Hub of wheel w in state y."""
     space = parameters.space
-    wheel = parameters.wheels[w]
     hub = space.hubs[w]
-    h, k = Vec3(wheel.cos_heading, wheel.sin_heading, 0.0), Vec3(-wheel.sin_heading, wheel.cos_heading, 0.0)
-    up = Vec3(0.0, 0.0, 1.0)
+    h, k, up = vector(hub.h, 0), vector(hub.k, 0), Vec3(0.0, 0.0, 1.0)
     centre = vector(hub.centre, 0)
     velocity, rate = body.velocity, body.rate
     if space.carriers is not None and hub.carrier >= 0:

@@ -44,6 +44,8 @@ BODY = np.dtype(
 HUB = np.dtype(
     [
         ("centre", np.float64, (3,)),  # O from C at s = 0, chassis axes, m
+        ("h", np.float64, (3,)),  # heading and axle at s = 0, chassis axes
+        ("k", np.float64, (3,)),
         ("carrier", np.int64),  # which it stands on, -1: the chassis
         ("stiffness", np.float64),  # of the rubber of its rollers, N/m
         ("damping", np.float64),  # N s/m

@@ -115,9 +115,8 @@ def accelerate(body, push):
 @kernel
 def turning_of(parameters, stage, w, body, angular):
     """Acceleration of what carries wheel w, about k, rad/s^2."""
-    wheel = parameters.wheels[w]
     space = parameters.space
-    k = Vec3(-wheel.sin_heading, wheel.cos_heading, 0.0)
+    k = vector(space.hubs[w].k, 0)
     if space.carriers is not None and space.hubs[w].carrier >= 0:
         j = space.hubs[w].carrier
         carrier = space.carriers[j]

@@ -12,14 +12,29 @@ import math
 from typing import NamedTuple
 
 from omnisim.base.kernel import kernel, outlined
+from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3, combine, cross, dot, plus, times
 from omnisim.contact.common_normal import ANY, touch
 from omnisim.contact.frame import Slip
 from omnisim.contact.friction import friction
-from omnisim.contact.support import Support, region_of, support
-from omnisim.dynamics.spatial.pose import inward, mounted, outward, tangent_of
+from omnisim.contact.support import region_of, support
+from omnisim.dynamics.spatial.pose import Body, Hub, hub_of, inward, mounted, outward, tangent_of
+from omnisim.dynamics.state import places
 
 STANDING = 1e-9  # of a roller on end: its rim is lowest all around, and any point of it will do
+
+
+class Standing(NamedTuple):
+    """A wheel at an instant: the Body, its Hub, cosine and sine of its spin angle, its spin rate (rad/s), normal of the
+    base plane along hub axes, and height of O over that plane (m)."""
+
+    body: Body
+    hub: Hub
+    cos: float
+    sin: float
+    spin_rate: float
+    normal: Vec3
+    height: float
 
 
 class Roller(NamedTuple):
@@ -32,9 +47,10 @@ class Roller(NamedTuple):
 
 
 class Touching(NamedTuple):
-    """Where a roller would touch: normal of the ground along hub axes, delta (m), tilt nu . a, X - B (m), and how far X
-    is inside the piece of the ground, m."""
+    """Where a roller would touch: the Roller, normal of the ground along hub axes, delta (m), tilt nu . a, X - B (m),
+    and how far X is inside the piece of the ground, m."""
 
+    roller: Roller
     normal: Vec3
     depth: float
     tilt: float
@@ -44,7 +60,7 @@ class Touching(NamedTuple):
 
 class Reaction(NamedTuple):
     """What the ground does at a contact: delta' (m/s), stiffness delta + damping delta' and N (N), slip (m/s) and
-    friction (N) in the tangent plane, factor of the law (N s/m), force (N) and moment about the normal (N m)."""
+    friction (N) in the tangent plane, factor of the law (N s/m), force (N), moment about the normal (N m), heat (W)."""
 
     closing: float
     press: float
@@ -58,37 +74,48 @@ class Reaction(NamedTuple):
 
 
 @kernel
-def roller_on(parameters, w, i, cos, sin):
-    """The Roller i of wheel w whose spin angle has this cosine and sine."""
+def standing(parameters, w, body, y):
+    """The Standing of wheel w."""
+    at = places(parameters)
+    hub = hub_of(parameters, body, w, y)
+    cos, sin = cos_sin(y[at.spin_angle + w])
+    rotation = body.rotation
+    up = Vec3(rotation.x.z, rotation.y.z, rotation.z.z)
+    height = body.position.z + dot(up, hub.centre)
+    return Standing(body, hub, cos, sin, y[at.spin_rate + w], inward(mounted(hub), up), height)
+
+
+@kernel
+def roller_on(parameters, w, i, stand):
+    """The Roller i of wheel w."""
     wheel, place = parameters.wheels[w], parameters.space.disk[w, i]
-    cos_q = place[0] * cos + place[1] * sin
-    sin_q = place[1] * cos - place[0] * sin
+    cos_q = place[0] * stand.cos + place[1] * stand.sin
+    sin_q = place[1] * stand.cos - place[0] * stand.sin
     axis = Vec3(-wheel.cos_psi * cos_q, wheel.sin_psi, -wheel.cos_psi * sin_q)
     centre = Vec3(wheel.roller_distance * sin_q, place[2], -wheel.roller_distance * cos_q)
     return Roller(cos_q, sin_q, axis, centre)
 
 
 @kernel
-def ground_normal(body, hub):
-    """Normal of the base plane along hub axes."""
-    rotation = body.rotation
-    return inward(mounted(hub), Vec3(rotation.x.z, rotation.y.z, rotation.z.z))
-
-
-@kernel
-def height_of(body, hub):
-    """Height of O over the base plane, m."""
-    return body.position.z + dot(Vec3(body.rotation.x.z, body.rotation.y.z, body.rotation.z.z), hub.centre)
+def touching(parameters, w, stand, piece, region, i):
+    """The Touching of roller i of wheel w on a piece of the ground, in a frozen region or ANY."""
+    roller = roller_on(parameters, w, i, stand)
+    if parameters.space.floor is None:
+        return touch_plane(parameters.space.shapes[w], region, roller, stand.normal, stand.height)
+    return touch_ground(parameters, w, stand, piece, region, roller)
 
 
 @kernel
 def touch_plane(shape, region, roller, normal, height):
-    """The Touching of a Roller on the base plane, in a frozen region; normal: along hub axes, height: of O, m."""
+    """The same on the base plane; normal: along hub axes, height: of O, m."""
     tilt = dot(roller.axis, normal)
+    if region == ANY:
+        region = region_of(shape, tilt)
     across = max(math.sqrt(max(1.0 - tilt * tilt, 0.0)), STANDING)
     found = support(shape, region, tilt, across)
     depth = found.r * across - found.u * tilt - height - dot(roller.centre, normal)
-    return Touching(normal, depth, tilt, lever_of(roller, normal, found, tilt, across, depth), math.inf)
+    lever = lever_of(roller, normal, found, tilt, across, depth)
+    return Touching(roller, normal, depth, tilt, lever, math.inf)
 
 
 @kernel
@@ -99,67 +126,47 @@ def lever_of(roller, normal, found, tilt, across, depth):
 
 
 @kernel
-def in_world(body, hub, roller):
+def in_world(stand, roller):
     """Centre (m) and axis of a Roller, world axes."""
-    axes = mounted(hub)
-    centre = plus(body.position, outward(body.rotation, plus(hub.centre, outward(axes, roller.centre))))
+    body = stand.body
+    axes = mounted(stand.hub)
+    centre = plus(body.position, outward(body.rotation, plus(stand.hub.centre, outward(axes, roller.centre))))
     return centre, outward(body.rotation, outward(axes, roller.axis))
 
 
 @outlined
-def touch_ground(parameters, body, hub, w, piece, region, roller):
+def touch_ground(parameters, w, stand, piece, region, roller):
     """The same on a piece of uneven ground."""
     space = parameters.space
-    centre, axis = in_world(body, hub, roller)
+    centre, axis = in_world(stand, roller)
     found = touch(space.floor, piece, space.shapes[w], region, centre, axis)
-    normal = inward(mounted(hub), inward(body.rotation, found.nu))
-    shape = Support(found.support.u, found.support.r, 0.0, 0.0)
-    lever = lever_of(roller, normal, shape, found.tilt, max(found.across, STANDING), found.depth)
-    return Touching(normal, found.depth, found.tilt, lever, found.inside if found.converged else -math.inf)
+    normal = inward(mounted(stand.hub), inward(stand.body.rotation, found.nu))
+    lever = lever_of(roller, normal, found.support, found.tilt, max(found.across, STANDING), found.depth)
+    return Touching(roller, normal, found.depth, found.tilt, lever, found.inside if found.converged else -math.inf)
 
 
 @kernel
-def touching(parameters, body, hub, w, piece, region, roller, normal, height):
-    """The Touching of a Roller of wheel w in a frozen region; normal and height as `touch_plane` wants them."""
-    if parameters.space.floor is None:
-        return touch_plane(parameters.space.shapes[w], region, roller, normal, height)
-    return touch_ground(parameters, body, hub, w, piece, region, roller)
-
-
-@kernel
-def touching_now(parameters, body, hub, w, piece, roller, normal, height):
-    """The same in whatever region the lowest point is."""
-    if parameters.space.floor is None:
-        shape = parameters.space.shapes[w]
-        return touch_plane(shape, region_of(shape, dot(roller.axis, normal)), roller, normal, height)
-    return touch_ground(parameters, body, hub, w, piece, ANY, roller)
-
-
-@kernel
-def react(parameters, hub, w, touched, pressed, saturated, roller, spin_rate, joint):
-    """The Reaction at a contact of wheel w.
-
-    pressed, saturated: of its mode. joint: chi', rate of the roller in its wheel, rad/s.
-    """
-    machine = parameters.machine
-    own = parameters.space.hubs[w]
-    normal = touched.normal
-    rate = Vec3(hub.rate.x, hub.rate.y + spin_rate, hub.rate.z)
-    carried = plus(hub.velocity, cross(rate, plus(roller.centre, touched.lever)))
+def react(parameters, mode, w, c, stand, touched, rate):
+    """The Reaction at contact c of wheel w, whose roller has the absolute axial rate `rate`, rad/s."""
+    machine, own, hub = parameters.machine, parameters.space.hubs[w], stand.hub
+    normal, roller = touched.normal, touched.roller
+    joint = joint_rate(stand, roller, rate)
+    turning = Vec3(hub.rate.x, hub.rate.y + stand.spin_rate, hub.rate.z)
+    carried = plus(hub.velocity, cross(turning, plus(roller.centre, touched.lever)))
     velocity = plus(carried, times(joint, cross(roller.axis, touched.lever)))
     closing = -dot(velocity, normal)
     press = own.stiffness * touched.depth + own.damping * closing
-    load = press if pressed else 0.0
+    load = press if mode.pressed[c] else 0.0
     h, k = tangent_of(normal)
     slip = Slip(dot(velocity, h), dot(velocity, k))
-    turn = dot(rate, normal) + joint * touched.tilt
-    factor, torque = friction(machine, saturated, load, slip, turn)
+    turn = dot(turning, normal) + joint * touched.tilt
+    factor, torque = friction(machine, mode.saturated[c], load, slip, turn)
     held = Slip(-factor * slip.h, -factor * slip.k)
     heat = factor * (slip.h * slip.h + slip.k * slip.k) - torque * turn
     return Reaction(closing, press, load, slip, held, factor, combine(load, normal, held.h, h, held.k, k), torque, heat)
 
 
 @kernel
-def joint_rate(roller, rate, hub, spin_rate):
-    """chi' of a roller with the absolute axial rate `rate`, rad/s."""
-    return rate - dot(roller.axis, hub.rate) - spin_rate * roller.axis.y
+def joint_rate(stand, roller, rate):
+    """chi' of a Roller with the absolute axial rate `rate`, rad/s."""
+    return rate - dot(roller.axis, stand.hub.rate) - stand.spin_rate * roller.axis.y

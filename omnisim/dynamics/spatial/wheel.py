@@ -4,28 +4,20 @@
     Ia p_i' = a_i . ((X_i - B_i) x F_i) + M_i (a_i . nu) + T_i             T bearing torque
     J_k sigma' = T_w - s sum Ia p_i'      T_w = tau + k . sum ((X - O) x F + M nu) - k . (w x G)
 
-A rotor J_r turns with phi', not with sigma: sigma' takes the part J_k / (J_k + J_r) of the torque, and the rest leans on
-what carries the wheel like the inertia J_k J_r / (J_k + J_r) about k, a constant part of its inertia. A wheel that
+A rotor J_r turns with phi', not with sigma: sigma' takes the part J_k / (J_k + J_r) of the torque, and the rest leans
+on what carries the wheel like the inertia J_k J_r / (J_k + J_r) about k, a constant part of its inertia. A wheel that
 follows angles is the limit of an infinite rotor.
 """
 
 from typing import NamedTuple
 
 from omnisim.base.kernel import kernel, outlined
-from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3, combine, cross, dot, plus, times
 from omnisim.contact.support import region_guard
 from omnisim.dynamics.actuation import actuate, followed
-from omnisim.dynamics.spatial.pose import hub_of, mounted, outward
+from omnisim.dynamics.spatial.pose import mounted, outward
 from omnisim.dynamics.spatial.records import BASE, SLOTS
-from omnisim.dynamics.spatial.touching import (
-    ground_normal,
-    height_of,
-    joint_rate,
-    react,
-    roller_on,
-    touching,
-)
+from omnisim.dynamics.spatial.touching import joint_rate, react, roller_on, standing, touching
 from omnisim.dynamics.state import places
 from omnisim.dynamics.wheel import bearing_torque
 
@@ -62,11 +54,11 @@ def push_wheel(parameters, stage, w, body):
     y, dy = stage.y, stage.dy
     spin_rate = y[at.spin_rate + w]
     dy[at.spin_angle + w] = spin_rate
-    cos, sin = cos_sin(y[at.spin_angle + w])
-    hub = hub_of(parameters, body, w, y)
+    stand = standing(parameters, w, body, y)
+    hub = stand.hub
     demand, drive = actuate(parameters, stage, w, spin_rate)
-    rollers = rollers_of(parameters, stage, w, hub, cos, sin)
-    pressed, rollers = press_wheel(parameters, stage, w, body, hub, cos, sin, rollers)
+    rollers = rollers_of(parameters, stage, w, stand)
+    pressed, rollers = press_wheel(parameters, stage, w, stand, rollers)
     if parameters.machine.bearing_friction:
         dy[at.bearing_loss] += rollers.bearing_loss
     turning = drive + pressed.moment.y - cross(hub.rate, rollers.momentum).y - rollers.torque.y
@@ -103,33 +95,32 @@ def add_push(push, moment, force):
 
 
 @kernel
-def rollers_of(parameters, stage, w, hub, cos, sin):
+def rollers_of(parameters, stage, w, stand):
     """The Rollers of wheel w without those that touch; the rates of these are set to what their bearings do."""
     wheel = parameters.wheels[w]
     if parameters.machine.bearing_friction:
-        return rollers_in_bearings(parameters, stage, w, hub, cos, sin)
+        return rollers_in_bearings(parameters, stage, w, stand)
     mode, dy = stage.mode[w], stage.dy
     for slot in range(SLOTS):
         dy[wheel.rates + slot] = 0.0
     across = -wheel.cos_psi * wheel.axial_inertia
     momentum = Vec3(
-        across * (mode.air_cos * cos + mode.air_sin * sin),
+        across * (mode.air_cos * stand.cos + mode.air_sin * stand.sin),
         wheel.sin_psi * wheel.axial_inertia * mode.air_sum,
-        across * (mode.air_sin * cos - mode.air_cos * sin),
+        across * (mode.air_sin * stand.cos - mode.air_cos * stand.sin),
     )
     return Rollers(momentum, ZERO, 0.0)
 
 
 @outlined
-def rollers_in_bearings(parameters, stage, w, hub, cos, sin):
+def rollers_in_bearings(parameters, stage, w, stand):
     """The same where bearings have friction: of all rollers, whose rates are states."""
     wheel = parameters.wheels[w]
     momentum, torque, loss = ZERO, ZERO, 0.0
-    spin_rate = stage.y[places(parameters).spin_rate + w]
     for i in range(wheel.rollers):
-        roller = roller_on(parameters, w, i, cos, sin)
+        roller = roller_on(parameters, w, i, stand)
         rate = stage.y[wheel.rates + i]
-        joint = joint_rate(roller, rate, hub, spin_rate)
+        joint = joint_rate(stand, roller, rate)
         friction = bearing_torque(wheel, joint)
         stage.dy[wheel.rates + i] = friction * wheel.axial_mobility
         momentum = plus(momentum, times(wheel.axial_inertia * rate, roller.axis))
@@ -139,26 +130,19 @@ def rollers_in_bearings(parameters, stage, w, hub, cos, sin):
 
 
 @kernel
-def press_wheel(parameters, stage, w, body, hub, cos, sin, rollers):
+def press_wheel(parameters, stage, w, stand, rollers):
     """What the ground does to wheel w (Pressed), and the Rollers with those that touch."""
     wheel = parameters.wheels[w]
     machine = parameters.machine
-    space = parameters.space
-    mode = stage.mode[w]
-    y, dy = stage.y, stage.dy
-    spin_rate = y[places(parameters).spin_rate + w]
-    force, moment, heat, loss = ZERO, ZERO, 0.0, 0.0
+    mode, y, dy = stage.mode[w], stage.y, stage.dy
+    force, moment, heat, loss, load = ZERO, ZERO, 0.0, 0.0, 0.0
     momentum, torque = rollers.momentum, rollers.torque
-    normal = ground_normal(body, hub)
-    height = height_of(body, hub)
-    load = 0.0
     for c in range(mode.contacts):
         i = mode.roller[mode.slot[c]]
-        roller = roller_on(parameters, w, i, cos, sin)
         place = wheel.rates + (i if machine.every_rate else mode.slot[c])
-        touched = touching(parameters, body, hub, w, mode.piece[c], mode.region[c], roller, normal, height)
-        joint = joint_rate(roller, y[place], hub, spin_rate)
-        found = react(parameters, hub, w, touched, mode.pressed[c], mode.saturated[c], roller, spin_rate, joint)
+        touched = touching(parameters, w, stand, mode.piece[c], mode.region[c], i)
+        roller = touched.roller
+        found = react(parameters, mode, w, c, stand, touched, y[place])
         rolling = dot(roller.axis, cross(touched.lever, found.force)) + found.torque * touched.tilt
         dy[place] += rolling * wheel.axial_mobility
         if mode.first[c] and not machine.bearing_friction:
@@ -168,10 +152,10 @@ def press_wheel(parameters, stage, w, body, hub, cos, sin, rollers):
         force = plus(force, found.force)
         moment = plus(moment, combine(1.0, cross(arm, found.force), found.torque, touched.normal, 0.0, arm))
         heat += found.heat
-        loss += (found.normal_force - space.hubs[w].stiffness * touched.depth) * found.closing
+        loss += (found.normal_force - parameters.space.hubs[w].stiffness * touched.depth) * found.closing
         load += found.normal_force
         if stage.monitoring:
-            monitor_contact(parameters, stage.monitors[w], w, c, mode.region[c], roller, touched, found)
+            monitor_contact(parameters, stage.monitors[w], w, c, mode.region[c], touched, found)
     if stage.monitoring:
         stage.monitors[w].normal_force = load
         parameters.workspace.parts[w].normal_force = load
@@ -179,7 +163,7 @@ def press_wheel(parameters, stage, w, body, hub, cos, sin, rollers):
 
 
 @kernel
-def monitor_contact(parameters, monitors, w, c, region, roller, touched, found):
+def monitor_contact(parameters, monitors, w, c, region, touched, found):
     """What events want to know of a contact, and what is told of it."""
     seen = parameters.space.touches[w * SLOTS + c]
     shape = parameters.space.shapes[w]
@@ -192,8 +176,8 @@ def monitor_contact(parameters, monitors, w, c, region, roller, touched, found):
     seen.depth, seen.normal_force, seen.torque = touched.depth, found.normal_force, found.torque
     seen.slip[0], seen.slip[1] = found.slip.h, found.slip.k
     seen.force[0], seen.force[1] = found.friction.h, found.friction.k
-    arm = plus(roller.centre, touched.lever)
-    put(seen.point, arm)
+    roller = touched.roller
+    put(seen.point, plus(roller.centre, touched.lever))
     put(seen.normal, touched.normal)
     put(seen.lever, touched.lever)
     seen.azimuth[0], seen.azimuth[1] = roller.cos_q, roller.sin_q
