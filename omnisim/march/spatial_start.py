@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from omnisim.dynamics.parameters import Parameters
+from omnisim.dynamics.spatial.equilibrium import find_equilibrium
 from omnisim.dynamics.spatial.records import ORIENTATION, POSITION
 from omnisim.dynamics.state import places_in
 from omnisim.scene.schema import Config
@@ -21,12 +22,45 @@ class Pose(NamedTuple):
 
 
 def pose_at_start(config: Config, parameters: Parameters) -> Pose:
-    """As the scene says, or in static equilibrium."""
+    """As the scene says, or in static equilibrium. Raises NoEquilibriumError if there is none."""
     space = parameters.space
     assert space is not None
     count = 0 if space.carriers is None else len(space.carriers)
     initial = config.initial
-    return Pose(initial.height or 0.0, math.radians(initial.pitch_deg), math.radians(initial.roll_deg), np.zeros(count))
+    if initial.placed:
+        pitch, roll = math.radians(initial.pitch_deg), math.radians(initial.roll_deg)
+        return Pose(initial.height or 0.0, pitch, roll, np.zeros(count))
+    return standing_pose(config, parameters)[0]
+
+
+def standing_pose(config: Config, parameters: Parameters) -> tuple[Pose, np.ndarray]:
+    """The Pose in static equilibrium where the scene puts the machine, and the loads of its wheels (W,), N."""
+    space = parameters.space
+    assert space is not None
+    count = 0 if space.carriers is None else len(space.carriers)
+
+    def state_at(x: np.ndarray) -> np.ndarray:
+        return positions(config, parameters, Pose(x[0], x[1], x[2], x[3:]))
+
+    x, loads = find_equilibrium(parameters, state_at, count)
+    return Pose(x[0], x[1], x[2], x[3:]), loads
+
+
+def positions(config: Config, parameters: Parameters, pose: Pose) -> np.ndarray:
+    """State y (n,) of a machine that does not move."""
+    space = parameters.space
+    assert space is not None
+    at = places_in(parameters)
+    y = np.zeros(at.rho)
+    yaw = math.radians(config.initial.yaw_deg)
+    rotation = about_z(yaw) @ about_y(pose.pitch) @ about_x(pose.roll)
+    y[POSITION : POSITION + 3] = [*config.initial.position, pose.height] - rotation @ space.body.origin
+    y[ORIENTATION : ORIENTATION + 4] = quaternion(yaw, pose.pitch, pose.roll)
+    y[at.joint : at.joint + len(pose.carriers)] = pose.carriers
+    y[at.spin_angle : at.spin_angle + len(config.wheels)] = [wheel.spin_angle for wheel in config.wheels]
+    if parameters.machine.odometry:
+        y[at.odometry : at.odometry + 2] = config.initial.position
+    return y
 
 
 def state_in_space(config: Config, parameters: Parameters, pose: Pose) -> tuple[np.ndarray, np.ndarray]:
@@ -35,25 +69,15 @@ def state_in_space(config: Config, parameters: Parameters, pose: Pose) -> tuple[
     assert space is not None
     at = places_in(parameters)
     initial = config.initial
-    y = np.zeros(at.rho)
-    yaw = math.radians(initial.yaw_deg)
-    rotation = about_z(yaw) @ about_y(pose.pitch) @ about_x(pose.roll)
-    arm = -rotation @ space.body.origin  # C from the origin
-    heading = about_z(yaw)
+    y = positions(config, parameters, pose)
+    heading = about_z(math.radians(initial.yaw_deg))
+    rotation = heading @ about_y(pose.pitch) @ about_x(pose.roll)
     rate = np.array([0.0, 0.0, initial.yaw_rate])
     rate += initial.pitch_rate * heading[:, 1] + initial.roll_rate * (heading @ about_y(pose.pitch))[:, 0]
-    origin = np.array([*initial.position, pose.height])
-    y[POSITION : POSITION + 3] = origin + arm
-    y[ORIENTATION : ORIENTATION + 4] = quaternion(yaw, pose.pitch, pose.roll)
-    y[at.velocity : at.velocity + 3] = np.add([*initial.velocity, initial.vertical_velocity], np.cross(rate, arm))
+    around = -np.cross(rate, rotation @ space.body.origin)
+    y[at.velocity : at.velocity + 3] = np.add([*initial.velocity, initial.vertical_velocity], around)
     y[at.rate : at.rate + 3] = inner = rotation.T @ rate
-    y[at.joint : at.joint + len(pose.carriers)] = pose.carriers
-    if parameters.machine.odometry:
-        y[at.odometry : at.odometry + 2] = initial.position
-    spin_rates = np.array([wheel.spin_rate for wheel in config.wheels])
-    count = len(spin_rates)
-    y[at.spin_angle : at.spin_angle + count] = [wheel.spin_angle for wheel in config.wheels]
-    y[at.spin_rate : at.spin_rate + count] = spin_rates
+    y[at.spin_rate : at.spin_rate + len(config.wheels)] = [wheel.spin_rate for wheel in config.wheels]
     return y, roller_rates(config, parameters, y, inner)
 
 

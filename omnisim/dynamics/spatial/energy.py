@@ -13,7 +13,8 @@ from omnisim.dynamics.state import places
 def motion_energy(parameters, y, rates):
     """Kinetic energy of all bodies, J; rates (W, N): absolute axial rates of all rollers as they are now, rad/s.
 
-    Chassis and carriers as rigid bodies, without what turns about axles: sum J_k sigma^2 / 2 + J_r phi'^2 / 2 + Ia p^2 / 2.
+    Chassis and carriers as rigid bodies, without what turns about axles: sum J_k sigma^2 / 2 + J_r phi'^2 / 2 +
+    Ia p^2 / 2.
     """
     space = parameters.space
     at = places(parameters)

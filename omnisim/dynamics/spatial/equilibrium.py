@@ -1,0 +1,202 @@
+"""A machine free in space at rest on the ground: the pose in which rubber and springs carry its weight.
+
+Friction holds it: every contact force is vertical, N / (nu . up) for the normal force N = stiffness delta. So on a
+slope the load of a wheel is what it is while the machine neither slides nor tips. Heave, pitch, roll and the carriers'
+s are found by Newton's method; x, y and yaw of the origin are given. Rubber that is stiff lets few wheels touch, and
+which of them is not known: so it begins soft, and stiffens until it is what it is.
+"""
+
+import math
+
+import numpy as np
+
+from omnisim.base.calls import direct
+from omnisim.base.kernel import kernel
+from omnisim.base.vector import cross, dot, plus, times
+from omnisim.contact.common_normal import ANY
+from omnisim.contact.floor import pieces
+from omnisim.dynamics.parameters import Parameters
+from omnisim.dynamics.spatial.pose import body_of, inward, mounted, outward, vector
+from omnisim.dynamics.spatial.records import BASE
+from omnisim.dynamics.spatial.right_hand_side import place_carrier
+from omnisim.dynamics.spatial.touching import standing, touching
+from omnisim.dynamics.spatial.wheel import add_push
+from omnisim.dynamics.state import places
+
+SOFTEST = 0.25  # of the smallest wheel radius: how far it sinks in with the softest rubber
+STIFFER = 4.0  # times, from one round to the next
+LEAST_STIFFER = 1.001  # the same after rounds that failed
+MOST_NEWTON = 60  # iterations of a round
+MOST_HALVINGS = 30
+BALANCED = 1e-11  # of the weight, and of its moment at the arm of the machine
+NUDGE = 1e-6  # m and rad, of differences
+STEEPEST = 0.5  # rad, of a correction
+
+
+class NoEquilibriumError(Exception):
+    """A machine that does not stand where it is put."""
+
+
+@kernel
+def weigh(parameters, y, softness, loads):
+    """Forces of gravity and ground on a machine at rest in state y, about C along chassis axes, into `pushes`; normal
+    forces of the wheels into loads (W,), N. softness: of the rubber, 1 or more."""
+    space = parameters.space
+    body = body_of(parameters, y)
+    down = inward(body.rotation, vector(space.body.gravity, 0))
+    size = math.sqrt(dot(down, down))
+    up = times(-1.0 / size, down)
+    for j in range(len(space.pushes)):
+        for i in range(6):
+            space.pushes[j, i] = 0.0
+    add_push(space.pushes[BASE], cross(vector(space.body.moment, 0), down), times(space.body.base_mass, down))
+    if space.carriers is not None:
+        for j in range(len(space.carriers)):
+            carrier = space.carriers[j]
+            centre = place_carrier(carrier, space.motions[j], y[places(parameters).joint + j])
+            weight = times(carrier.mass, down)
+            add_push(space.pushes[1 + j], cross(centre, weight), weight)
+    count = 1
+    if space.floor is not None:
+        count = pieces(space.floor)
+    for w in range(len(parameters.wheels)):
+        loads[w] = 0.0
+        stand = standing(parameters, w, body, y)
+        axes = mounted(stand.hub)
+        push = space.pushes[1 + space.hubs[w].carrier]
+        for i in range(parameters.wheels[w].rollers):
+            for piece in range(count):
+                touched = touching(parameters, w, stand, piece, ANY, i)
+                if touched.depth > 0.0 and touched.within > 0.0:
+                    normal = outward(axes, touched.normal)
+                    load = space.hubs[w].stiffness / softness * touched.depth
+                    force = times(load / dot(normal, up), up)
+                    point = plus(stand.hub.centre, outward(axes, plus(touched.roller.centre, touched.lever)))
+                    loads[w] += load
+                    add_push(push, cross(point, force), force)
+
+
+def find_equilibrium(parameters: Parameters, state_at, carriers: int) -> tuple[np.ndarray, np.ndarray]:
+    """Height (m), pitch, roll (rad) and s of the carriers (3 + C,), and the loads of the wheels (W,), N.
+
+    state_at: the state y (n,) of such numbers, at rest. Raises NoEquilibriumError.
+    """
+    radius = float(min(parameters.wheels.radius))
+    weight = float(parameters.machine.mass * np.linalg.norm(parameters.space.body.gravity))
+    loads = np.zeros(len(parameters.wheels))
+    if weight == 0.0:
+        return np.zeros(3 + carriers), loads
+    arm = float(np.abs(np.asarray(parameters.space.hubs.centre)).max())
+    stiffness = float(np.sum(parameters.space.hubs.stiffness))
+    softness = max(1.0, SOFTEST * radius * stiffness / weight)
+    scale = weight * np.array([1.0, arm, arm] + [1.0] * carriers)
+
+    def lacking(x: np.ndarray) -> np.ndarray:
+        direct(weigh, parameters, state_at(x), softness, loads)
+        return unbalanced(parameters, x[3:]) / scale
+
+    x = np.zeros(3 + carriers)
+    x[0] = lowest_touch(parameters, state_at, softness, loads, weight)
+    x = newton(lacking, x)
+    factor = STIFFER
+    while softness > 1.0:
+        before, softness = softness, max(1.0, softness / factor)
+        try:
+            x, factor = newton(lacking, x), STIFFER
+        except NoEquilibriumError:
+            softness, factor = before, math.sqrt(factor)
+            if factor < LEAST_STIFFER:
+                raise
+    x = settled(lacking, x, scale)
+    lacking(x)
+    return x, loads.copy()
+
+
+def settled(lacking, x: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """The same, or where it comes to rest if it would fall from there: a machine that balances on two wheels."""
+    slope = scale[:, None] * difference(lacking, x)
+    growth, ways = np.linalg.eigh(0.5 * (slope + slope.T))
+    if growth[-1] <= 0.0:
+        return x
+    way = ways[:, -1] / np.abs(ways[:, -1]).max()
+    for far in np.geomspace(1e-6, STEEPEST, 60):
+        for there in (x + far * way, x - far * way):
+            if (scale * lacking(there)) @ (there - x) < 0.0:
+                return newton(lacking, there)
+    raise NoEquilibriumError("it tips over")
+
+
+def difference(lacking, x: np.ndarray) -> np.ndarray:
+    """Jacobian of `lacking`."""
+    nudges = NUDGE * np.eye(len(x))
+    columns = [(lacking(x + nudge) - lacking(x - nudge)) / (2.0 * NUDGE) for nudge in nudges]
+    return np.array(columns).T
+
+
+def unbalanced(parameters: Parameters, s: np.ndarray) -> np.ndarray:
+    """What `weigh` has left: force upwards (N), moments about two level axes (N m), force along s of every carrier."""
+    space = parameters.space
+    assert space is not None
+    total = space.pushes.sum(axis=0)
+    found = np.zeros(3 + len(s))
+    found[0] = total[5]
+    found[1], found[2] = total[1], total[0]  # pitch is about y, roll about x
+    for j, carrier in enumerate(space.carriers if space.carriers is not None else ()):
+        axis, push = np.asarray(carrier.axis), space.pushes[1 + j]
+        if carrier.turns:
+            about = push[:3] - np.cross(carrier.point, push[3:])
+            found[3 + j] = axis @ about
+        else:
+            found[3 + j] = axis @ push[3:] - carrier.preload
+        found[3 + j] -= carrier.stiffness * s[j]
+    return found
+
+
+def lowest_touch(parameters: Parameters, state_at, softness: float, loads: np.ndarray, weight: float) -> float:
+    """Height at which the ground carries the whole weight of a level machine, m."""
+    space = parameters.space
+    carriers = 0 if space.carriers is None else len(space.carriers)
+
+    def carried(height: float) -> float:
+        direct(weigh, parameters, state_at(np.array([height, *np.zeros(2 + carriers)])), softness, loads)
+        return float(loads.sum())
+
+    top = 0.0 if space.floor is None else float(space.floor.highest)
+    step = float(min(parameters.wheels.radius))
+    high = top + step
+    low = high
+    while carried(low) < weight:
+        low -= step
+        if low < top - 1e3 * step:
+            raise NoEquilibriumError("nothing carries it")
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if carried(middle) >= weight else (low, middle)
+    return low
+
+
+def newton(lacking, x: np.ndarray) -> np.ndarray:
+    """Root of `lacking` near x."""
+    found = lacking(x)
+    for _ in range(MOST_NEWTON):
+        size = np.abs(found).max()
+        if size <= BALANCED:
+            return x
+        slope = difference(lacking, x)
+        try:
+            change = -np.linalg.solve(slope, found)
+        except np.linalg.LinAlgError:
+            change = -np.linalg.pinv(slope) @ found
+        change /= max(1.0, np.abs(change).max() / STEEPEST)
+        part = 1.0
+        for _ in range(MOST_HALVINGS):
+            there = lacking(x + part * change)
+            if np.linalg.norm(there) < np.linalg.norm(found) or size <= 100.0 * BALANCED:
+                break
+            part *= 0.5
+        else:
+            break
+        x, found = x + part * change, there
+    if np.abs(found).max() <= 1e3 * BALANCED:
+        return x
+    raise NoEquilibriumError("it does not come to rest there")
