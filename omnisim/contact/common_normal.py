@@ -19,12 +19,14 @@ from typing import NamedTuple
 
 from omnisim.base.kernel import kernel
 from omnisim.base.vector import Vec3, combine, cross, dot, minus, plus, times
-from omnisim.contact.floor import beyond, inside_piece
+from omnisim.contact.floor import GROUND, beyond, inside_piece, smooth_ground
 from omnisim.contact.patch import Coordinates, edge_patch, patch
 from omnisim.contact.support import ARC, Support, region_of, support
 
 ANY = 2  # in the place of a region: whichever holds the lowest point
 MOST_STEPS = 40  # of Newton, of which four are usual
+NEAR = 0.02  # rad, from where Newton alone finds an angle
+FIRST, LAST = -0.3, 0.5 * math.pi + 0.3  # rad, between which an edge is looked for: a little beyond its arc
 MOST_HALVINGS = 12  # of one of them
 SMALL = 1e-8  # of the roller's radius: after a step so short the next would change nothing
 ROUNDED = 1e-13  # of the same: residuals that are zero but for rounding
@@ -109,14 +111,15 @@ def quickly_clear(floor, piece, shape, centre):
         step = floor.steps[piece - 1]
         s = beyond(step, centre.x, centre.y)
         return s < -reach or s > step[6] + reach
-    return False
+    height = centre.z - smooth_ground(floor, centre.x, centre.y).height - floor.stairs
+    return height > reach * math.sqrt(1.0 + floor.steepest * floor.steepest)
 
 
 @kernel
 def touch(floor, piece, shape, region, centre, axis):
     """The Touch of a roller, in this region of its own or in ANY, with this piece of the floor."""
     roller = Roller(shape, centre, axis)
-    found, converged = deepest(floor, piece, roller)
+    found, converged = around_edge(floor, piece, roller) if piece else deepest(floor, roller)
     if region != ANY and found.low.region != region:
         found, converged = newton(floor, piece, roller, region, found.at)
     low, point = found.low, found.point
@@ -136,17 +139,17 @@ def touch(floor, piece, shape, region, centre, axis):
 
 
 @kernel
-def deepest(floor, piece, roller):
-    """The Look along the deepest common normal, in any region, and whether there is one.
+def deepest(floor, roller):
+    """The Look along the deepest common normal with the GROUND, in any region, and whether there is one.
 
     One start finds it unless the ground may be as hollow as the roller is curved.
     """
     shape = roller.shape
-    best, known = newton(floor, piece, roller, ANY, start(floor, piece, roller, 0.0))
+    best, known = newton(floor, GROUND, roller, ANY, below(roller, 0.0))
     if known and floor.hollow * longest_radius(shape) < 1.0:
         return best, known
-    for end in (-shape.half_length, shape.half_length):
-        other, converged = newton(floor, piece, roller, ANY, start(floor, piece, roller, end))
+    for part in (-1.0, -0.5, 0.5, 1.0):
+        other, converged = newton(floor, GROUND, roller, ANY, below(roller, part * shape.half_length))
         if converged and (not known or dot(other.gap, other.low.nu) < dot(best.gap, best.low.nu)):
             best, known = other, True
     return best, known
@@ -161,20 +164,58 @@ def longest_radius(shape):
 
 
 @kernel
-def start(floor, piece, roller, along):
-    """Where to begin: below the lowest point for the vertical, or below the point of the axis at `along` (m) if that is
-    not 0; on an edge, where it looks from its own axis to that point or the centre."""
-    place = combine(1.0, roller.centre, along, roller.axis, 0.0, roller.axis)
-    if not piece:
-        if along == 0.0:
-            place = lowest(roller, ANY, Vec3(0.0, 0.0, 1.0)).point
-        return Coordinates(place.x, place.y)
-    step = floor.steps[piece - 1]
-    s = beyond(step, place.x, place.y)
-    way = (place.y - step[1]) * step[2] - (place.x - step[0]) * step[3]
+def below(roller, along):
+    """Coordinates below the roller's lowest point for the vertical, or below the point of its axis at `along` (m) if
+    that is not 0."""
+    if along == 0.0:
+        place = lowest(roller, ANY, Vec3(0.0, 0.0, 1.0)).point
+    else:
+        place = combine(1.0, roller.centre, along, roller.axis, 0.0, roller.axis)
+    return Coordinates(place.x, place.y)
+
+
+@kernel
+def facing(floor, piece, roller):
+    """Coordinates where the edge looks from its own axis to the roller's centre."""
+    step, centre = floor.steps[piece - 1], roller.centre
+    way = (centre.y - step[1]) * step[2] - (centre.x - step[0]) * step[3]
     top = edge_patch(floor, piece - 1, Coordinates(0.0, way)).point
-    angle = math.atan2(step[6] - s, place.z - top.z + step[5])
+    angle = math.atan2(step[6] - beyond(step, centre.x, centre.y), centre.z - top.z + step[5])
     return Coordinates(min(max(angle, 0.0), 0.5 * math.pi), way)
+
+
+@kernel
+def around_edge(floor, piece, roller):
+    """The Look along the common normal with an edge, in any region, and whether there is one.
+
+    Of the angles of the arc it is the one with the least depth: two convex bodies are apart along it, or overlap least.
+    The residual along the arc is the rate of the depth, so its sign tells on which side that is: Newton between bounds,
+    which are halved where it is slow, until it gets there alone. Where it is beyond the arc, the Look is from there.
+    """
+    least, most, before = -math.inf, math.inf, math.inf
+    here = look(floor, piece, roller, ANY, facing(floor, piece, roller))
+    for _ in range(MOST_STEPS):
+        slope = here.first_first - here.first_last * here.last_first / here.last_last
+        rate = here.first - here.first_last * here.last / here.last_last
+        if abs(rate) < NEAR * slope:
+            found, known = newton(floor, piece, roller, ANY, here.at)
+            if known:
+                return found, known
+        turn = here.at.first
+        if (rate < 0.0 and turn >= LAST) or (rate > 0.0 and turn <= FIRST):
+            return here, True
+        if rate < 0.0:
+            least = turn
+        else:
+            most = turn
+        target = turn - rate / slope
+        if not least < target < most or abs(rate) > 0.5 * before:
+            target = 0.5 * (least + most)
+        before = abs(rate)
+        target = min(max(target, FIRST), LAST)
+        last = -(here.last + here.last_first * (target - turn)) / here.last_last
+        here = look(floor, piece, roller, ANY, Coordinates(target, here.at.last + last))
+    return here, False
 
 
 @kernel
@@ -186,9 +227,7 @@ def newton(floor, piece, roller, region, at):
         miss = here.first * here.first + here.last * here.last
         if miss == 0.0:
             return here, True
-        scarce = here.first_first * here.last_last - here.first_last * here.last_first
-        first = (here.first_last * here.last - here.last_last * here.first) / scarce
-        last = (here.last_first * here.first - here.first_first * here.last) / scarce
+        first, last = newton_step(here)
         if abs(here.reach * first) + abs(last) < SMALL * scale:
             return look(floor, piece, roller, region, Coordinates(here.at.first + first, here.at.last + last)), True
         part = 1.0
@@ -203,6 +242,15 @@ def newton(floor, piece, roller, region, at):
             return here, miss < (ROUNDED * scale) ** 2
         here = there
     return here, False
+
+
+@kernel
+def newton_step(here):
+    """What Newton adds to the two coordinates of a Look."""
+    scarce = here.first_first * here.last_last - here.first_last * here.last_first
+    first = (here.first_last * here.last - here.last_last * here.first) / scarce
+    last = (here.last_first * here.first - here.first_first * here.last) / scarce
+    return first, last
 
 
 @kernel

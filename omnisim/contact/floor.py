@@ -24,10 +24,11 @@ from typing import NamedTuple
 import numpy as np
 
 from omnisim.base.kernel import kernel
-from omnisim.contact.height_grid import grid_hollowness, grid_surface, spline_nodes, top_of_grid
+from omnisim.contact.height_grid import grid_bounds, grid_hollowness, grid_surface, spline_nodes
 from omnisim.contact.surface import Surface, add, level_ground
 
 GROUND = 0  # the piece that is no step
+FLANK = math.sqrt(2.0 / math.e)  # the largest slope of a bump, by height / radius
 SKIRT = 4.0 * math.exp(-1.5)  # curvature of a bump where it is hollow most, by height / radius^2
 
 
@@ -40,7 +41,9 @@ class Floor(NamedTuple):
     origin: np.ndarray  # (2,): x, y of node [0, 0]; columns count along x, rows along y
     spacing: np.ndarray  # (2,): of nodes along x and y
     level: float  # of the ground before all steps
+    stairs: float  # all steps together
     highest: float  # nothing of the floor is above
+    steepest: float  # no slope exceeds it but those of steps
     hollow: float  # about the largest curvature of hollow ground, 1/m
 
 
@@ -59,6 +62,8 @@ def floor_of(
     height, edge = steps[:, 4], steps[:, 5]
     width = np.where(height < edge, np.sqrt(np.maximum(height * (2.0 * edge - height), 0.0)), edge)
     nodes = spline_nodes(np.array(heights, float))
+    grid = grid_bounds(nodes, spacing)
+    stairs = float(height.sum())
     return Floor(
         bumps,
         np.ascontiguousarray(np.column_stack([steps, width])),
@@ -66,7 +71,9 @@ def floor_of(
         np.array(origin, float),
         np.array(spacing, float),
         level,
-        level + float(height.sum() + np.maximum(bumps[:, 2], 0.0).sum()) + top_of_grid(nodes),
+        stairs,
+        level + stairs + float(np.maximum(bumps[:, 2], 0.0).sum()) + grid.highest,
+        FLANK * float(np.abs(bumps[:, 2] / bumps[:, 3]).sum()) + grid.steepest,
         hollowness(bumps) + grid_hollowness(nodes, spacing),
     )
 

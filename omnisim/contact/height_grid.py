@@ -1,5 +1,6 @@
 """A bicubic spline through a grid of heights, level at the border and beyond it: two continuous derivatives inside."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -33,16 +34,30 @@ def differences(values: np.ndarray) -> np.ndarray:
     return found
 
 
-def top_of_grid(nodes: np.ndarray) -> float:
-    """An upper bound of a grid's height: a bicubic cell lies below the highest of its Bezier points."""
+class Bounds(NamedTuple):
+    """What a grid is never above (m), and what its slope never exceeds."""
+
+    highest: float
+    steepest: float
+
+
+def grid_bounds(nodes: np.ndarray, spacing: tuple[float, float]) -> Bounds:
+    """Bounds of a grid: a cell lies within the hull of its Bezier points, and its slopes within those between them."""
     if not nodes.size:
-        return 0.0
+        return Bounds(0.0, 0.0)
     height, along_x, along_y, both = np.moveaxis(nodes, -1, 0)
-    return max(
-        float((height + a * along_x / 3.0 + b * along_y / 3.0 + a * b * both / 9.0).max())
-        for a in (-1.0, 0.0, 1.0)
-        for b in (-1.0, 0.0, 1.0)
-    )
+    points = bezier_points(bezier_points(height, along_y).T, bezier_points(along_x, both).T)
+    slopes = [3.0 * float(np.abs(np.diff(points, axis=axis)).max()) / spacing[axis] for axis in (0, 1)]
+    return Bounds(float(points.max()), math.hypot(*slopes))
+
+
+def bezier_points(values: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+    """Bezier points (3 n - 2, m) of the cubics between values (n, m) along the first axis."""
+    found = np.empty((3 * len(values) - 2, values.shape[1]))
+    found[::3] = values
+    found[1::3] = values[:-1] + slopes[:-1] / 3.0
+    found[2::3] = values[1:] - slopes[1:] / 3.0
+    return found
 
 
 def grid_hollowness(nodes: np.ndarray, spacing: tuple[float, float]) -> float:
