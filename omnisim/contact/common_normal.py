@@ -7,8 +7,8 @@
        ____ P \\ ____ X __
            '-__      __-'             (P - X) . p = (P - X) . q = 0 for two tangents p, q of the floor at X
 
-Two equations for two coordinates of X, solved by Newton's method with the exact Jacobian; every step makes both sides
-smaller. It is a function of the state alone: it starts below the roller each time. On ground as hollow as the roller is
+Two equations for two coordinates of X, solved by Newton's method with the exact Jacobian; no step makes the residual
+larger. It is a function of the state alone: it starts below the roller each time. On ground as hollow as the roller is
 curved there may be several common normals, of which the deepest is found from a few starts.
 
 Each piece of a floor is asked for its own: see floor.py. `Touch.inside` tells whether X is there.
@@ -25,9 +25,9 @@ from omnisim.contact.support import ARC, Support, region_of, support
 
 ANY = 2  # in the place of a region: whichever holds the lowest point
 MOST_STEPS = 40  # of Newton, of which four are usual
-NEAR = 0.02  # rad, from where Newton alone finds an angle
-FIRST, LAST = -0.3, 0.5 * math.pi + 0.3  # rad, between which an edge is looked for: a little beyond its arc
 MOST_HALVINGS = 12  # of one of them
+NEAR = 0.02  # rad, from where Newton alone finds the angle of an edge
+FIRST, LAST = -0.3, 0.5 * math.pi + 0.3  # rad, between which that angle is looked for: a little beyond the arc
 SMALL = 1e-8  # of the roller's radius: after a step so short the next would change nothing
 ROUNDED = 1e-13  # of the same: residuals that are zero but for rounding
 TINY = 1e-12  # sine of the angle below which a roller stands on end
@@ -222,7 +222,7 @@ def around_edge(floor, piece, roller):
 def newton(floor, piece, roller, region, at):
     """The Look at the common normal to which these Coordinates lead, and whether they do."""
     here = look(floor, piece, roller, region, at)
-    scale = abs(roller.shape.radius)
+    scale = roller.shape.radius
     for _ in range(MOST_STEPS):
         miss = here.first * here.first + here.last * here.last
         if miss == 0.0:
