@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,7 +33,7 @@ from omnisim.dynamics.parameters import (
     Parameters,
     Workspace,
 )
-from omnisim.dynamics.spatial.packing import carried_wheels, pack_space
+from omnisim.dynamics.spatial.packing import carried_wheels, mobility_bound, pack_space
 from omnisim.dynamics.spatial.records import SLOTS
 from omnisim.dynamics.state import TOUCHING, Contents, places_in_space, places_of
 from omnisim.scene.cubic import cubic_curvature
@@ -88,10 +88,11 @@ def pack(config: Config) -> Parameters:
     for wheel in wheels:
         heavy = 1.0 / (HEAVY * machine["mass"] * wheel["radius"] ** 2)
         wheel["holding_mobility"] = heavy if wheel["follows"] else wheel["spin_mobility"]
-    machine["slip_mobility"] = max(slip_mobility_bound(machine, wheel) for wheel in wheels)
+    space = pack_space(config, wheels, machine) if free else None
+    bound = partial(slip_mobility_bound, machine) if space is None else partial(mobility_bound, space)
+    machine["slip_mobility"] = max(map(bound, wheels))
     counts = tuple(kind.rollers for kind in types)
     constants = records(MACHINE, [machine])[0], records(WHEEL, wheels), rows_of(wheels), sectors(counts).copy()
-    space = pack_space(config, wheels, machine) if free else None
     return Parameters(*constants, *merge_tables(config, rows), workspace(config, wheels, most), space)
 
 

@@ -13,6 +13,7 @@ import math
 
 from omnisim.base.kernel import kernel, outlined
 from omnisim.dynamics.indices import contact_count
+from omnisim.dynamics.state import places
 from omnisim.march.runge_kutta import copy, evaluate
 
 MOST_ITERATIONS = 25
@@ -84,12 +85,17 @@ def differentiate(parameters, run, t):
     shifted = newton.stages[6]
     jacobian = newton.real[: len(newton.active)]
     for w in range(len(run.monitors)):
-        for side in range(contact_count(run.mode[w])):
+        count = contact_count(run.mode[w]) if parameters.space is None else run.mode[w].contacts
+        for side in range(count):
             speed = min(speed, math.sqrt(run.monitors[w].slip_square[side]) + parameters.machine.slip_floor)
     shift = min(max(STEEP * speed, LEAST_SHIFT), MOST_SHIFT)
     copy(run.y, run.trial)
     for j in range(len(newton.active)):
         m = newton.active[j]
+        if idle(parameters, run, m):
+            for i in range(len(newton.active)):
+                jacobian[i, j] = 0.0
+            continue
         run.trial[m] = run.y[m] + shift
         taken = run.trial[m] - run.y[m]
         evaluate(parameters, run.mode, run.clock.piece, t, run.trial, shifted, run.monitors_end)
@@ -98,6 +104,17 @@ def differentiate(parameters, run, t):
             row = newton.active[i]
             jacobian[i, j] = (shifted[row] - run.slopes[0, row]) / taken
     run.clock.rhs += len(newton.active)
+
+
+@kernel
+def idle(parameters, run, m):
+    """Whether nothing depends on a state: the slot of a roller rate that no roller uses."""
+    if parameters.space is None or parameters.machine.every_rate:
+        return False
+    place = m - places(parameters).roller_rate
+    if place < 0 or place >= parameters.machine.slots * len(run.mode):
+        return False
+    return place % parameters.machine.slots >= run.mode[place // parameters.machine.slots].rollers
 
 
 @kernel

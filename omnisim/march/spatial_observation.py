@@ -3,10 +3,10 @@
 import math
 
 from omnisim.base.kernel import kernel
-from omnisim.base.trigonometry import cos_sin
-from omnisim.base.vector import combine, cross, minus, plus, times
+from omnisim.base.vector import combine, cross, plus, times
+from omnisim.dynamics.spatial.acceleration import hub_acceleration
 from omnisim.dynamics.spatial.energy import motion_energy, spring_energy, weight_energy
-from omnisim.dynamics.spatial.pose import body_of, hub_of, inward, mounted, outward, turned, vector
+from omnisim.dynamics.spatial.pose import body_of, hub_of, mounted, outward, vector
 from omnisim.dynamics.spatial.records import SLOTS
 from omnisim.dynamics.spatial.touching import joint_rate, roller_on, standing
 from omnisim.dynamics.spatial.wheel import put
@@ -92,30 +92,3 @@ def observe_roller(parameters, rows, row, w, i, body, observed):
     put(observed.motion[0, row, w, i], plus(body.position, outward(body.rotation, position)))
     put(observed.motion[1, row, w, i], outward(body.rotation, velocity))
     put(observed.motion[2, row, w, i], outward(body.rotation, acceleration))
-
-
-@kernel
-def hub_acceleration(parameters, body, w, y, dy):
-    """Acceleration of O, and of the turning of what carries wheel w, chassis axes."""
-    at = places(parameters)
-    space = parameters.space
-    own = space.hubs[w]
-    turning = vector(dy, at.rate)
-    hub = hub_of(parameters, body, w, y)
-    swept = cross(body.rate, cross(body.rate, hub.centre))
-    linear = plus(inward(body.rotation, vector(dy, at.velocity)), plus(cross(turning, hub.centre), swept))
-    if space.carriers is None or own.carrier < 0:
-        return linear, turning
-    j = own.carrier
-    carrier = space.carriers[j]
-    axis = vector(carrier.axis, 0)
-    rate, bend = y[at.joint_rate + j], dy[at.joint_rate + j]
-    along = axis
-    if carrier.turns:
-        cos, sin = cos_sin(y[at.joint + j])
-        arm = turned(minus(vector(own.centre, 0), vector(carrier.point, 0)), axis, cos, sin)
-        along = cross(axis, arm)
-        linear = plus(linear, times(rate * rate, cross(axis, along)))
-        turning = plus(turning, combine(bend, axis, rate, cross(body.rate, axis), 0.0, axis))
-    linear = plus(linear, combine(bend, along, 2.0 * rate, cross(body.rate, along), 0.0, along))
-    return linear, turning

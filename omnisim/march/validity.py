@@ -12,6 +12,8 @@ from omnisim.contact.tracking import Contact, explicit_contact, roller_axis
 from omnisim.dynamics.energy import kinetic_energy, potential_energy
 from omnisim.dynamics.indices import roller_index
 from omnisim.dynamics.spatial.energy import motion_energy, stored_energy
+from omnisim.dynamics.spatial.mobility import contact_mobility
+from omnisim.dynamics.spatial.pose import body_of, hub_of
 from omnisim.dynamics.state import places
 from omnisim.dynamics.wheel import rho_of
 
@@ -109,14 +111,22 @@ def too_fast(parameters, run, w):
     """Whether friction at wheel w relaxes slip faster than explicit steps can follow."""
     clock = run.clock
     machine = parameters.machine
-    if parameters.space is not None:
-        return False
-    factor = run.monitors[w].factor[0]
     if parameters.workspace.resting is not None or run.newton is not None:
         return False
-    if factor * machine.slip_mobility * clock.dt <= clock.stability_limit:
-        return False  # the bound of the mobility is cheap
-    return factor * slip_mobility(parameters, w) * clock.dt > clock.stability_limit
+    count = 1 if parameters.space is None else run.mode[w].contacts
+    for c in range(count):
+        factor = run.monitors[w].factor[c]
+        if factor * machine.slip_mobility * clock.dt > clock.stability_limit:  # the bound of the mobility is cheap
+            return factor * mobility_at(parameters, run.y, w, c) * clock.dt > clock.stability_limit
+    return False
+
+
+@outlined
+def mobility_at(parameters, y, w, c):
+    """Largest eigenvalue of the inverse mass at contact c of wheel w, 1/kg: with the factor g, the rate of its slip."""
+    if parameters.space is not None:
+        return largest(contact_mobility(parameters, w, hub_of(parameters, body_of(parameters, y), w, y), c))
+    return slip_mobility(parameters, w)
 
 
 @outlined

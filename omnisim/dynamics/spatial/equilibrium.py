@@ -81,13 +81,15 @@ def find_equilibrium(parameters: Parameters, state_at, carriers: int) -> tuple[n
 
     state_at: the state y (n,) of such numbers, at rest. Raises NoEquilibriumError.
     """
+    space = parameters.space
+    assert space is not None
     radius = float(min(parameters.wheels.radius))
-    weight = float(parameters.machine.mass * np.linalg.norm(parameters.space.body.gravity))
+    weight = float(parameters.machine.mass * np.linalg.norm(space.body.gravity))
     loads = np.zeros(len(parameters.wheels))
     if weight == 0.0:
         return np.zeros(3 + carriers), loads
-    arm = float(np.abs(np.asarray(parameters.space.hubs.centre)).max())
-    stiffness = float(np.sum(parameters.space.hubs.stiffness))
+    arm = float(np.abs(np.asarray(space.hubs.centre)).max())
+    stiffness = float(np.sum(space.hubs.stiffness))
     softness = max(1.0, SOFTEST * radius * stiffness / weight)
     scale = weight * np.array([1.0, arm, arm] + [1.0] * carriers)
 
@@ -155,6 +157,7 @@ def unbalanced(parameters: Parameters, s: np.ndarray) -> np.ndarray:
 def lowest_touch(parameters: Parameters, state_at, softness: float, loads: np.ndarray, weight: float) -> float:
     """Height at which the ground carries the whole weight of a level machine, m."""
     space = parameters.space
+    assert space is not None
     carriers = 0 if space.carriers is None else len(space.carriers)
 
     def carried(height: float) -> float:

@@ -202,6 +202,18 @@ def disk_places(types: list[WheelType], wheels: tuple[Wheel, ...], most: int) ->
     return places
 
 
+def mobility_bound(space: Space, values: dict) -> float:
+    """Upper bound of the slip acceleration that a unit force causes anywhere on a roller of a wheel with these values
+    of its WHEEL record, 1/kg: no lever is longer than the machine, the wheel and the roller."""
+    shapes, radius = space.shapes, values["radius"]
+    thickest = np.where(shapes.kind == PROFILES["arc"], shapes.radius, shapes.radius - shapes.distance).max()
+    reach = np.linalg.norm(space.hubs.centre, axis=1).max() + radius + shapes.half_length.max()
+    turning = float(np.linalg.eigvalsh(np.asarray(space.body.turning))[-1])
+    machine = 1.0 / space.body.mass + turning * reach**2
+    spin = values["spin_mobility"] * (radius + thickest) ** 2
+    return machine + spin + values["axial_mobility"] * float(thickest) ** 2
+
+
 def hull(config: Config, centre: np.ndarray) -> dict:
     """Corners of the chassis that must not touch the ground; its centre of mass where the scene gives no size."""
     assert config.chassis is not None

@@ -1,0 +1,81 @@
+"""Accelerations of a machine free in space from the derivative of its state: of hubs, and of the slip at a contact."""
+
+import math
+
+from omnisim.base.kernel import kernel
+from omnisim.base.trigonometry import cos_sin
+from omnisim.base.vector import Vec3, combine, cross, dot, minus, plus, times
+from omnisim.contact.frame import Slip
+from omnisim.contact.support import support
+from omnisim.dynamics.spatial.pose import hub_of, inward, mounted, tangent_of, turned, vector
+from omnisim.dynamics.spatial.touching import STANDING
+from omnisim.dynamics.state import places
+
+
+@kernel
+def hub_acceleration(parameters, body, w, y, dy):
+    """Acceleration of O, and of the turning of what carries wheel w, chassis axes."""
+    at = places(parameters)
+    space = parameters.space
+    own = space.hubs[w]
+    turning = vector(dy, at.rate)
+    hub = hub_of(parameters, body, w, y)
+    swept = cross(body.rate, cross(body.rate, hub.centre))
+    linear = plus(inward(body.rotation, vector(dy, at.velocity)), plus(cross(turning, hub.centre), swept))
+    if space.carriers is None or own.carrier < 0:
+        return linear, turning
+    j = own.carrier
+    carrier = space.carriers[j]
+    axis = vector(carrier.axis, 0)
+    rate, bend = y[at.joint_rate + j], dy[at.joint_rate + j]
+    along = axis
+    if carrier.turns:
+        cos, sin = cos_sin(y[at.joint + j])
+        arm = turned(minus(vector(own.centre, 0), vector(carrier.point, 0)), axis, cos, sin)
+        along = cross(axis, arm)
+        linear = plus(linear, times(rate * rate, cross(axis, along)))
+        turning = plus(turning, combine(bend, axis, rate, cross(body.rate, axis), 0.0, axis))
+    linear = plus(linear, combine(bend, along, 2.0 * rate, cross(body.rate, along), 0.0, along))
+    return linear, turning
+
+
+@kernel
+def slip_change(parameters, mode, w, c, stand, touched, y, dy):
+    """v' (Slip, m/s^2) at contact c of wheel w on a plane, by the derivative dy of the state.
+
+    V = V_O + w_d x (X - O) + chi' a x (X - B) at X - B = g a + f nu, which moves through the roller:
+    g = u + r N / across, f = delta - r / across, N = nu . a.
+    """
+    wheel = parameters.wheels[w]
+    at = places(parameters)
+    hub, roller, normal = stand.hub, touched.roller, touched.normal
+    axes = mounted(hub)
+    lifted, bending = hub_acceleration(parameters, stand.body, w, y, dy)
+    lifted, bending = inward(axes, lifted), inward(axes, bending)
+    axle = Vec3(0.0, 1.0, 0.0)
+    rate = Vec3(hub.rate.x, hub.rate.y + stand.spin_rate, hub.rate.z)
+    bending = plus(bending, combine(dy[at.spin_rate + w], axle, stand.spin_rate, cross(hub.rate, axle), 0.0, axle))
+    slot = mode.roller[mode.slot[c]] if parameters.machine.every_rate else mode.slot[c]
+    place = wheel.rates + slot
+    joint = y[place] - dot(rate, roller.axis)
+    joint_change = dy[place] - dot(bending, roller.axis)
+    # X - B, and how it changes
+    tilt = touched.tilt
+    across = max(math.sqrt(max(1.0 - tilt * tilt, 0.0)), STANDING)
+    found = support(parameters.space.shapes[w], mode.region[c], tilt, across)
+    axis_change = cross(rate, roller.axis)
+    tilt_change = dot(axis_change, normal)
+    radial = found.r / across
+    radial_change = (found.r_rate + radial * tilt / across) / across * tilt_change
+    along_change = found.u_rate * tilt_change + radial_change * tilt + radial * tilt_change
+    arm = plus(roller.centre, touched.lever)
+    velocity = plus(hub.velocity, plus(cross(rate, arm), times(joint, cross(roller.axis, touched.lever))))
+    deeper = -dot(velocity, normal)
+    along = found.u + radial * tilt
+    lever_change = combine(along_change, roller.axis, along, axis_change, deeper - radial_change, normal)
+    arm_change = plus(cross(rate, roller.centre), lever_change)
+    disk = plus(lifted, plus(cross(bending, arm), cross(rate, arm_change)))
+    turning = plus(cross(axis_change, touched.lever), cross(roller.axis, lever_change))
+    whole = plus(disk, combine(joint_change, cross(roller.axis, touched.lever), joint, turning, 0.0, turning))
+    h, k = tangent_of(normal)
+    return Slip(dot(whole, h), dot(whole, k))
