@@ -47,7 +47,8 @@ def step_to_event(parameters, method, run, t, h):
         if clock.converged:
             s, fired = cut_at_event(parameters, method, run, t, h)
             if clock.converged and not outrun(parameters, run, s):
-                if run.newton is not None and clock.implicit:
+                rest = GRID_ROUNDING * (t + clock.dt)  # of a piece, in rounding: it tells nothing of longer steps
+                if run.newton is not None and clock.implicit and h > rest:
                     clock.reach = h
                 return s, fired
         h *= 0.5
