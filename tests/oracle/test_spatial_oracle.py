@@ -21,7 +21,7 @@ BOUNDS = {"position": 1e-10, "quaternion": 1e-10, "spin_angle": 1e-9, "velocity"
 BOUNDS |= {"spin_rate": 1e-8}
 
 
-@pytest.fixture(scope="module", params=["kiwi_slope", "double_row", "unlike wheels", "rockers"])
+@pytest.fixture(scope="module", params=["double_row", "unlike wheels", "rockers", "ribs", "grid"])
 def solved(request):
     """A machine, and five states with what it finds in them."""
     machine = machine_of(SCENES[request.param])
@@ -113,7 +113,7 @@ def test_contacts_deepen_at_the_rate_that_is_told(solved):
     for now, reactions in found:
         ahead, behind = (depths(machine, moved(machine, now, reactions, step)) for step in (H, -H))
         for touch in reactions.touches:
-            which = touch.wheel, touch.roller
+            which = touch.wheel, touch.roller, touch.piece
             if which in ahead and which in behind:
                 assert abs((ahead[which] - behind[which]) / (2.0 * H) - touch.depth_rate) < 1e-7  # m/s, measured: 7e-9
 
@@ -123,7 +123,9 @@ def size(vectors: np.ndarray) -> float:
 
 
 def depths(machine: Machine, now: Coordinates) -> dict:
-    return {(touch.wheel, touch.roller): touch.depth for touch in machine.touches(placed(machine.layout, now))}
+    return {
+        (touch.wheel, touch.roller, touch.piece): touch.depth for touch in machine.touches(placed(machine.layout, now))
+    }
 
 
 def test_momenta_change_by_what_acts_from_outside(solved):
@@ -188,29 +190,47 @@ def test_contacts_are_common_normals(solved):
         bodies = placed(machine.layout, now)
         for touch in reactions.touches:
             wheel, body = machine.wheels[touch.wheel], machine.layout.rollers[touch.wheel].start + touch.roller
-            nu = np.array([*-machine.ground.gradient(*touch.point[:2]), 1.0])
-            np.testing.assert_allclose(touch.normal, nu / np.linalg.norm(nu), rtol=0, atol=1e-14)
-            assert abs(touch.point[2] - machine.ground.height(*touch.point[:2])) < 1e-15
-            surface = surface_of(wheel, bodies.x[body], bodies.axis[body])
-            deepest = -np.min((surface - touch.point) @ nu) / np.linalg.norm(nu)
+            nu = touch.normal
+            if touch.piece == 0:
+                slope = np.array([*-machine.ground.gradient(*touch.point[:2]), 1.0])
+                np.testing.assert_allclose(nu, slope / np.linalg.norm(slope), rtol=0, atol=1e-14)
+                assert abs(touch.point[2] - machine.ground.height(*touch.point[:2])) < 1e-15
+            surface = surface_of(wheel, bodies.x[body], bodies.axis[body], nu)
+            deepest = -np.min((surface - touch.point) @ nu)
             assert -1e-12 < touch.depth - deepest < 1e-6  # of 3e-4 m
 
 
-def surface_of(wheel, centre: np.ndarray, axis: np.ndarray) -> np.ndarray:
-    """Points of the lower half of a roller: where the axis rises by every s, and around it."""
-    across = cross(axis, cross(axis, Z))
-    across, side = across / np.linalg.norm(across), cross(axis, Z) / np.linalg.norm(cross(axis, Z))
+def surface_of(wheel, centre: np.ndarray, axis: np.ndarray, nu: np.ndarray) -> np.ndarray:
+    """Points of a roller towards -nu: where the axis rises by every s, and around it."""
+    across = cross(axis, cross(axis, nu))
+    across, side = across / np.linalg.norm(across), cross(axis, nu) / np.linalg.norm(cross(axis, nu))
     u, r = np.array([wheel.profile.lowest(s) for s in np.linspace(-1.0, 1.0, 801)]).T
     angle = np.linspace(-0.5, 0.5, 101)[:, None, None]
     return (centre + u[:, None] * axis + r[:, None] * (np.cos(angle) * across + np.sin(angle) * side)).reshape(-1, 3)
 
 
+def test_edges_are_met_on_their_arcs_and_faces():
+    machine, met = machine_of(SCENES["ribs"]), set()
+    for now in states(machine, 4, 10):
+        for touch in machine.touches(placed(machine.layout, now)):
+            if touch.piece:  # an edge
+                step = machine.ground.steps[touch.piece - 1]
+                foot = machine.ground.below(step, *(touch.point + 0.5 * step.width * step.up)[:2])
+                arm = touch.point - step.centre - foot * Z
+                arm = arm - (arm @ cross(Z, step.up)) * cross(Z, step.up)
+                on_face = touch.normal[2] == 0.0
+                expected = step.e * touch.normal if not on_face else -step.e * step.up + arm[2] * Z
+                np.testing.assert_allclose(arm, expected, rtol=0, atol=1e-15)
+                met.add("face" if on_face else "arc")
+    assert met >= {"arc"}
+
+
 def test_ground_has_the_gradient_and_hessian_of_its_height():
-    ground = Ground.of({"bumps": [[0.1, -0.2, 0.03, 0.15], [0.3, 0.0, -0.02, 0.2]]})
+    grid = machine_of(SCENES["grid"]).ground.parts
+    ground = Ground([*Ground.of({"bumps": [[0.1, -0.2, 0.03, 0.15], [0.3, 0.0, -0.02, 0.2]]}).parts, *grid], [])
     for x, y in [(0.0, 0.0), (0.17, -0.11), (0.4, 0.1)]:
         steps = 1e-5 * np.eye(2)
         slope = [(ground.height(x + dx, y + dy) - ground.height(x - dx, y - dy)) / 2e-5 for dx, dy in steps]
         bend = [(ground.gradient(x + dx, y + dy) - ground.gradient(x - dx, y - dy)) / 2e-5 for dx, dy in steps]
         np.testing.assert_allclose(ground.gradient(x, y), slope, rtol=0, atol=1e-9)
         np.testing.assert_allclose(ground.hessian(x, y), bend, rtol=0, atol=1e-7)
-    assert ground.top == 0.03

@@ -42,6 +42,7 @@ of material counts, and V . nu is the same at P and at X.
 """
 
 from math import sqrt
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -49,7 +50,7 @@ import numpy as np
 from oracle.machine import cross
 from oracle.spatial.bodies import Bodies, Coordinates, Layout, placed, tilted_gravity
 from oracle.spatial.ground import Ground
-from oracle.spatial.wheel import Wheel
+from oracle.spatial.wheel import Contact, Wheel
 
 LAWS = ("regularized", "saturated", "viscous", "coulomb", "none")
 
@@ -59,6 +60,7 @@ class Touch(NamedTuple):
 
     wheel: int
     roller: int
+    piece: int  # of the ground, see wheel.py
     point: np.ndarray
     normal: np.ndarray
     depth: float
@@ -106,14 +108,14 @@ class Machine:
 
     given_drives: np.ndarray | None = None
 
-    def __init__(self, scene: dict) -> None:
+    def __init__(self, scene: dict, folder: Path = Path()) -> None:
         self.friction = scene["friction"]
         if self.friction["law"] not in LAWS:
             raise ValueError(f"the oracle has no friction law {self.friction['law']!r}")
         self.chassis, self.initial = scene["chassis"], scene.get("initial", {})
         floor = scene.get("floor", {})
         self.gravity = tilted_gravity(scene.get("scene", {}).get("gravity", 9.81), floor)
-        self.ground = Ground.of(floor)
+        self.ground = Ground.of(floor, folder)
         self.wheels = [Wheel(entry, scene["wheel_types"][entry["type"]]) for entry in scene["wheels"]]
         self.layout = Layout.of(self.chassis, self.wheels, scene.get("axles", []))
         self.wrench = scene.get("wrench", {})
@@ -131,19 +133,21 @@ class Machine:
 
     def touches(self, bodies: Bodies) -> list[Touch]:
         found = []
-        for w, wheel in enumerate(self.wheels):
-            rubber = wheel.kind["contact"]
-            for i, body in enumerate(range(self.layout.rollers[w].start, self.layout.rollers[w].stop)):
-                contact = wheel.contact(bodies.x[body], bodies.axis[body], self.ground)
-                if contact is None:
-                    continue
-                velocity = bodies.v[body] + cross(bodies.w[body], contact.point - bodies.x[body])
-                rate = -float(velocity @ contact.normal)
-                load = max(0.0, rubber["stiffness"] * contact.depth + rubber.get("damping", 0.0) * rate)
-                slip = velocity + rate * contact.normal
-                force = self.given_friction.get((w, i), self.friction_force(load, slip))
-                found.append(Touch(w, i, contact.point, contact.normal, contact.depth, rate, load, slip, force))
+        for w, (wheel, rollers) in enumerate(zip(self.wheels, self.layout.rollers, strict=True)):
+            for body in range(rollers.start, rollers.stop):
+                for contact in wheel.contacts(bodies.x[body], bodies.axis[body], self.ground):
+                    found.append(self.touch(w, body, contact, bodies))
         return found
+
+    def touch(self, w: int, body: int, contact: Contact, bodies: Bodies) -> Touch:
+        rubber, roller = self.wheels[w].kind["contact"], body - self.layout.rollers[w].start
+        velocity = bodies.v[body] + cross(bodies.w[body], contact.point - bodies.x[body])
+        rate = -float(velocity @ contact.normal)
+        load = max(0.0, rubber["stiffness"] * contact.depth + rubber.get("damping", 0.0) * rate)
+        slip = velocity + rate * contact.normal
+        force = self.given_friction.get((w, roller), self.friction_force(load, slip))
+        shape = contact.piece, contact.point, contact.normal, contact.depth
+        return Touch(w, roller, *shape, rate, load, slip, force)
 
     def friction_force(self, load: float, slip: np.ndarray) -> np.ndarray:
         law, speed = self.friction["law"], sqrt(slip @ slip)

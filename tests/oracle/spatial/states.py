@@ -7,15 +7,16 @@ allow that; or leaning on one.
 
 import json
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from copy import deepcopy
 from math import pi
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from oracle.spatial.bodies import Bodies, Coordinates, X, Y, Z, placed
-from oracle.spatial.machine import Machine
+from oracle.spatial.machine import Machine, Touch
 from oracle.spatial.motion import half, multiplied
 
 REFERENCE = Path(__file__).parents[2] / "reference"
@@ -68,8 +69,10 @@ def unlike() -> dict:
 
 
 def machine_of(scene: dict) -> Machine:
-    """With torques of its motors, if there are any, that no law gives."""
-    machine = Machine(scene)
+    """With torques of its motors, if there are any, that no law gives, and the heights of its grid."""
+    with TemporaryDirectory() as folder:
+        np.save(Path(folder) / GRID["file"], heights())
+        machine = Machine(scene, Path(folder))
     if any(wheel.entry["drive"]["kind"] == "dc_motor" for wheel in machine.wheels):
         machine.given_drives = np.linspace(-0.4, 0.3, len(machine.wheels))
     return machine
@@ -93,6 +96,35 @@ def many_rollers() -> dict:
     return scene
 
 
+def ribs() -> dict:
+    """A kiwi across parallel steps up and down, with edges of all sizes, some without a face."""
+    shapes = [(0.004, 0.002), (-0.004, 0.003), (0.006, 0.004), (-0.006, 0.005), (0.003, 0.001), (-0.003, 0.03)]
+    places = [0.07 * number - 0.21 for number in range(6)]
+    rows = [(place, *shapes[number]) for number, place in enumerate(places)]
+    steps = [
+        {"point": [s, 0.3 * s], "direction_deg": 20.0, "height": height, "edge_radius": e} for s, height, e in rows
+    ]
+    return changed("kiwi_slope", floor={"steps": steps})
+
+
+def kerb() -> dict:
+    """A kiwi before a step higher than its rollers are thick."""
+    step = {"point": [0.65, 0.0], "direction_deg": 10.0, "height": 0.024, "edge_radius": 0.003}
+    return changed("kiwi_slope", floor={"steps": [step]})
+
+
+def heights() -> np.ndarray:
+    """Of a grid, rows along x."""
+    x, y = np.meshgrid(np.linspace(0.0, 1.0, 9), np.linspace(0.0, 1.0, 7))
+    return 0.004 * np.sin(5.0 * x + 1.0) * np.cos(4.0 * y) + 0.002 * x
+
+
+def grid() -> dict:
+    """A mecanum machine on a grid of heights, which end within its reach."""
+    return changed("mecanum_bump", floor={"bumps": [], "grid": GRID})
+
+
+GRID = {"file": "heights.npy", "origin": [-0.5, -0.4], "spacing": [0.12, 0.14]}
 SCENES = {name: load(name)[0] for name in REFERENCES}
 SCENES |= {
     "viscous": changed("mecanum_bump", friction={"law": "viscous", "viscosity": 30.0}),
@@ -101,6 +133,9 @@ SCENES |= {
     "unlike wheels": unlike(),
     "24 rollers": many_rollers(),
     "rockers": rockers(),
+    "ribs": ribs(),
+    "kerb": kerb(),
+    "grid": grid(),
 }
 
 
@@ -110,7 +145,10 @@ def states(machine: Machine, seed: int, count: int) -> Iterator[Coordinates]:
     for number in range(count):
         lean = LEANS[number % len(LEANS)]
         now = anywhere(machine, random, lean)
-        if lean:
+        if machine.ground.steps:
+            now = dropped(machine, now, random.uniform(0.1, 1.0) * DEEPEST)
+            yield now if lean else pushed(machine, now, random.uniform(0.1, 1.0) * DEEPEST)
+        elif lean:
             yield lowered(machine, now, random.uniform(0.1, 1.0) * DEEPEST)
         else:
             yield stood(machine, now, random.uniform(HIGHEST, DEEPEST, len(machine.wheels)))
@@ -118,13 +156,15 @@ def states(machine: Machine, seed: int, count: int) -> Iterator[Coordinates]:
 
 def anywhere(machine: Machine, random: np.random.Generator, lean: float) -> Coordinates:
     wheels, rockers = len(machine.wheels), len(machine.layout.carriers)
-    towards = random.uniform(-pi, pi)
+    towards, yaw = random.uniform(-pi, pi, 2)
+    for step in machine.ground.steps[:1]:  # wheels across and along it
+        yaw = np.arctan2(step.up[1], step.up[0]) + random.integers(6) * pi / 3.0 + 0.03 * yaw
     tilt = half(np.cos(towards) * X + np.sin(towards) * Y, lean)
     sprung = np.array([w in machine.layout.hub for w in range(wheels)], dtype=float)
     return Coordinates(
         position=np.array([*random.uniform(-0.3, 0.3, 2), 0.0]),
-        quaternion=multiplied(tilt, half(Z, random.uniform(-pi, pi))),
-        velocity=random.uniform(-1.0, 1.0, 3) * [0.5, 0.5, 0.05],
+        quaternion=multiplied(tilt, half(Z, yaw)),
+        velocity=random.uniform(-1.0, 1.0, 3) * [0.5, 0.5, 0.2],
         angular_velocity=random.uniform(-1.0, 1.0, 3) * [0.2, 0.2, 1.5],
         spin_angle=random.uniform(-pi, pi, wheels),
         spin_rate=random.uniform(-8.0, 8.0, wheels),
@@ -151,6 +191,33 @@ def lowered(machine: Machine, now: Coordinates, depth: float) -> Coordinates:
     for _ in range(8):
         now = now._replace(position=now.position + (depths(machine, now)[0].max() - depth) * Z)
     return now
+
+
+def dropped(machine: Machine, now: Coordinates, depth: float) -> Coordinates:
+    """The same state let down until a contact with ground or an edge is so deep."""
+    return moved_until(machine, now._replace(position=now.position + 0.1 * Z), -Z, lambda touch: touch.depth > depth)
+
+
+def pushed(machine: Machine, now: Coordinates, depth: float) -> Coordinates:
+    """The same state pushed towards the first step until a contact with an edge is so deep."""
+    up = machine.ground.steps[0].up
+    return moved_until(machine, now, up, lambda touch: touch.piece > 0 and touch.depth > depth)
+
+
+def moved_until(
+    machine: Machine, now: Coordinates, way: np.ndarray, done: Callable[[Touch], bool], stride: float = 8e-3
+) -> Coordinates:
+    """The same state moved along a way as far as some contact says, or not at all if none does within 0.8 m."""
+    first, halvings = now, 0
+    for _ in range(120):
+        there = now._replace(position=now.position + stride * way)
+        if not any(map(done, machine.touches(placed(machine.layout, there)))):
+            now = there
+            continue
+        stride, halvings = 0.5 * stride, halvings + 1
+        if halvings == 13:
+            return there
+    return first
 
 
 def stood(machine: Machine, now: Coordinates, wanted: np.ndarray) -> Coordinates:

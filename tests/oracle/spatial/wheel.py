@@ -15,18 +15,21 @@ The contact is a pair (P, X): X = (x, y, H(x, y)) of the ground, P the lowest po
     f(x, y) = (x, y) - P_xy - (P_z - H) grad H = 0        delta = (X - P) . nu
 
 f is solved by Newton's method with a Jacobian from central differences, renewed where it converges slowly, until
-rounding is left. On a plane f is linear with the unit matrix, and X is P projected.
+rounding is left. On a plane f is linear with the unit matrix, and X is P projected. The edge of a step is a surface of
+its own, see `meet_edge`: a roller may touch it and the level before it.
 """
 
 from math import asin, cos, pi, radians, sin, sqrt, tan
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from oracle.machine import UP, cross
-from oracle.spatial.ground import Ground
+from oracle.spatial.ground import Ground, Step
 
 DIFFERENCE = 1e-6  # m, for the Jacobian of f
+LOOKS = 9  # directions across an edge, to begin with
 ROUNDING = 1e-16  # m, what may be left of f
 
 
@@ -72,12 +75,13 @@ class Arc(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """P and X of a roller in world axes, the normal nu there, and delta > 0 where they overlap."""
+    """P and X of a roller in world axes, the normal nu there, delta > 0 where they overlap; piece 1 + k: edge k."""
 
     lowest: np.ndarray
     point: np.ndarray
     normal: np.ndarray
     depth: float
+    piece: int
 
 
 class Wheel:
@@ -116,15 +120,60 @@ class Wheel:
         u, r = self.profile.lowest(s)
         return centre + u * axis - r / sqrt(1.0 - s**2) * (nu - s * axis)
 
-    def contact(self, centre: np.ndarray, axis: np.ndarray, ground: Ground) -> Contact | None:
-        """Where a roller overlaps the ground, if it does."""
+    def contacts(self, centre: np.ndarray, axis: np.ndarray, ground: Ground) -> list[Contact]:
+        """Where a roller overlaps the ground, its level or smooth part first, then the edges of its steps."""
         below = self.lowest(centre, axis, UP)
         if below[2] > ground.top:
+            return []
+        found = self.meet_anywhere(centre, axis, ground, below)
+        contacts = [found] if all(step.off(found.point) for step in ground.steps) else []
+        for number, step in enumerate(ground.steps):
+            edge = self.meet_edge(centre, axis, step, ground)
+            contacts += [] if edge is None else [edge._replace(piece=1 + number)]
+        return [contact for contact in contacts if contact.depth > 0.0]
+
+    def meet_edge(self, centre: np.ndarray, axis: np.ndarray, step: Step, ground: Ground) -> Contact | None:
+        """Common normal of a roller and the edge of a step, or the face below.
+
+        Of all directions nu across the edge that which keeps roller and cylinder furthest apart: the largest
+        (P - C) . nu - e, C the axis of the cylinder, is where (P - C) . nu' = 0, as P is extremal along nu.
+        """
+        s, along = step.beyond(centre), cross(UP, step.up)
+        if not -self.profile.reach < s < step.width + self.profile.reach:
             return None
+        foot = centre + (step.width - s) * step.up
+        axis_of = step.centre + ((centre - step.centre) @ along) * along + ground.below(step, *foot[:2]) * UP
+
+        def turning(angle: float) -> float:
+            lowest = self.lowest(centre, axis, step.normal(angle))
+            return float((lowest - axis_of) @ (-sin(angle) * UP - cos(angle) * step.up))
+
+        angles = np.linspace(0.0, step.last, LOOKS)
+        apart = [(self.lowest(centre, axis, step.normal(angle)) - axis_of) @ step.normal(angle) for angle in angles]
+        best = int(np.argmax(apart))
+        low, high = angles[max(best - 1, 0)], angles[min(best + 1, LOOKS - 1)]
+        if turning(low) <= 0.0:
+            return None  # it lies on the level above
+        if turning(high) >= 0.0:
+            return self.meet_face(centre, axis, step, axis_of[2]) if step.faced else None
+        angle = brentq(turning, low, high, xtol=1e-16, rtol=1e-15)
+        nu = step.normal(angle)
+        lowest = self.lowest(centre, axis, nu)
+        point = axis_of + ((lowest - axis_of) @ along) * along + step.e * nu
+        return Contact(lowest, point, nu, float((point - lowest) @ nu), 0)
+
+    def meet_face(self, centre: np.ndarray, axis: np.ndarray, step: Step, height: float) -> Contact | None:
+        """The vertical face below an edge at this height."""
+        lowest = self.lowest(centre, axis, -step.up)
+        depth = step.beyond(lowest)
+        return Contact(lowest, lowest - depth * step.up, -step.up, depth, 0) if lowest[2] <= height else None
+
+    def meet_anywhere(self, centre: np.ndarray, axis: np.ndarray, ground: Ground, below: np.ndarray) -> Contact:
+        """The common normal with the ground without its edges, from below the roller or from elsewhere."""
         for start in (below, centre, *(centre + part * self.profile.reach * axis for part in (-1.0, -0.5, 0.5, 1.0))):
             found = self.meet(centre, axis, ground, start[:2])
             if found is not None:
-                return found if found.depth > 0.0 else None
+                return found
         raise ArithmeticError(f"no common normal of {self.name} and the ground below {centre}")
 
     def meet(self, centre: np.ndarray, axis: np.ndarray, ground: Ground, place: np.ndarray) -> Contact | None:
@@ -141,7 +190,7 @@ class Wheel:
             if size <= ROUNDING or (size >= 0.5 * last and size < 1e-14):
                 point, nu = np.array([*place, ground.height(*place)]), ground.normal(*place)
                 lowest = self.lowest(centre, axis, nu)
-                return Contact(lowest, point, nu, float((point - lowest) @ nu))
+                return Contact(lowest, point, nu, float((point - lowest) @ nu), 0)
             if not ground.flat and (number == 0 or size > 0.1 * last):
                 steps = DIFFERENCE * np.eye(2)
                 rates = [(gap(place + step) - gap(place - step)) / (2.0 * DIFFERENCE) for step in steps]
