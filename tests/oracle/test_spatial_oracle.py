@@ -15,8 +15,7 @@ from oracle.spatial.states import REFERENCES, SCENES, load, machine_of, rockers,
 
 TIME = 0.1  # of the tables, s
 H = 2e-6  # of differences along the motion, s
-# as good as the march, whose events nobody locates; measured on kiwi_slope: 1.4e-12, 1e-12, 3.5e-11, 9e-12, 3.4e-10,
-# 2.8e-10
+# of a march whose events nobody locates; measured on the four: 1.4e-12, 2.2e-12, 6.5e-11, 1.4e-10, 1.4e-9, 4.7e-9
 BOUNDS = {"position": 1e-10, "quaternion": 1e-10, "spin_angle": 1e-9, "velocity": 1e-9, "angular_velocity": 1e-8}
 BOUNDS |= {"spin_rate": 1e-8}
 

@@ -45,7 +45,6 @@ def unlike() -> dict:
     pushed = {"frame": "body", "times": [0.0, 0.5], "force": [[3.0, -4.0, 2.0], [1.0, 5.0, -3.0]]}
     scene = changed(
         "mecanum_springs",
-        friction={"law": "saturated", "slip_speed": 0.02},
         floor={"slope_deg": 12.0, "uphill_deg": 130.0, "bumps": [[0.2, 0.1, 0.02, 0.2], [-0.3, -0.1, -0.015, 0.25]]},
         chassis={"center_of_mass": [0.03, -0.02, 0.14], "inertia": [0.4, 0.6, 0.9]},
         wrench=pushed | {"yaw_torque": [0.7, -0.4]},
