@@ -15,7 +15,7 @@ from omnisim.dynamics.indices import contact_count
 from omnisim.dynamics.spatial.acceleration import slip_change
 from omnisim.dynamics.spatial.mobility import contact_mobility
 from omnisim.dynamics.spatial.pose import body_of
-from omnisim.dynamics.spatial.touching import standing, touching
+from omnisim.dynamics.spatial.touching import standing
 from omnisim.march.friction_modes import COARSE_STEP, CREEP_SPEED, slip_rate
 
 SLIP_FRACTION = 0.75  # of the time in which slip could stop, that one explicit sub-step may take at most
@@ -91,9 +91,7 @@ def step_in_space(parameters, run, h):
         for c in range(mode.contacts):
             factor = run.monitors[w].factor[c]
             if factor > 0.0:
-                i = mode.roller[mode.slot[c]]
-                touched = touching(parameters, w, stand, mode.piece[c], mode.region[c], i)
-                rate = slip_change(parameters, mode, w, c, stand, touched, run.y, run.slopes[0])
+                rate = slip_change(parameters, mode, w, c, stand, run.y, run.slopes[0])
                 scale = run.monitors[w].slip_square[c] + floor * floor
                 pace = max(pace, math.sqrt((rate.h * rate.h + rate.k * rate.k) / scale))
                 relaxation = max(relaxation, factor * largest(contact_mobility(parameters, w, stand.hub, c)))

@@ -8,7 +8,7 @@ from omnisim.base.vector import Vec3, combine, cross, dot, minus, plus, times
 from omnisim.contact.frame import Slip
 from omnisim.contact.support import support
 from omnisim.dynamics.spatial.pose import hub_of, inward, mounted, tangent_of, turned, vector
-from omnisim.dynamics.spatial.touching import STANDING
+from omnisim.dynamics.spatial.touching import STANDING, touching
 from omnisim.dynamics.state import places
 
 
@@ -40,7 +40,7 @@ def hub_acceleration(parameters, body, w, y, dy):
 
 
 @kernel
-def slip_change(parameters, mode, w, c, stand, touched, y, dy):
+def slip_change(parameters, mode, w, c, stand, y, dy):
     """v' (Slip, m/s^2) at contact c of wheel w on a plane, by the derivative dy of the state.
 
     V = V_O + w_d x (X - O) + chi' a x (X - B) at X - B = g a + f nu, which moves through the roller:
@@ -48,6 +48,7 @@ def slip_change(parameters, mode, w, c, stand, touched, y, dy):
     """
     wheel = parameters.wheels[w]
     at = places(parameters)
+    touched = touching(parameters, w, stand, mode.piece[c], mode.region[c], mode.roller[mode.slot[c]])
     hub, roller, normal = stand.hub, touched.roller, touched.normal
     axes = mounted(hub)
     lifted, bending = hub_acceleration(parameters, stand.body, w, y, dy)
