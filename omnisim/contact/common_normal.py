@@ -102,10 +102,10 @@ def reach_of(shape):
 
 
 @kernel
-def quickly_clear(floor, piece, shape, centre):
-    """Whether a roller with its centre (Vec3) there cannot touch this piece: cheap, and not told of all that cannot."""
-    reach = reach_of(shape)
-    if centre.z - reach > floor.highest:
+def quickly_clear(floor, piece, roller):
+    """Whether a Roller cannot touch this piece: cheap, and not told of all that cannot."""
+    centre, reach = roller.centre, reach_of(roller.shape)
+    if lowest(roller, ANY, Vec3(0.0, 0.0, 1.0)).point.z > floor.highest:
         return True
     if piece:
         step = floor.steps[piece - 1]

@@ -20,8 +20,11 @@ def begin(config: Config, parameters: Parameters) -> Run:
     """A Run at t = 0; the march itself finds the rollers in contact."""
     machine = plain(parameters.machine)
     choice = resolve(config, parameters)
-    parameters = parameters._replace(machine=machine)
-    y, rates = initial_state(config, parameters)
+    if parameters.space is not None:
+        y, rates = state_in_space(config, parameters, pose_at_start(config, parameters))
+    else:
+        parameters = parameters._replace(machine=machine)
+        y, rates = initial_state(config, parameters)
     count = len(parameters.wheels)
     mode, monitors = (MODE, MONITORS) if parameters.space is None else (SPATIAL_MODE, SPATIAL_MONITORS)
     tableau = METHODS[config.solver.method].tableau
@@ -93,8 +96,6 @@ def blank_rows(run: Run, count: int, bearing_loads: bool = False, odometry: bool
 
 def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, np.ndarray]:
     """State y (n,) without the rates of the rollers in contact, and rates (W, N) of all rollers, rad/s."""
-    if parameters.space is not None:
-        return state_in_space(config, parameters, pose_at_start(config, parameters))
     machine = parameters.machine
     wheels = np.asarray(parameters.wheels)
     at = places_in(parameters)

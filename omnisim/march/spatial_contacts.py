@@ -7,7 +7,7 @@ may have two contacts, with the ground before a step and with its edge: one rate
 import math
 
 from omnisim.base.kernel import kernel, outlined
-from omnisim.contact.common_normal import ANY, quickly_clear
+from omnisim.contact.common_normal import ANY, Roller, quickly_clear
 from omnisim.contact.floor import pieces
 from omnisim.contact.friction import SATURATED
 from omnisim.contact.support import WITHIN, region_of
@@ -36,8 +36,8 @@ def gap_at(parameters, w, stand, i, piece):
     """The same of its Standing."""
     space = parameters.space
     if space.floor is not None:
-        centre, _ = in_world(stand, roller_on(parameters, w, i, stand))
-        if quickly_clear(space.floor, piece, space.shapes[w], centre):
+        centre, axis = in_world(stand, roller_on(parameters, w, i, stand))
+        if quickly_clear(space.floor, piece, Roller(space.shapes[w], centre, axis)):
             return math.inf
     touched = touching(parameters, w, stand, piece, ANY, i)
     return -min(touched.depth, touched.within)
@@ -116,6 +116,7 @@ def stand_in_space(parameters, run):
         mode = run.mode[w]
         for c in range(mode.contacts):
             mode.pressed[c] = run.monitors[w].press[c] >= 0.0
+            mode.saturated[c] = branch(parameters, run, w, c)
     refresh(parameters, run, 0.0)
 
 

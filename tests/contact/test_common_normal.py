@@ -47,7 +47,7 @@ def errors(ground, piece, roller, axis, at, depth):
     centre, nu, region = placed(ground, piece, at, roller, axis, depth)
     found = touched(ground, piece, roller, centre, axis)
     assert found.converged and found.region == region
-    assert not quickly_clear(ground, piece, roller, vec(centre)) or depth < 0.0
+    assert not quickly_clear(ground, piece, Roller(roller, vec(centre), vec(axis))) or depth < 0.0
     return abs(found.depth - depth), float(np.abs(np.array(found.nu) - nu).max())
 
 
@@ -242,7 +242,10 @@ def test_what_is_quickly_clear_does_not_touch():
     for axis in axes(1000, seed=13):
         centre = random.uniform((0.4, -0.1, 0.0), (0.6, 0.2, 0.08))
         for piece in (0, 1):
-            told, found = quickly_clear(ground, piece, OMNI, vec(centre)), touched(ground, piece, OMNI, centre, axis)
+            told, found = (
+                quickly_clear(ground, piece, Roller(OMNI, vec(centre), vec(axis))),
+                touched(ground, piece, OMNI, centre, axis),
+            )
             touches = found.converged and found.inside > 0.0 and found.depth > 0.0
             assert not (told and touches)
             clear, apart = clear + told, apart + (not touches)

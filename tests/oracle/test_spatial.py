@@ -212,9 +212,6 @@ def test_energies_and_powers_are_the_sums_over_all_bodies(pairs):
     assert_equal(pairs, dict.fromkeys(("kinetic energy", "stored energy", "powers"), 1e-11))  # measured: 2e-13
 
 
-@pytest.mark.xfail(
-    strict=True, raises=AssertionError, reason="a march begins on the slow branch of the saturated law, whatever slips"
-)
 def test_fast_slip_is_saturated_from_the_start():
     scene = changed("kiwi_slope", friction={"law": "saturated"})
     machine, pairs = Machine(scene), Pairs()
@@ -224,9 +221,6 @@ def test_fast_slip_is_saturated_from_the_start():
     assert_equal(pairs, {"friction": 1e-10})
 
 
-@pytest.mark.xfail(
-    strict=True, raises=AssertionError, reason="viscous friction also acts where the rubber does not press"
-)
 def test_nothing_rubs_without_a_load():
     """Rubber that is slower than the roller leaves it: N = 0 while delta > 0."""
     machine, pairs = Machine(SCENES["viscous"]), Pairs()

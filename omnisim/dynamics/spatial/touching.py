@@ -160,7 +160,9 @@ def react(parameters, mode, w, c, stand, touched, rate):
     h, k = tangent_of(normal)
     slip = Slip(dot(velocity, h), dot(velocity, k))
     turn = dot(turning, normal) + joint * touched.tilt
-    factor, torque = friction(machine, mode.saturated[c], load, slip, turn)
+    factor, torque = 0.0, 0.0
+    if mode.pressed[c]:
+        factor, torque = friction(machine, mode.saturated[c], load, slip, turn)
     held = Slip(-factor * slip.h, -factor * slip.k)
     heat = factor * (slip.h * slip.h + slip.k * slip.k) - torque * turn
     return Reaction(closing, press, load, slip, held, factor, combine(load, normal, held.h, h, held.k, k), torque, heat)
