@@ -1,4 +1,10 @@
-"""A trial step, and the first event in it: each guard's root inside the step, located to rounding."""
+"""A trial step, and the first event in it: each guard's root inside the step, located to rounding.
+
+An exchange is aimed at: the step ends where a Taylor series puts it, as one that creeping slip ends in does a little
+later (substeps.py). What is missing then is a small part e of the step h, and the state is moved there along the cubic
+that has the states and derivatives at its ends. That errs by e^2 h^4 / 24 of the fourth derivative, and e of an
+exchange falls with h^2.
+"""
 
 import math
 
@@ -9,6 +15,8 @@ from omnisim.base.status import (
 )
 from omnisim.contact.set_valued import CREEP
 from omnisim.dynamics.state import places
+from omnisim.dynamics.twist import body_motion
+from omnisim.dynamics.wheel import contact_state
 from omnisim.march.events import (
     EXIT,
     GRIP,
@@ -21,19 +29,21 @@ from omnisim.march.events import (
     guard_kinds,
     resolution,
 )
-from omnisim.march.friction_modes import stopped_speed
+from omnisim.march.friction_modes import slip_rate, stopped_speed
 from omnisim.march.radau5 import implicit_step
 from omnisim.march.runge_kutta import explicit_step
 from omnisim.march.substeps import outrun
 
-SLIDING = 1e-6  # of a step: the square of less, by any acceleration, is lost in rounding
+REACH = 0.02  # of a step, by which its end may be moved along a cubic; of an implicit one, whose states may have
+IMPLICIT_REACH = 1e-6  # changed much faster than any cubic does, so little that its square is lost in rounding
+AHEAD = 1.5  # times the way of a step, at the rate of its start: what is further away is no aim
 SHRINKING = 2.0**-5  # of a step, in the search for a point inside
 NEAR = 1e-3  # of a step, between two iterates that tell how good the root is
 REACH_GROWTH = 2.0  # of an implicit step over the last one that converged
 GRID_ROUNDING = 1e-14  # of a step and of the time: what is left of a step that is none
 MOST_ITERATIONS = 60  # for a root, of which halving alone would need 50
 HALVING = 4  # every so many iterations halve what is left: a chord may creep along a guard that bends
-HERMITE_ITERATIONS = 3  # Newton's, from a chord of a guard that a cubic follows
+HERMITE_ITERATIONS = 5  # Newton's, from the end of a step
 
 
 @kernel
@@ -42,19 +52,77 @@ def step_to_event(parameters, method, run, t, h):
     clock = run.clock
     if run.newton is not None and clock.implicit:
         h = min(h, REACH_GROWTH * clock.reach)
+    longest = h
+    h, aimed = aim(parameters, run, h)
     while True:
         advance(parameters, method, run, t, h)
         if clock.converged:
             s, fired = cut_at_event(parameters, method, run, t, h)
+            if parameters.space is None and fired.kind < 0 and aimed.kind >= 0:
+                s, fired = move_on(parameters, run, aimed, h, longest)
             if clock.converged and not outrun(parameters, run, s):
                 rest = GRID_ROUNDING * (t + clock.dt)  # of a piece, in rounding: it tells nothing of longer steps
                 if run.newton is not None and clock.implicit and h > rest:
-                    clock.reach = h
+                    clock.reach = h if aimed.kind < 0 else max(h, clock.reach)  # nor does one that was aimed
                 return s, fired
         h *= 0.5
         if h < GRID_ROUNDING * clock.dt:
             clock.status = NO_CONVERGENCE if clock.implicit else NOT_FINITE
             return 0.0, NO_GUARD
+
+
+@kernel
+def aim(parameters, run, h):
+    """A step of at most h that ends at the first exchange which a Taylor series foretells: its length, and the Guard
+    of that exchange or NO_GUARD."""
+    aimed = NO_GUARD
+    if parameters.space is not None:
+        return h, aimed
+    spins = places(parameters).spin_rate
+    for w in range(len(run.mode)):
+        which = Guard(EXIT, w, 0)
+        value, rate = guard(parameters, run, which, False), guard_rate(parameters, run, which, False)
+        if 0.0 < value < -AHEAD * rate * h:
+            square = rate * rate + 2.0 * run.mode[w].direction * run.slopes[0, spins + w] * value
+            s = 2.0 * value / (math.sqrt(square) - rate) if square > 0.0 else h
+            if s < h:
+                h, aimed = s, which
+    return h, aimed
+
+
+@kernel
+def move_on(parameters, run, aimed, h, longest):
+    """Move the end of a trial step h, in which nothing fired, on to the exchange that it was aimed at, if that is near
+    and no further than the `longest` step: its length, and the Guard of that exchange or NO_GUARD."""
+    correction = to_root(parameters, run, aimed, h)
+    if abs(correction) <= reach(run.clock) * h and h + correction <= longest:
+        slide(parameters, run, h, correction)
+        return h + correction, aimed
+    return h, NO_GUARD
+
+
+@kernel
+def creeps(run, which):
+    """Whether a Guard is the sense of creeping slip."""
+    kind, w, side = which
+    return kind == GRIP and run.mode[w].grip[side] == CREEP
+
+
+@kernel
+def guard_rate(parameters, run, which, at_end):
+    """Rate of the Guard of an exchange, rad/s, or of creeping slip, m/s^2, at the start of a step or `at_end`."""
+    kind, w, side = which
+    y = run.trial if at_end else run.y
+    if kind == EXIT:
+        return -run.mode[w].direction * y[places(parameters).spin_rate + w]
+    rate, _, _ = slip_rate(parameters, run.mode[w], w, side, y, run.slopes[-1 if at_end else 0])
+    creep = parameters.workspace.contacts[parameters.wheels[w].contacts + side].creep
+    return rate.h * creep[0] + rate.k * creep[1]
+
+
+@kernel
+def reach(clock):
+    return IMPLICIT_REACH if clock.implicit else REACH
 
 
 @kernel
@@ -85,102 +153,97 @@ def locate(parameters, method, run, t, h, which, value):
 
     Every evaluation is a step of its own from the start of the step, so the state found is as accurate as any. A
     step that starts ON the root, leaves it and comes back has its event at the later root: so first a point inside
-    is sought at which the guard holds. Then a safeguarded secant iteration.
+    is sought at which the guard holds. Then a safeguarded iteration: of secants, or where the rate of the guard is
+    known at both ends of a trial, of cubics.
     """
     kind, w, side = which
     low, high = 0.0, h
-    g_low, g_high = guard(parameters, run, which, False), value
-    at_once = g_low <= 0.0 and leaves_at_once(parameters, run, which)
-    while g_low <= 0.0:
-        s = SHRINKING * high
-        if at_once or s < GRID_ROUNDING * run.clock.dt:
-            advance_again(parameters, method, run, t, 0.0)
-            return 0.0
-        g = trial_guard(parameters, method, run, t, s, which)
-        if g > 0.0:
-            low, g_low = s, g
-        else:
-            high, g_high = s, g
+    s, g = h, value  # where the trial is
+    s_last, g_last = 0.0, guard(parameters, run, which, False)
+    if g_last <= 0.0:
+        at_once = leaves_at_once(parameters, run, which)
+        while g <= 0.0:
+            s_last, g_last, high = s, g, s
+            s *= SHRINKING
+            if at_once or s < GRID_ROUNDING * run.clock.dt:
+                advance_again(parameters, method, run, t, 0.0)
+                return 0.0
+            g = trial_guard(parameters, method, run, t, s, which)
     tolerance = resolution(h, t)
     slack = 0.0
-    enough = 0.0
-    s = low + (high - low) * g_low / (g_low - g_high)
-    s_last = high
-    g_last = g_high
-    if parameters.space is None and kind == EXIT:  # the angle and its rate are known at both ends
-        enough = SLIDING * h
-        if low == 0.0 and value >= exit_rate(parameters, run, w, run.trial) * tolerance:  # of the whole step
-            return h
-        if low == 0.0 and high == h:
-            rates = exit_rate(parameters, run, w, run.y), exit_rate(parameters, run, w, run.trial)
-            s = hermite_root(h, g_low, g_high, rates[0], rates[1], s)
-    elif parameters.workspace.resting is not None and kind == GRIP and run.mode[w].grip[side] == CREEP:
-        slack = stopped_speed(parameters, run, w, side)  # what is left of the slip is taken away
-        if low == 0.0 and value >= -slack:
-            return h
+    with_rate = parameters.space is None and kind == EXIT
+    if parameters.workspace.resting is not None and creeps(run, which):
+        slack, with_rate = stopped_speed(parameters, run, w, side), True  # what is left of the slip is taken away
     for iteration in range(MOST_ITERATIONS):
-        g = trial_guard(parameters, method, run, t, s, which)
         if not math.isfinite(g + s):  # of a state that has burst nothing can be located
             return h
         correction = g * (s - s_last) / (g_last - g)
-        if parameters.space is None and kind == EXIT:
-            correction = -g / exit_rate(parameters, run, w, run.trial)
+        if parameters.space is None and with_rate:
+            correction = to_root(parameters, run, which, s)
         if g > 0.0:
             low = s
         else:
             high = s
         # A chord over a guard that bends sharply gives a small correction far from the root: judge it at its scale.
-        close = (parameters.space is None and kind == EXIT) or abs(s - s_last) <= NEAR * h
-        near = abs(correction) <= tolerance and close
+        near = abs(correction) <= tolerance and (with_rate or abs(s - s_last) <= NEAR * h)
         if abs(g) <= slack or near or high - low <= tolerance:
             break
-        if abs(correction) <= enough and low <= s + correction <= high:
-            slide(run, correction)
+        if with_rate and abs(correction) <= reach(run.clock) * s:
+            slide(parameters, run, s, correction)
             return s + correction
         s_last, g_last = s, g
         s += correction
         if iteration % HALVING == HALVING - 1 or not low < s < high:
             s = 0.5 * (low + high)
+        g = trial_guard(parameters, method, run, t, s, which)
     return s
 
 
 @kernel
-def exit_rate(parameters, run, w, y):
-    """Rate at which the guard EXIT of wheel w changes in state y, rad/s."""
-    return -run.mode[w].direction * y[places(parameters).spin_rate + w]
+def to_root(parameters, run, which, h):
+    """Time from the end of the trial step h to the root of the cubic that a Guard with a rate follows, s."""
+    g_0, g_1 = guard(parameters, run, which, False), guard(parameters, run, which, True)
+    d_0, d_1 = h * guard_rate(parameters, run, which, False), h * guard_rate(parameters, run, which, True)
+    x = 1.0
+    for _ in range(HERMITE_ITERATIONS):
+        y = 1.0 - x
+        value = y * y * ((1.0 + 2.0 * x) * g_0 + x * d_0) + x * x * ((1.0 + 2.0 * y) * g_1 - y * d_1)
+        slope = 6.0 * x * y * (g_1 - g_0) + y * (1.0 - 3.0 * x) * d_0 + x * (3.0 * x - 2.0) * d_1
+        x -= value / slope
+    return (x - 1.0) * h
 
 
 @kernel
-def slide(run, time):
-    """Move the trial on by a time whose square no longer matters, along its derivative."""
-    derivative = run.slopes[-1]
+def slide(parameters, run, h, time):
+    """Move the end of the trial step h on by a time, s, along the cubic that has the states and derivatives at both
+    ends. The derivative and what depends on it stay behind, for the event to find anew; creeping slip does not."""
+    x = 1.0 + time / h
+    y = 1.0 - x
+    whole, first, last = x * x * (1.0 + 2.0 * y), h * x * y * y, -h * x * x * y
     for m in range(len(run.trial)):
-        run.increment[m] += time * derivative[m]
+        run.increment[m] = whole * run.increment[m] + (first * run.slopes[0, m] + last * run.slopes[-1, m])
         run.trial[m] = run.y[m] + run.increment[m]
+    if parameters.workspace.resting is not None:
+        body = body_motion(parameters, run.trial)
+        for w in range(len(run.mode)):
+            if run.mode[w].grip[0] == CREEP and not run.mode[w].shared:
+                slip = contact_state(parameters, run.mode[w], w, 0, body, run.trial).slip
+                creep = parameters.workspace.contacts[parameters.wheels[w].contacts].creep
+                monitors = run.monitors_end[w]
+                monitors.slip_square[0] = slip.h * slip.h + slip.k * slip.k
+                monitors.margin[0] = slip.h * creep[0] + slip.k * creep[1]
 
 
 @kernel
 def leaves_at_once(parameters, run, which):
     """Whether a Guard that is on its root at the start of a step, or beyond, does not come back: spin that has no rate
     or the other sense and goes on to gain it, and creeping slip that has turned."""
-    kind, w, side = which
+    kind, w, _ = which
     if parameters.space is not None:
         return False
     if kind == TURN:
         return run.mode[w].direction * run.slopes[0, places(parameters).spin_rate + w] < 0.0
-    return kind == GRIP and run.mode[w].grip[side] == CREEP
-
-
-@kernel
-def hermite_root(h, g_0, g_1, rate_0, rate_1, s):
-    """Root in [0, h] of the cubic with these values and rates at its ends, from the guess s."""
-    x, d_0, d_1 = s / h, h * rate_0, h * rate_1
-    for _ in range(HERMITE_ITERATIONS):
-        y = 1.0 - x
-        value = y * y * ((1.0 + 2.0 * x) * g_0 + x * d_0) + x * x * ((1.0 + 2.0 * y) * g_1 - y * d_1)
-        slope = 6.0 * x * y * (g_1 - g_0) + y * (1.0 - 3.0 * x) * d_0 + x * (3.0 * x - 2.0) * d_1
-        x = min(max(x - value / slope, 0.0), 1.0)
-    return x * h if 0.0 < x < 1.0 else s
+    return creeps(run, which)
 
 
 @kernel

@@ -45,15 +45,14 @@ CONE = 1e-12  # of mu times load and weight, by which a sticking force may pass 
 
 
 @kernel
-def slip_rate(parameters, run, w, side):
-    """v' (Slip, m/s^2) at a contact of wheel w as the motion goes, v (Slip, m/s), and A, 1/kg."""
+def slip_rate(parameters, mode, w, side, y, slope):
+    """v' (Slip, m/s^2) at a contact of wheel w in a state y with this derivative, v (Slip, m/s), and A, 1/kg."""
     wheel = parameters.wheels[w]
     at = places(parameters)
-    slope = run.slopes[0]
-    body = body_motion(parameters, run.y)
-    state = contact_state(parameters, run.mode[w], w, side, body, run.y)
+    body = body_motion(parameters, y)
+    state = contact_state(parameters, mode, w, side, body, y)
     acceleration = acceleration_of(parameters, body, slope)
-    roller = slope[rate_place(parameters, run.mode[w], w, side)]
+    roller = slope[rate_place(parameters, mode, w, side)]
     motion = wheel_motion(wheel, body.twist, acceleration, slope[at.spin_rate + w], roller)
     mobility = inverse_mass(parameters.machine, wheel, state.axis, state.contact)
     return slip_acceleration(wheel, state, motion), state.slip, mobility
@@ -112,7 +111,7 @@ def stops(parameters, run, w):
         return False
     if mode.freed_step == run.clock.step and mode.freed >= MOST_FREED:
         return False
-    rate, slip, mobility = slip_rate(parameters, run, w, 0)
+    rate, slip, mobility = slip_rate(parameters, mode, w, 0, run.y, run.slopes[0])
     along = slip.h * rate.h + slip.k * rate.k
     turn = slip.h * rate.k - slip.k * rate.h
     square = monitors.slip_square[0]
@@ -242,9 +241,9 @@ def start_slip(parameters, run, w, side, t):
 
 
 @kernel
-def take_drift_away(parameters, run, t):
+def take_drift_away(parameters, run, t, refreshed):
     """Take drift away: sticking contacts hold the slip acceleration at zero, the slip only to rounding; creeping ones
-    have a direction that turns, and their slip follows."""
+    have a direction that turns, and their slip follows. `refreshed`: by an event that finds the derivative anew."""
     drifts = False
     for w in range(len(run.mode)):
         mode, monitors = run.mode[w], run.monitors[w]
@@ -258,4 +257,5 @@ def take_drift_away(parameters, run, t):
             drifts = drifts or slip_across(monitors) > 0.0
     if drifts:
         align_slip(parameters, run)
-        refresh(parameters, run, t)
+        if not refreshed:
+            refresh(parameters, run, t)

@@ -173,9 +173,9 @@ def grid_step(parameters, method, run, rows, log):
         if parameters.workspace.articulated is not None:
             project_bodies(parameters, run, True)
         clock.elapsed += h
-        if parameters.workspace.resting is not None:
-            take_drift_away(parameters, run, start + clock.elapsed)
         kind, w, _ = fired
+        if parameters.workspace.resting is not None:
+            take_drift_away(parameters, run, start + clock.elapsed, kind >= 0 and kind != TURN)
         if kind >= 0:
             transition(parameters, run, log, fired, start + clock.elapsed)
             restore_consistency(parameters, run, log, start + clock.elapsed)

@@ -27,7 +27,7 @@ AUTO_STIFF = 4.0  # relaxation of slip within a step, beyond which "auto" makes 
 AUTO_ACCURATE = 0.5  # and up to which its explicit steps go
 TURN_FRACTION = 0.7  # of the largest stable step of the method for the turning of the slip's direction
 LEAST_CREEPING = 2.0 * CREEP_SPEED  # m/s: creeping slip that is slower is stepped as if it were that fast
-CREEP_STEP = 1.05  # of the time in which creeping slip doubles or stops, for one step: a little beyond its end
+CREEP_STEP = 1.01  # of the time in which creeping slip doubles or stops, for one step: a little beyond its end
 
 
 @kernel
@@ -50,11 +50,11 @@ def step_length(parameters, run, t, h):
         for side in range(contact_count(run.mode[w])):
             factor, grip = run.monitors[w].factor[side], run.mode[w].grip[side]
             if parameters.workspace.resting is not None and grip == CREEP:  # it will stop soon, or go its own way
-                rate, _, _ = slip_rate(parameters, run, w, side)
+                rate, _, _ = slip_rate(parameters, run.mode[w], w, side, run.y, run.slopes[0])
                 speed = max(math.sqrt(run.monitors[w].slip_square[side]), LEAST_CREEPING)
                 h = min(h, CREEP_STEP * speed / max(math.sqrt(rate.h * rate.h + rate.k * rate.k), TINY))
             elif grip == SLIP and factor > 0.0:
-                rate, slip, a = slip_rate(parameters, run, w, side)
+                rate, slip, a = slip_rate(parameters, run.mode[w], w, side, run.y, run.slopes[0])
                 mobility = largest(a)
                 scale = run.monitors[w].slip_square[side] + floor * floor
                 size = math.sqrt((rate.h * rate.h + rate.k * rate.k) * scale)

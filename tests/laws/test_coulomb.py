@@ -175,7 +175,7 @@ def test_the_multipliers_hold_at_every_accepted_step(step, overrides):
         grip, limit = run.mode[0].grip[0], parameters.machine.friction * run.monitors[0].normal_force
         body = body_motion(parameters, run.y)
         state = contact_state(parameters, run.mode[0], 0, 0, body, run.y)
-        acceleration = np.hypot(*slip_rate(parameters, run, 0, 0)[0])
+        acceleration = np.hypot(*slip_rate(parameters, run.mode[0], 0, 0, run.y, run.slopes[0])[0])
         slope = run.slopes[0][[at.velocity, at.velocity + 1]] * parameters.machine.mass
         cos, sin = body.frame
         force = np.array([cos * slope[0] + sin * slope[1], cos * slope[1] - sin * slope[0]])
@@ -197,7 +197,7 @@ def test_the_multipliers_hold_at_every_accepted_step(step, overrides):
         ("testbench_psi30", ("wrench.times=[0.0]", "wrench.force=[[0.5, 1.0, 0.0]]", "time.step=0.1", "time.end=100",
                              "time.output_interval=1.0", "initial.velocity=[0, 0]", "initial.yaw_rate=0",
                              "wheels.wheel.spin_rate=0", "wheels.wheel.roller_rates=0")),
-        (CASE, ("time.step=2.0", "time.output_interval=2.0")),
+        (CASE, ("time.step=2.0", "time.output_interval=2.0", "initial.yaw_rate=5")),
     ],
 )  # fmt: skip
 def test_steps_far_too_long_for_coulomb_friction_are_found_out_by_their_energy(name, overrides):
