@@ -6,10 +6,9 @@ from omnisim.base.kernel import kernel
 from omnisim.base.vector import combine, cross, plus, times
 from omnisim.dynamics.spatial.acceleration import hub_acceleration
 from omnisim.dynamics.spatial.energy import motion_energy, spring_energy, weight_energy
-from omnisim.dynamics.spatial.pose import body_of, hub_of, mounted, outward, vector
+from omnisim.dynamics.spatial.pose import body_of, hub_of, mounted, outward, put, vector
 from omnisim.dynamics.spatial.records import SLOTS
 from omnisim.dynamics.spatial.touching import joint_rate, roller_on, standing
-from omnisim.dynamics.spatial.wheel import put
 from omnisim.dynamics.state import places
 from omnisim.march.runge_kutta import evaluate
 

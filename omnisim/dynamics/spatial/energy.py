@@ -2,9 +2,9 @@
 
 from omnisim.base.kernel import kernel
 from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
-from omnisim.dynamics.spatial.pose import body_of, hub_of, vector
+from omnisim.dynamics.spatial.carriers import place_carrier
+from omnisim.dynamics.spatial.pose import body_of, hub_of, product, vector
 from omnisim.dynamics.spatial.records import POSITION
-from omnisim.dynamics.spatial.right_hand_side import place_carrier, product
 from omnisim.dynamics.spatial.touching import standing, touching
 from omnisim.dynamics.state import places
 

@@ -16,11 +16,10 @@ from omnisim.base.vector import cross, dot, plus, times
 from omnisim.contact.common_normal import ANY
 from omnisim.contact.floor import pieces
 from omnisim.dynamics.parameters import Parameters
-from omnisim.dynamics.spatial.pose import body_of, inward, mounted, outward, vector
+from omnisim.dynamics.spatial.carriers import place_carrier
+from omnisim.dynamics.spatial.pose import add_push, body_of, inward, mounted, outward, vector
 from omnisim.dynamics.spatial.records import BASE
-from omnisim.dynamics.spatial.right_hand_side import place_carrier
 from omnisim.dynamics.spatial.touching import standing, touching
-from omnisim.dynamics.spatial.wheel import add_push
 from omnisim.dynamics.state import places
 
 SOFTEST = 0.25  # of the smallest wheel radius: how far it sinks in with the softest rubber

@@ -15,9 +15,8 @@ from typing import NamedTuple
 from omnisim.base.kernel import kernel
 from omnisim.base.vector import Vec3, combine, cross, dot, plus
 from omnisim.contact.mobility import Symmetric
-from omnisim.dynamics.spatial.pose import mounted, outward, tangent_of, vector
+from omnisim.dynamics.spatial.pose import mounted, outward, product, tangent_of, vector
 from omnisim.dynamics.spatial.records import SLOTS
-from omnisim.dynamics.spatial.right_hand_side import product
 
 
 class Lever(NamedTuple):

@@ -62,7 +62,8 @@ def pack_space(config: Config, wheels: list[dict], machine: dict) -> Space:
         touches=blank(TOUCH, SLOTS * len(wheels)),
         motions=blank(MOTION, len(carriers)),
         pushes=np.zeros((1 + len(carriers), 6)),
-        balance=np.zeros((6, 7)),
+        balance=np.zeros((6 + len(carriers), 6 + len(carriers))),
+        answer=np.zeros(6 + len(carriers)),
     )
 
 

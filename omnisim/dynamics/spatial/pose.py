@@ -139,3 +139,35 @@ def tangent_of(normal):
     size = math.sqrt(normal.x * normal.x + normal.z * normal.z)
     h = Vec3(normal.z / size, 0.0, -normal.x / size)
     return h, Vec3(-normal.y * normal.x / size, size, -normal.y * normal.z / size)
+
+
+@kernel
+def product(matrix, v):
+    """A 3 x 3 array times a Vec3."""
+    return Vec3(
+        matrix[0, 0] * v.x + matrix[0, 1] * v.y + matrix[0, 2] * v.z,
+        matrix[1, 0] * v.x + matrix[1, 1] * v.y + matrix[1, 2] * v.z,
+        matrix[2, 0] * v.x + matrix[2, 1] * v.y + matrix[2, 2] * v.z,
+    )
+
+
+@kernel
+def put(target, v):
+    """A Vec3 into the first three numbers of an array."""
+    target[0], target[1], target[2] = v.x, v.y, v.z
+
+
+@kernel
+def put_at(array, place, v):
+    array[place], array[place + 1], array[place + 2] = v.x, v.y, v.z
+
+
+@kernel
+def add_push(push, moment, force):
+    """Add a moment and a force (Vec3) to six numbers."""
+    push[0] += moment.x
+    push[1] += moment.y
+    push[2] += moment.z
+    push[3] += force.x
+    push[4] += force.y
+    push[5] += force.z

@@ -93,10 +93,8 @@ MOTION = np.dtype(
         ("centre", np.float64, (3,)),  # of its mass from C, m
         ("inertia", np.float64, (3, 3)),  # about that, chassis axes
         ("inner_inertia", np.float64, (3, 3)),
-        ("across", np.float64, (6,)),  # I s: moment about C, then force
-        ("along", np.float64, (6,)),  # s: turning, then velocity of what is at C
-        ("free", np.float64),  # s . of what accelerates it, N or N m
-        ("mobility", np.float64),  # 1 / s . I s
+        ("turning", np.float64, (3,)),  # its screw: turning, and velocity of what is at C
+        ("at_origin", np.float64, (3,)),
     ]
 )
 SPATIAL_MODE = np.dtype(
@@ -143,7 +141,7 @@ class Space(NamedTuple):
     sine of the angle of each roller on its disk, and its offset along the axle, m. floor: Floor, None if it is plane.
     carriers (C,): records CARRIER, None if there are none. Then what is found at an instant: touches (W * SLOTS,):
     records TOUCH; motions (C,): records MOTION; pushes (1 + C, 6): moment about C and force on chassis and carriers,
-    chassis axes; balance (6, 7): their equations.
+    chassis axes; balance (6 + C, 6 + C) and answer (6 + C,): their equations.
     """
 
     body: np.record
@@ -156,3 +154,4 @@ class Space(NamedTuple):
     motions: np.recarray
     pushes: np.ndarray
     balance: np.ndarray
+    answer: np.ndarray

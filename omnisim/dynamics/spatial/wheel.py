@@ -15,7 +15,7 @@ from omnisim.base.kernel import kernel, outlined
 from omnisim.base.vector import Vec3, combine, cross, dot, plus, times
 from omnisim.contact.support import region_guard
 from omnisim.dynamics.actuation import actuate, followed
-from omnisim.dynamics.spatial.pose import mounted, outward
+from omnisim.dynamics.spatial.pose import add_push, mounted, outward, put
 from omnisim.dynamics.spatial.records import BASE, SLOTS
 from omnisim.dynamics.spatial.touching import joint_rate, react, roller_on, standing, touching
 from omnisim.dynamics.state import places
@@ -81,17 +81,6 @@ def push_wheel(parameters, stage, w, body):
     if stage.monitoring:
         stage.monitors[w].demand = demand
     return pressed.friction_loss, pressed.contact_loss, drive * spin_rate
-
-
-@kernel
-def add_push(push, moment, force):
-    """Add a moment and a force (Vec3) to six numbers."""
-    push[0] += moment.x
-    push[1] += moment.y
-    push[2] += moment.z
-    push[3] += force.x
-    push[4] += force.y
-    push[5] += force.z
 
 
 @kernel
@@ -181,11 +170,6 @@ def monitor_contact(parameters, monitors, w, c, region, touched, found):
     put(seen.normal, touched.normal)
     put(seen.lever, touched.lever)
     seen.azimuth[0], seen.azimuth[1] = roller.cos_q, roller.sin_q
-
-
-@kernel
-def put(target, v):
-    target[0], target[1], target[2] = v.x, v.y, v.z
 
 
 @kernel
