@@ -34,6 +34,7 @@ def reference_data(name):
         data |= {key: values[0] for key, values in by_wheel.items()}
     else:
         data |= {key: np.transpose(values) for key, values in by_wheel.items()}
+    if len(wheels) > 1 and "exchange_times" in data:
         data["exchange_times"], data["exchange_wheels"] = zip(*data["exchange_times"], strict=True)
     return {key: value if isinstance(value, str) else np.array(value) for key, value in data.items()}
 
