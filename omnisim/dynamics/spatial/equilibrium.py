@@ -7,6 +7,7 @@ which of them is not known: so it begins soft, and stiffens until it is what it 
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,12 +29,20 @@ LEAST_STIFFER = 1.001  # the same after rounds that failed
 MOST_NEWTON = 60  # iterations of a round
 MOST_HALVINGS = 30
 BALANCED = 1e-11  # of the weight, and of its moment at the arm of the machine
-NUDGE = 1e-6  # m and rad, of differences
+ROUNDING = 2e-15  # of lengths: stiff rubber makes forces of it
+NUDGE, PART = 1e-6, 1e-3  # m and rad, of differences, at most; and of how far rubber is pressed in, which they keep in
 STEEPEST = 0.5  # rad, of a correction
 
 
 class NoEquilibriumError(Exception):
     """A machine that does not stand where it is put."""
+
+
+class Fineness(NamedTuple):
+    """Of Newton's method: length of differences (m and rad), and what may be unbalanced, of the weight."""
+
+    nudge: float
+    enough: float
 
 
 @kernel
@@ -96,26 +105,30 @@ def find_equilibrium(parameters: Parameters, state_at, carriers: int) -> tuple[n
         direct(weigh, parameters, state_at(x), softness, loads)
         return unbalanced(parameters, x[3:]) / scale
 
+    def at_rest(x: np.ndarray) -> np.ndarray:
+        pressed = softness * weight / stiffness
+        fine = Fineness(min(NUDGE, PART * pressed), max(BALANCED, ROUNDING * radius / pressed))
+        return settled(lacking, newton(lacking, x, fine), scale, fine)
+
     x = np.zeros(3 + carriers)
     x[0] = lowest_touch(parameters, state_at, softness, loads, weight)
-    x = newton(lacking, x)
+    x = at_rest(x)
     factor = STIFFER
     while softness > 1.0:
         before, softness = softness, max(1.0, softness / factor)
         try:
-            x, factor = newton(lacking, x), STIFFER
+            x, factor = at_rest(x), STIFFER
         except NoEquilibriumError:
             softness, factor = before, math.sqrt(factor)
             if factor < LEAST_STIFFER:
                 raise
-    x = settled(lacking, x, scale)
     lacking(x)
     return x, loads.copy()
 
 
-def settled(lacking, x: np.ndarray, scale: np.ndarray) -> np.ndarray:
+def settled(lacking, x: np.ndarray, scale: np.ndarray, fine: Fineness) -> np.ndarray:
     """The same, or where it comes to rest if it would fall from there: a machine that balances on two wheels."""
-    slope = scale[:, None] * difference(lacking, x)
+    slope = scale[:, None] * difference(lacking, x, fine.nudge)
     growth, ways = np.linalg.eigh(0.5 * (slope + slope.T))
     if growth[-1] <= 0.0:
         return x
@@ -123,14 +136,13 @@ def settled(lacking, x: np.ndarray, scale: np.ndarray) -> np.ndarray:
     for far in np.geomspace(1e-6, STEEPEST, 60):
         for there in (x + far * way, x - far * way):
             if (scale * lacking(there)) @ (there - x) < 0.0:
-                return newton(lacking, there)
+                return newton(lacking, there, fine)
     raise NoEquilibriumError("it tips over")
 
 
-def difference(lacking, x: np.ndarray) -> np.ndarray:
+def difference(lacking, x: np.ndarray, nudge: float) -> np.ndarray:
     """Jacobian of `lacking`."""
-    nudges = NUDGE * np.eye(len(x))
-    columns = [(lacking(x + nudge) - lacking(x - nudge)) / (2.0 * NUDGE) for nudge in nudges]
+    columns = [(lacking(x + one) - lacking(x - one)) / (2.0 * nudge) for one in nudge * np.eye(len(x))]
     return np.array(columns).T
 
 
@@ -177,14 +189,14 @@ def lowest_touch(parameters: Parameters, state_at, softness: float, loads: np.nd
     return low
 
 
-def newton(lacking, x: np.ndarray) -> np.ndarray:
+def newton(lacking, x: np.ndarray, fine: Fineness) -> np.ndarray:
     """Root of `lacking` near x."""
     found = lacking(x)
     for _ in range(MOST_NEWTON):
         size = np.abs(found).max()
-        if size <= BALANCED:
+        if size <= fine.enough:
             return x
-        slope = difference(lacking, x)
+        slope = difference(lacking, x, fine.nudge)
         try:
             change = -np.linalg.solve(slope, found)
         except np.linalg.LinAlgError:
@@ -193,12 +205,12 @@ def newton(lacking, x: np.ndarray) -> np.ndarray:
         part = 1.0
         for _ in range(MOST_HALVINGS):
             there = lacking(x + part * change)
-            if np.linalg.norm(there) < np.linalg.norm(found) or size <= 100.0 * BALANCED:
+            if np.linalg.norm(there) < np.linalg.norm(found) or size <= 100.0 * fine.enough:
                 break
             part *= 0.5
         else:
             break
         x, found = x + part * change, there
-    if np.abs(found).max() <= 1e3 * BALANCED:
+    if np.abs(found).max() <= 1e3 * fine.enough:
         return x
     raise NoEquilibriumError("it does not come to rest there")
