@@ -122,8 +122,9 @@ def upright_guard(parameters, run, which, at_end):
     if kind == TURN:
         return direction * y[at.spin_rate + w]
     if kind == EXIT:
-        spin_angle = y[at.spin_angle + w]  # an edge reached to rounding is reached
-        return direction * (roller_end(wheel, mode.roller, direction) - spin_angle) - angle_rounding(spin_angle)
+        spin_angle = y[at.spin_angle + w]
+        rounding = ANGLE_ROUNDING * (1.0 + abs(spin_angle))  # an edge reached to rounding is reached
+        return direction * (roller_end(wheel, mode.roller, direction) - spin_angle) - rounding
     if kind == SHARE:
         return monitors.share_margin + edge_rounding(parameters, mode, w, y, monitors) if mode.shared else 0.0
     if kind == LOAD:
@@ -147,12 +148,6 @@ def upright_guard(parameters, run, which, at_end):
     if mode.shared:
         return CREEP_SPEED - math.sqrt(monitors.slip_square[side])
     return youth(parameters, run.clock, mode, monitors) if mode.grip[side] == CREEP else 0.0
-
-
-@kernel
-def angle_rounding(angle):
-    """Rounding of an angle that steps have added up, rad."""
-    return ANGLE_ROUNDING * (1.0 + abs(angle))
 
 
 @kernel
@@ -309,7 +304,7 @@ def restore_consistency(parameters, run, log, time):
 def restore_modes(parameters, run, log, time):
     """The same of a machine that is upright."""
     instant = resolution(run.clock.dt, time)
-    at = places(parameters)
+    spins = places(parameters).spin_rate
     for _ in range(MOST_CHANGES):
         changed = -1
         for kind in (EXIT, DRIVE, GRIP, LOAD):
@@ -317,10 +312,7 @@ def restore_modes(parameters, run, log, time):
                 sticks = run.mode[w].grip[0] == STICK and not run.mode[w].shared
                 if run.clock.status != RUNNING or (kind == GRIP and not sticks):
                     continue
-                early = 0.0
-                if kind == EXIT:
-                    early = run.mode[w].direction * run.y[at.spin_rate + w] * instant
-                    early += angle_rounding(run.y[at.spin_angle + w])
+                early = 2.0 * run.mode[w].direction * run.y[spins + w] * instant if kind == EXIT else 0.0
                 if guard(parameters, run, Guard(kind, w, 0), False) < early:
                     transition(parameters, run, log, Guard(kind, w, 0), time)
                     changed = kind

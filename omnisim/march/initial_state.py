@@ -54,7 +54,7 @@ def clock_at_start(time: Time, choice: int, stability_limit: float, lightness: f
         "wheel": -1,
         "choice": choice,
         "dt": dt,
-        "fineness": fineness(dt),
+        "fineness": fineness(dt, choice),
         "aligned": alignment(dt, choice),
         "stopping": stopping_alignment(dt, choice, lightness),
         "reach": dt,
