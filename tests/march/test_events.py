@@ -34,6 +34,16 @@ def test_exchanges_hand_the_contact_to_the_neighbour_ahead_at_the_common_edge():
     assert np.array_equal(run["events/roller_to"], (run["events/roller_from"] + 1) % 4)
 
 
+@pytest.mark.parametrize("step", [1e-3, 1e-4])
+def test_an_exchange_costs_one_step_more_and_the_derivative_behind_it(step):
+    """It is aimed at: nothing is searched, and no step is taken twice."""
+    run = omnisim.simulate(omnisim.load("six_rollers", [f"time.step={step}"]))
+    exchanges = np.count_nonzero(run["events/kind"] == "exchange")
+    assert exchanges == 15
+    beside = run.attributes["rhs_evaluations"] - 4 * run.attributes["steps"]
+    assert beside == 5 * exchanges + 2  # the two at the start find the rollers and the derivative
+
+
 def test_a_wheel_that_runs_backwards_exchanges_backwards():
     run = simulate("testbench_psi30", "friction.law=none", "initial.yaw_rate=0.0", "wheels.wheel.spin_rate=-9.0")
     assert np.array_equal(run["events/roller_to"], (run["events/roller_from"] - 1) % 4)
