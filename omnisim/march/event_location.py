@@ -32,6 +32,7 @@ from omnisim.march.events import (
 from omnisim.march.friction_modes import slip_rate, stopped_speed
 from omnisim.march.radau5 import implicit_step
 from omnisim.march.runge_kutta import explicit_step
+from omnisim.march.spatial_events import falls
 from omnisim.march.substeps import outrun
 
 REACH = 0.02  # of a step, by which its end may be moved along a cubic; of an implicit one, whose states may have
@@ -141,7 +142,7 @@ def cut_at_event(parameters, method, run, t, h):
         for w in range(len(run.mode)):
             for side in range(guard_count(parameters, run, kind, w)):
                 value = guard(parameters, run, Guard(kind, w, side), True)
-                if value < 0.0:
+                if value < 0.0 and (parameters.space is None or falls(parameters, run, kind, w, side, value)):
                     fired = Guard(kind, w, side)
                     h = locate(parameters, method, run, t, h, fired, value)
     return h, fired

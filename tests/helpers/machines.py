@@ -27,6 +27,7 @@ def tables(source: Scene | str) -> dict:
     return tomllib.loads((omnisim.load(source) if isinstance(source, str) else source).text)
 
 
+LOCKED = 1e4  # kg m^2
 BOX = ((0.2, 0.15), (0.2, -0.15), (-0.2, 0.15), (-0.2, -0.15))  # front left, front right, rear left, rear right
 CHASSIS = {"mass": 6.0, "center_of_mass": [0.0, 0.0, 0.1], "inertia": [0.1, 0.2, 0.25]}
 
@@ -91,6 +92,21 @@ def run(data: dict, *overrides: str):
     return trajectory
 
 
+def on_slope(data: dict, slope: float, uphill_deg: float = 0.0) -> dict:
+    """The scene on a slope of so many rad."""
+    return data | {"floor": {"slope_deg": float(np.degrees(slope)), "uphill_deg": uphill_deg}}
+
+
+def locked(data: dict, rotor: float = LOCKED) -> dict:
+    """The scene with wheels that hardly turn: each has a rotor of so many kg m^2, and no voltage on it."""
+    data = json.loads(json.dumps(data))
+    data.pop("command", None)
+    for wheel in data["wheels"]:
+        wheel["drive"] = {"kind": "dc_motor", "voltage": 0.0, "resistance": 1.0, "torque_constant": 1e-9,
+                          "rotor_inertia": rotor}  # fmt: skip
+    return data
+
+
 def mirrored(data: dict) -> dict:
     """The scene seen in a mirror that stands along the x axis of the world.
 
@@ -103,15 +119,21 @@ def mirrored(data: dict) -> dict:
         wheel["heading_deg"] = -wheel.get("heading_deg", 0.0)
         wheel["mirrored"] = not wheel.get("mirrored", False)
         wheel["roller_rates"] = (-np.array(wheel.get("roller_rates", 0.0))).tolist()
+    for kind in data["wheel_types"].values():
+        for row in kind.get("rows", []):
+            row["offset"] = -row["offset"]
     x, y, z = data["chassis"]["center_of_mass"]
     data["chassis"]["center_of_mass"] = [x, -y, z]
     initial = data.setdefault("initial", {})
-    for key in {"yaw_deg", "yaw_rate"} & set(initial):
+    for key in {"yaw_deg", "yaw_rate", "roll_deg", "roll_rate"} & set(initial):
         initial[key] = -initial[key]
     for key in {"position", "velocity"} & set(initial):
         initial[key] = [initial[key][0], -initial[key][1]]
     if "floor" in data:
-        data["floor"]["uphill_deg"] = -data["floor"].get("uphill_deg", 0.0)
+        floor = data["floor"]
+        floor["uphill_deg"] = -floor.get("uphill_deg", 0.0)
+        if "bumps" in floor:
+            floor["bumps"] = [[x, -y, *shape] for x, y, *shape in floor["bumps"]]
     if "command" in data:
         data["command"]["twist"] = [[vx, -vy, -yaw_rate] for vx, vy, yaw_rate in data["command"]["twist"]]
     if "wrench" in data:
@@ -125,7 +147,10 @@ def rotated(data: dict, angle_deg: float) -> dict:
     data = json.loads(json.dumps(data))
     turn = rotation(np.radians(angle_deg))
     if "floor" in data:
-        data["floor"]["uphill_deg"] = data["floor"].get("uphill_deg", 0.0) + angle_deg
+        floor = data["floor"]
+        floor["uphill_deg"] = floor.get("uphill_deg", 0.0) + angle_deg
+        if "bumps" in floor:
+            floor["bumps"] = [[*(turn @ bump[:2]).tolist(), *bump[2:]] for bump in floor["bumps"]]
     initial = data.setdefault("initial", {})
     initial["yaw_deg"] = initial.get("yaw_deg", 0.0) + angle_deg
     for key in {"position", "velocity"} & set(initial):

@@ -4,35 +4,18 @@ S: the slope, towards uphill_deg. Wheels are locked by rotors of 1e4 kg m^2 in t
 beside the bounds.
 """
 
-import json
-
 import numpy as np
 import pytest
-from machines import BOX, CHASSIS, TYPES, axle_inertia, machine, run, scene, tables, wheel_mass
+from machines import BOX, CHASSIS, TYPES, axle_inertia, locked, machine, on_slope, run, scene, tables, wheel_mass
 from scenes import of_wheels, reference_scene, simulate
 
 import omnisim
 from omnisim.dynamics.packing import bodies, pack
 from omnisim.dynamics.static_loads import static_loads
 
-G, LOCKED = 9.81, 1e4
+G = 9.81
 MU = 0.5
 COULOMB = {"law": "coulomb", "coefficient": MU}
-
-
-def on_slope(data: dict, slope: float, uphill_deg: float = 0.0) -> dict:
-    """The scene on a slope of so many rad."""
-    return data | {"floor": {"slope_deg": float(np.degrees(slope)), "uphill_deg": uphill_deg}}
-
-
-def locked(data: dict, rotor: float = LOCKED) -> dict:
-    """The scene with wheels that hardly turn: each has a rotor of so many kg m^2, and no voltage on it."""
-    data = json.loads(json.dumps(data))
-    data.pop("command", None)
-    for wheel in data["wheels"]:
-        wheel["drive"] = {"kind": "dc_motor", "voltage": 0.0, "resistance": 1.0, "torque_constant": 1e-9,
-                          "rotor_inertia": rotor}  # fmt: skip
-    return data
 
 
 def speed(motion) -> np.ndarray:
