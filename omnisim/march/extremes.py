@@ -15,13 +15,16 @@ from omnisim.base.vector import Vec3, cross, dot, plus
 from omnisim.contact.frame import axes
 from omnisim.dynamics.indices import contact_count
 from omnisim.dynamics.multibody.joint_forces import mounting, recover
+from omnisim.dynamics.spatial.joint_forces import AXLE, mount_of, recover_in_space
 from omnisim.dynamics.spatial.pose import body_of, vector
 from omnisim.dynamics.spatial.pose import outward as spatial_outward
 from omnisim.dynamics.spatial.records import SLOTS
+from omnisim.dynamics.spatial.touching import roller_on, standing
 from omnisim.dynamics.state import YAW, X, Y, places
 from omnisim.dynamics.twist import body_motion, world_frame
 from omnisim.dynamics.wheel import azimuth_of
 from omnisim.march.roller_exchange import release_rollers
+from omnisim.march.spatial_contacts import release
 
 LEAST, MOST = range(2)
 OF_WHEELS = ("normal_force", "drive_torque", "drive_power")
@@ -98,8 +101,11 @@ def follow(parameters, run, rows, row):
                 follow_slip(seen, contact.force, contact.slip)
     if len(rows.odometry_extremes):
         follow_odometry(parameters, run.y, rows.odometry_extremes[row])
-    if parameters.space is None and len(rows.bearing_extremes):
-        follow_bearings(parameters, run, rows.bearing_extremes[row])
+    if len(rows.bearing_extremes):
+        if parameters.space is not None:
+            follow_bearings_in_space(parameters, run, rows.bearing_extremes[row])
+        else:
+            follow_bearings(parameters, run, rows.bearing_extremes[row])
 
 
 @kernel
@@ -154,6 +160,22 @@ def follow_bearings(parameters, run, found):
         follow_joint(joints[w, 0], axle, found[w, 0])
         for i in range(wheel.rollers):
             _, _, axis = mounting(wheel, frame, azimuth_of(parameters, w, i, y[at.spin_angle + w]))
+            follow_joint(joints[w, i + 1], axis, found[w, i + 1])
+
+
+@outlined
+def follow_bearings_in_space(parameters, run, found):
+    """The same of a machine free in space."""
+    joints = parameters.workspace.joints
+    y = run.y
+    body = body_of(parameters, y)
+    for w in range(len(run.mode)):
+        release(parameters, run, w)
+        recover_in_space(parameters, run.mode[w], w, y, run.slopes[0], run.rates[w])
+        stand = standing(parameters, w, body, y)
+        follow_joint(joints[w, 0], AXLE, found[w, 0])
+        for i in range(parameters.wheels[w].rollers):
+            _, _, axis = mount_of(roller_on(parameters, w, i, stand))
             follow_joint(joints[w, i + 1], axis, found[w, i + 1])
 
 

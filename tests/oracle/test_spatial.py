@@ -11,6 +11,7 @@ from scenes import packed
 
 import omnisim
 from omnisim.dynamics.spatial.energy import motion_energy, stored_energy
+from omnisim.dynamics.spatial.joint_forces import recover_in_space, resolve_in_space
 from omnisim.dynamics.spatial.records import ORIENTATION, POSITION, SLOTS
 from omnisim.dynamics.state import places_in
 from omnisim.march.spatial_contacts import stand_in_space
@@ -107,6 +108,15 @@ class Engine:
         return axes @ own
 
 
+    def bearings(self, now: Coordinates) -> list[np.ndarray]:
+        """Of each wheel (N + 1, 2, 3): force and moment of its axle along h, k, n, of its rollers along d, a x d, a."""
+        loads = [np.zeros((len(rates) + 1, 2, 3)) for rates in now.axial_rates]
+        for w, (found, rates) in enumerate(zip(loads, now.axial_rates, strict=True)):
+            recover_in_space(self.parameters, self.run.mode[w], w, self.run.y, self.dy, rates)
+            resolve_in_space(self.parameters, w, self.run.y, found)
+        return loads
+
+
 class Pairs(dict):
     """By quantity: what the oracle says and what the engine says."""
 
@@ -126,6 +136,7 @@ def compare(pairs: Pairs, machine: Machine, engine: Engine, now: Coordinates) ->
     found = machine.solve(0.0, now)
     add_accelerations(pairs, engine, now, found)
     add_contacts(pairs, engine, now, found)
+    add_joints(pairs, engine, now, found)
     add_energy(pairs, machine, engine, now, found)
 
 
@@ -148,6 +159,24 @@ def add_contacts(pairs: Pairs, engine: Engine, now: Coordinates, found: Reaction
         kind = engine.layout.wheels[touch.wheel].kind  # its moment, as a force at the surface
         force = kind["roller"]["inertia_axial"] / (kind["radius"] - kind["roller_distance"])
         pairs.add("rolling", force * found.rollers[touch.wheel][touch.roller], force * mine["rolling"])
+
+
+def add_joints(pairs: Pairs, engine: Engine, now: Coordinates, found: Reactions) -> None:
+    """Moments as forces at a lever of the wheel's radius, so that none is small beside 1."""
+    layout, bodies = engine.layout, placed(engine.layout, now)
+    for w, ours in enumerate(engine.bearings(now)):
+        scale, hub = 1.0 / layout.wheels[w].kind["radius"], bodies.x[layout.disk[w]]
+        out = bodies.x[layout.rollers[w]] - hub
+        a, k = bodies.axis[layout.rollers[w]], bodies.axis[layout.disk[w]]
+        d = out - (out @ k)[:, None] * k
+        d /= np.linalg.norm(d, axis=1)[:, None]
+        frames = np.stack([engine.mounted(w, now).T, *np.stack([d, cross(a, d), a], axis=1)])
+        held = found.joints[[layout.disk[w], *range(layout.rollers[w].start, layout.rollers[w].stop)]]
+        theirs = np.einsum("bij,bkj->bki", frames, held.reshape(-1, 2, 3))
+        pairs.add("forces of axles", theirs[0, 0], ours[0, 0])
+        pairs.add("moments of axles", scale * theirs[0, 1], scale * ours[0, 1])
+        pairs.add("forces of roller axles", theirs[1:, 0], ours[1:, 0])
+        pairs.add("moments of roller axles", scale * theirs[1:, 1], scale * ours[1:, 1])
 
 
 def add_energy(pairs: Pairs, machine: Machine, engine: Engine, now: Coordinates, found: Reactions) -> None:
@@ -206,6 +235,11 @@ def test_the_ground_pushes_and_rubs_alike(pairs):
 def test_accelerations_are_those_of_the_free_bodies(pairs):
     names = ("acceleration", "angular acceleration", "spin acceleration", "acceleration of carriers")
     assert_equal(pairs, dict.fromkeys((*names, "rolling"), 1e-10))  # measured: 4e-13
+
+
+def test_axles_carry_the_multipliers_of_their_joints(pairs):
+    names = (f"{name} of {axles}" for name in ("forces", "moments") for axles in ("axles", "roller axles"))
+    assert_equal(pairs, dict.fromkeys(names, 1e-10))
 
 
 def test_energies_and_powers_are_the_sums_over_all_bodies(pairs):
