@@ -107,7 +107,6 @@ class Engine:
             axes = axes @ turned(self.layout.lines[number][1], now.axle_angle[number])
         return axes @ own
 
-
     def bearings(self, now: Coordinates) -> list[np.ndarray]:
         """Of each wheel (N + 1, 2, 3): force and moment of its axle along h, k, n, of its rollers along d, a x d, a."""
         loads = [np.zeros((len(rates) + 1, 2, 3)) for rates in now.axial_rates]
