@@ -27,7 +27,7 @@ def march_each(many, method, runs, rows, log, first, last):
             newton = Newton(n.active[i], n.stages[i], n.real[i], n.complex[i], n.pivots[i])
         workspace = Workspace(w.contacts[i], w.parts[i], w.loads[i], resting, bodies, w.joints[i])
         geometry = many.machine[i], many.wheels[i], many.roller_rows[i], many.sector[i]
-        parameters = Parameters(*geometry, many.starts[i], many.inputs[i], workspace)
+        parameters = Parameters(*geometry, many.starts[i], many.inputs[i], workspace, None)  # upright, all of them
         vectors = runs.y[i], runs.trial[i], runs.carry[i], runs.increment[i], runs.slopes[i]
         records = runs.mode[i], runs.monitors[i], runs.monitors_end[i], runs.clock[i]
         march_on(parameters, method, Run(*vectors, runs.rates[i], *records, newton), rows, log)
