@@ -10,6 +10,7 @@ import click
 from omnisim.base.formatting import aligned, columns
 
 from .compiling import compilation_noted
+from .info_rest import Rest, rest_of, shape_facts
 from .plot import study_in
 from .screen import BAD_INPUT, Failure, warn
 
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from omnisim.dynamics.parameters import Parameters
     from omnisim.scene.drive_schema import Drive
     from omnisim.scene.scene import Scene
-    from omnisim.scene.schema import Config
+    from omnisim.scene.schema import Config, WheelType
 
 UPRIGHT_DEG = 89.99  # a slope beyond is a wall
 
@@ -68,13 +69,15 @@ def about_scene(scene: Scene) -> str:
     config = scene.config
     with compilation_noted([scene]):
         parameters = pack(config)
+        rest = rest_of(scene, parameters)
         sections = [aligned(run_facts(scene, parameters)), describe(config, parameters).text]
         if found := estimate_table(config):
             sections.append(f"estimated from shapes, since the scene leaves them out\n{found}")
         if config.chassis:
             sections += [
                 section("machine", machine_facts(parameters)),
-                f"wheels\n{wheel_table(config, parameters)}",
+                *([section("at rest on the ground", rest.facts)] if rest.facts else []),
+                f"wheels\n{wheel_table(config, rest)}",
                 f"spin rates of ideal wheels, which do not slip, rad/s\n{ideal_table(config)}",
                 f"steepest slopes at rest, deg: static friction along the rollers' axes, estimated\n"
                 f"{slope_table(config, parameters)}",
@@ -84,7 +87,8 @@ def about_scene(scene: Scene) -> str:
         for wheel, record in first_of_each_type(config, parameters):
             name = "wheel type" if config.chassis else f"wheel '{wheel.name}' of type"
             mirrored = ", mirrored" if wheel.mirrored else ""
-            sections.append(section(f"{name} '{wheel.type}'{mirrored}", wheel_facts(record)))
+            facts = wheel_facts(config.type_of(wheel), record)
+            sections.append(section(f"{name} '{wheel.type}'{mirrored}", facts))
     return "\n\n".join(sections)
 
 
@@ -132,18 +136,19 @@ def machine_facts(parameters: Parameters) -> dict[str, str]:
     }
 
 
-def wheel_table(config: Config, parameters: Parameters) -> str:
-    """One line for each wheel: where it is, what drives it, what it carries."""
-    from omnisim.dynamics.static_loads import static_loads
-
+def wheel_table(config: Config, rest: Rest) -> str:
+    """One line for each wheel: where it is, what drives it, what it carries, and how far its spring is pressed in."""
     rows = [("name", "type", "position", "heading", "mirrored", "drive", "load at standstill")]
-    loads = static_loads(parameters, yaw=math.radians(config.initial.yaw_deg))
-    for wheel, load in zip(config.wheels, loads, strict=True):
+    for w, wheel in enumerate(config.wheels):
         x, y = wheel.position
         place = f"[{x:g}, {y:g}] m"
         turned = f"{wheel.heading_deg:g} deg"
         mirrored = "yes" if wheel.mirrored else "no"
-        rows.append((wheel.name, wheel.type, place, turned, mirrored, wheel.drive.kind, f"{load:.4g} N"))
+        load = f"{rest.loads[w]:.4g} N" if len(rest.loads) else "none"
+        rows.append((wheel.name, wheel.type, place, turned, mirrored, wheel.drive.kind, load))
+    if rest.travels:
+        more = ("travel", *(f"{1e3 * travel:.3g} mm" for travel in rest.travels))
+        rows = [(*row, extra) for row, extra in zip(rows, more, strict=True)]
     return columns(rows, indent="  ")
 
 
@@ -226,19 +231,25 @@ def first_of_each_type(config: Config, parameters: Parameters) -> list[tuple]:
     return list(found.values())
 
 
-def wheel_facts(wheel: np.record) -> dict[str, str]:
+def wheel_facts(kind: WheelType, wheel: np.record) -> dict[str, str]:
     """Sizes that follow from the scene's."""
     from omnisim.contact.roller_profile import length, profile_radius, tip_radius
 
     psi = math.degrees(math.atan2(wheel.sin_psi, wheel.cos_psi))
-    margin = wheel.radius * wheel.cos_alpha - wheel.roller_distance
-    jump = 2.0 * wheel.roller_distance * math.tan(wheel.alpha) * abs(wheel.tan_psi)
-    return {
+    rows = f" in {len(kind.rows)} rows" if len(kind.rows) > 1 else ""
+    facts = {
         "wheel radius": f"{wheel.radius:g} m",
-        "rollers": f"{wheel.rollers}, axes at {wheel.roller_distance:g} m, angle {psi:g} deg",
-        "roller length": f"{length(wheel):.6g} m",
-        "roller radius": f"{profile_radius(wheel, 0.0):.6g} m amid, {tip_radius(wheel):.6g} m at the tips",
-        "margin": f"{max(margin, 0.0):.6g} m until the tips are points (R cos alpha - R1)",
-        "exchange": f"every {math.degrees(2.0 * wheel.alpha):g} deg; the contact jumps {jump:.6g} m sideways",
-        "axle inertia": f"{wheel.axle_inertia:.6g} kg m^2 (J_k: disk and rollers about the axle)",
+        "rollers": f"{wheel.rollers}{rows}, axes at {wheel.roller_distance:g} m, angle {psi:g} deg",
     }
+    if kind.contact is not None:
+        facts |= shape_facts(kind, psi)
+    else:
+        margin = wheel.radius * wheel.cos_alpha - wheel.roller_distance
+        jump = 2.0 * wheel.roller_distance * math.tan(wheel.alpha) * abs(wheel.tan_psi)
+        facts |= {
+            "roller length": f"{length(wheel):.6g} m",
+            "roller radius": f"{profile_radius(wheel, 0.0):.6g} m amid, {tip_radius(wheel):.6g} m at the tips",
+            "margin": f"{max(margin, 0.0):.6g} m until the tips are points (R cos alpha - R1)",
+            "exchange": f"every {math.degrees(2.0 * wheel.alpha):g} deg; the contact jumps {jump:.6g} m sideways",
+        }
+    return facts | {"axle inertia": f"{wheel.axle_inertia:.6g} kg m^2 (J_k: disk and rollers about the axle)"}

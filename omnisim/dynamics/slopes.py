@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from omnisim.dynamics.parameters import CONTACTS, Parameters
+from omnisim.dynamics.parameters import SERVO, Parameters
 from omnisim.dynamics.static_loads import centres, loads_under
 from omnisim.scene.drive_schema import Drive
 from omnisim.scene.drives import friction_torque
@@ -106,7 +106,7 @@ def stands(
 
 def tipping(parameters: Parameters, uphill: np.ndarray) -> float:
     """Slope (rad) at which the plumb line through C leaves the wheels; a machine that a servo holds never tips."""
-    if parameters.machine.upright != CONTACTS:
+    if parameters.machine.upright == SERVO:
         return 0.5 * math.pi
     ratios = [reach / out for reach, out in edges(parameters, -uphill) if out > ROUNDING]
     return math.atan2(max(min(ratios), 0.0), parameters.machine.height)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from omnisim.dynamics.parameters import CONTACTS, Parameters
+from omnisim.dynamics.parameters import SERVO, Parameters
 
 
 def static_loads(parameters: Parameters, lift: float = 0.0, yaw: float = 0.0) -> np.ndarray:
@@ -26,7 +26,7 @@ def loads_under(parameters: Parameters, load: float, push: tuple[float, float]) 
     """
     machine, wheels = parameters.machine, parameters.wheels
     load = max(load, 0.0)
-    if machine.upright != CONTACTS:
+    if machine.upright == SERVO:
         return np.full(len(wheels), load / len(wheels))
     places = np.column_stack([np.ones(len(wheels)), *centres(parameters)])
     loads = np.zeros(len(wheels))

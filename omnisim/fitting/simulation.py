@@ -86,9 +86,16 @@ def path_of(found: Any, wanted: np.ndarray, point: Any) -> Path:
 
 
 def prepared(fit: Fit) -> None:
-    """Load or compile the kernels that the runs need, before several processes want them at once."""
-    config = checked(driven(fit, fit.logs[fit.fitted[0]]))
-    sample(config).everything()
+    """Load or compile the kernels that the runs need, before several processes want them at once.
+
+    Raises FitError for a machine free in space that does not rest where it is put.
+    """
+    data = driven(fit, fit.logs[fit.fitted[0]])
+    config = checked(data)
+    try:
+        sample(config).everything()
+    except ConfigError as error:
+        raise FitError(f"no such scene: {sentence(error.problems[0], data)}") from None
 
 
 def driven(fit: Fit, log: Log, finer: int = 1) -> dict[str, Any]:

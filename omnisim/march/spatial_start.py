@@ -5,11 +5,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from omnisim.base.calls import direct
 from omnisim.dynamics.parameters import Parameters
-from omnisim.dynamics.spatial.equilibrium import find_equilibrium
+from omnisim.dynamics.spatial.equilibrium import NoEquilibriumError, find_equilibrium, weigh
 from omnisim.dynamics.spatial.records import ORIENTATION, POSITION
 from omnisim.dynamics.state import places_in
+from omnisim.scene.floor_rules import middle_radius
+from omnisim.scene.problems import ConfigError, Problem
 from omnisim.scene.schema import Config
+
+HEIGHT = ("initial", "height")
 
 
 class Pose(NamedTuple):
@@ -22,19 +27,24 @@ class Pose(NamedTuple):
 
 
 def pose_at_start(config: Config, parameters: Parameters) -> Pose:
-    """As the scene says, or in static equilibrium. Raises NoEquilibriumError if there is none."""
+    """As the scene says, or in static equilibrium. Raises ConfigError if there is none, or for a wheel in the ground."""
     space = parameters.space
     assert space is not None
     count = 0 if space.carriers is None else len(space.carriers)
     initial = config.initial
     if initial.placed:
         pitch, roll = math.radians(initial.pitch_deg), math.radians(initial.roll_deg)
-        return Pose(initial.height or 0.0, pitch, roll, np.zeros(count))
+        pose = Pose(initial.height or 0.0, pitch, roll, np.zeros(count))
+        above_ground(config, parameters, pose)
+        return pose
     return standing_pose(config, parameters)[0]
 
 
 def standing_pose(config: Config, parameters: Parameters) -> tuple[Pose, np.ndarray]:
-    """The Pose in static equilibrium where the scene puts the machine, and the loads of its wheels (W,), N."""
+    """The Pose in static equilibrium where the scene puts the machine, and the loads of its wheels (W,), N.
+
+    Raises ConfigError if there is none.
+    """
     space = parameters.space
     assert space is not None
     count = 0 if space.carriers is None else len(space.carriers)
@@ -42,8 +52,25 @@ def standing_pose(config: Config, parameters: Parameters) -> tuple[Pose, np.ndar
     def state_at(x: np.ndarray) -> np.ndarray:
         return positions(config, parameters, Pose(x[0], x[1], x[2], x[3:]))
 
-    x, loads = find_equilibrium(parameters, state_at, count)
+    try:
+        x, loads = find_equilibrium(parameters, state_at, count)
+    except NoEquilibriumError as error:
+        what = f"missing, and where the scene puts the machine it has no pose at rest to begin in: {error}"
+        raise ConfigError([Problem(HEIGHT, f"{what}; give a height, pitch_deg or roll_deg")]) from None
     return Pose(x[0], x[1], x[2], x[3:]), loads
+
+
+def above_ground(config: Config, parameters: Parameters, pose: Pose) -> None:
+    """Raises ConfigError for a wheel that is deeper in the ground than its rollers are thick: nothing there is right."""
+    assert parameters.space is not None
+    loads = np.zeros(len(config.wheels))
+    direct(weigh, parameters, positions(config, parameters, pose), 1.0, loads)
+    depths = loads / np.asarray(parameters.space.hubs.stiffness)
+    for wheel, depth in zip(config.wheels, depths, strict=True):
+        most = middle_radius(config.type_of(wheel))
+        if depth > most:
+            what = f"wheel '{wheel.name}' begins {depth:.3g} m below the ground"
+            raise ConfigError([Problem(HEIGHT, f"{what}; must be at most {most:.3g} m, the radius of its rollers")])
 
 
 def positions(config: Config, parameters: Parameters, pose: Pose) -> np.ndarray:

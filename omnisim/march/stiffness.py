@@ -2,11 +2,12 @@
 
 import math
 
-from omnisim.base.methods import AUTO, EXPLICIT, METHODS
+from omnisim.base.methods import AUTO, EXPLICIT, IMPLICIT, METHODS
 from omnisim.base.status import SAFE_STEP
 from omnisim.contact.frame import Slip
 from omnisim.contact.friction import friction_factor
 from omnisim.dynamics.parameters import Parameters
+from omnisim.dynamics.spatial.swings import fastest_swing
 from omnisim.dynamics.static_loads import static_loads
 from omnisim.march.validity import roller_mobility
 from omnisim.scene.schema import Config
@@ -51,21 +52,34 @@ def method_used(name: str, choice: int) -> str:
 
 
 def explanation(config: Config, parameters: Parameters) -> str:
-    """What steps are taken and why, for people: for friction, then for what settles the currents of motors."""
-    return _of_friction(config, parameters) + _of_currents(config, parameters)
+    """What steps are taken and why, for people: for friction, for what settles the currents of motors, for rubber."""
+    return _of_friction(config, parameters) + _of_currents(config, parameters) + _of_rubber(config, parameters)
 
 
 def _of_currents(config: Config, parameters: Parameters) -> str:
     """How fast currents with an inductance settle, and whether explicit steps can follow; empty if there are none."""
-    method = METHODS[config.solver.method]
     rate = parameters.machine.current_relaxation
     if rate == 0.0:
         return ""
     told = f"; currents of motors settle at up to {rate:.2g} 1/s"
-    limit = method.tableau.stability_limit
-    if resolve(config, parameters) != EXPLICIT or rate * (config.time.step or 0.0) <= limit:
-        return told
-    return f"{told}, too fast for this step: time.step < {SAFE_STEP * limit / rate:.2g} s or method = 'auto' would do"
+    return told + _too_fast(config, rate, resolve(config, parameters) == EXPLICIT, "auto")
+
+
+def _of_rubber(config: Config, parameters: Parameters) -> str:
+    """The same of a machine free in space on its rubber and springs: "auto" does not look at them."""
+    if parameters.space is None:
+        return ""
+    rate = fastest_swing(parameters)
+    told = f"; it swings on its rubber at up to {rate:.2g} 1/s"
+    return told + _too_fast(config, rate, METHODS[config.solver.method].choice != IMPLICIT, "radau5")
+
+
+def _too_fast(config: Config, rate: float, explicit: bool, instead: str) -> str:
+    """What to do about a rate (1/s) that explicit steps cannot follow; empty if they can, or if there are none."""
+    limit = METHODS[config.solver.method].tableau.stability_limit
+    if not explicit or rate * (config.time.step or 0.0) <= limit:
+        return ""
+    return f", too fast for this step: time.step < {SAFE_STEP * limit / rate:.2g} s or method = '{instead}' would do"
 
 
 def _of_friction(config: Config, parameters: Parameters) -> str:

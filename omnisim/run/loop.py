@@ -33,6 +33,7 @@ from omnisim.run.inputs import Held, hold_inputs, with_tables
 from omnisim.run.marching import FOR_EVER, Marching
 from omnisim.run.sensors import Sensors
 from omnisim.scene.ideal_kinematics import wheel_rows
+from omnisim.scene.problems import ConfigError
 from omnisim.scene.scene import Overrides, Scene, SceneError, as_scene, changed
 from omnisim.scene.toml_text import MISSING, assign, rewrite
 
@@ -42,14 +43,16 @@ ON_GRID = 1e-9  # relative, of times that must be multiples of the step
 class Loop(Marching, Sensors):
     """One run of a scene, as far as it has come, with the step that the scene gives: none is picked for `solver.error`.
 
-    scene: a Scene, or what `load` takes. Raises SceneError if the scene gives no step, or if the rows of all of it do
-    not fit into memory, and as `load` does.
+    scene: a Scene, or what `load` takes. Raises SceneError if the scene gives no step, if a machine free in space
+    cannot begin where it is put, or if the rows of all of it do not fit into memory, and as `load` does.
     """
 
     def __init__(self, scene: Scene | str | PathLike[str]):
         self.scene = scene = stepped(as_scene("Loop", scene))
         try:
             super().__init__(scene.config)
+        except ConfigError as error:
+            raise SceneError(scene.document.told(error.problems)) from None
         except MemoryError as error:
             raise SceneError(f"{scene.source}: time.output_interval: too many rows for the memory: {error}") from None
         self.names = MappingProxyType({wheel.name: w for w, wheel in enumerate(scene.config.wheels)})

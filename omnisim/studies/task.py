@@ -15,7 +15,7 @@ from omnisim.run.marching import Marching
 from omnisim.run.simulation import simulate
 from omnisim.scene.document import by_name, sentence
 from omnisim.scene.problems import ConfigError, Problem
-from omnisim.scene.scene import changed
+from omnisim.scene.scene import SceneError, changed
 from omnisim.scene.schema import Config
 from omnisim.scene.toml_text import show_path
 from omnisim.scene.validation import checked, validate
@@ -51,14 +51,18 @@ class Task:
         self.study = study
         self.folder = folder
         config = study.scene.config
-        known = frozenset(sample(config).everything())
+        try:
+            known = frozenset(sample(config).everything())
+        except ConfigError as error:  # a machine free in space that cannot begin where it is put
+            raise StudyError(study.scene.document.told(error.problems)) from None
         found = list(readings(study.config.measure, config, known))
         problems = [entry for entry in found if isinstance(entry, Problem)]
         if problems:
             raise StudyError(study.document.told(problems))
         self.readings = tuple(entry for entry in found if isinstance(entry, Reading))
         for other in other_kinds(study):
-            sample(other).everything()
+            with suppress(ConfigError):
+                sample(other).everything()
         self.final = tuple(last_values(config)) if study.config.keep.trajectories == "final" else ()
 
     def __call__(self, runs: Sequence[int]) -> list[Row]:
@@ -92,10 +96,12 @@ class Task:
         data = self.study.data(run)
         try:
             config = checked(data)
+            return self.whole(run) if self.folder or config.solver.error is not None else Marching(config)
         except ConfigError as error:
             told = "; ".join(sentence(problem, data) for problem in error.problems)
             return self.nothing(run, f"{IMPOSSIBLE}: {told}")
-        return self.whole(run) if self.folder or config.solver.error is not None else Marching(config)
+        except SceneError as error:
+            return self.nothing(run, f"{IMPOSSIBLE}: {error}")
 
     def marched(self, run: int, marching: Marching) -> Marching:
         marching.march()

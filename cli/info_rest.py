@@ -1,0 +1,105 @@
+"""What `omnisim info` tells of a machine at rest, and of one free in space: its pose, how it swings, its rollers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+from .screen import BAD_INPUT, Failure
+
+if TYPE_CHECKING:
+    from omnisim.dynamics.parameters import Parameters
+    from omnisim.march.spatial_start import Pose
+    from omnisim.scene.scene import Scene
+    from omnisim.scene.schema import Config, WheelType
+
+
+class Rest(NamedTuple):
+    """The machine at rest where it begins: load of each wheel, N, and travel of its suspension, m, empty where there
+    are none; and what else is told of a machine free in space."""
+
+    loads: Sequence[float]
+    travels: Sequence[float]
+    facts: dict[str, str]
+
+
+def rest_of(scene: Scene, parameters: Parameters) -> Rest:
+    """Raises Failure for a machine free in space that cannot begin where its scene puts it."""
+    from omnisim.dynamics.static_loads import static_loads
+    from omnisim.march.spatial_start import pose_at_start, standing_pose
+    from omnisim.scene.problems import ConfigError
+
+    config = scene.config
+    loads = static_loads(parameters, yaw=math.radians(config.initial.yaw_deg))
+    if parameters.space is None:
+        return Rest(loads, (), {})
+    try:
+        begins = pose_at_start(config, parameters)
+    except ConfigError as error:
+        raise Failure(scene.document.told(error.problems), BAD_INPUT) from None
+    facts = swing_facts(parameters)
+    if config.initial.placed:
+        facts = {"it begins": f"as the scene puts it: {pose_told(begins)}"} | facts
+    try:
+        pose, found = standing_pose(config, parameters)
+    except ConfigError:
+        return Rest((), (), {"chassis origin": "it has no pose at rest where the scene puts it"} | facts)
+    facts = {"chassis origin": pose_told(pose)} | rocker_facts(config, pose) | facts
+    springs = [wheel.suspension is not None for wheel in config.wheels]
+    travels = [float(pose.carriers[sum(springs[:w])]) if own else 0.0 for w, own in enumerate(springs)]
+    return Rest(found, travels if any(springs) else (), facts)
+
+
+def pose_told(pose: Pose) -> str:
+    return (
+        f"{1e3 * pose.height:.4g} mm over the base plane, pitch {math.degrees(pose.pitch):.3g} deg, "
+        f"roll {math.degrees(pose.roll):.3g} deg"
+    )
+
+
+def rocker_facts(config: Config, pose: Pose) -> dict[str, str]:
+    """How far rockers are turned."""
+    angles = pose.carriers[len(pose.carriers) - len(config.axles) :]
+    return {
+        f"rocker '{axle.name}'": f"turned by {math.degrees(angle):.3g} deg about {axle.about}"
+        for axle, angle in zip(config.axles, angles, strict=True)
+    }
+
+
+def swing_facts(parameters: Parameters) -> dict[str, str]:
+    """How the machine swings on its rubber and springs."""
+    from omnisim.dynamics.spatial.swings import swings
+
+    told: dict[str, list[str]] = {}
+    for swing in swings(parameters):
+        told.setdefault(swing.name, []).append(f"{swing.frequency:.3g} Hz, damped {swing.damping:.0%} of critical")
+    return {f"{name} swings": "; ".join(dict.fromkeys(each)) for name, each in told.items()}
+
+
+def shape_facts(kind: WheelType, psi: float) -> dict[str, str]:
+    """Of rollers with rubber: their shape, what a wheel does where one takes over from the next, and the rubber."""
+    import numpy as np
+
+    from omnisim.scene.solids import outline
+    from omnisim.scene.solids import profile as generatrix
+
+    assert kind.contact is not None
+    profile = kind.profile
+    half, end = (float(size) for size in generatrix(outline(kind), np.array(kind.covered)))
+    middle = kind.radius - kind.roller_distance
+    rises = "the wheel stays round: both carry it there"
+    if profile.kind == "arc":
+        half, middle, rho = profile.half_length, profile.radius, profile.curvature_radius
+        end = middle - rho + math.sqrt(rho**2 - half**2)
+        tilt = math.cos(math.radians(psi)) * math.sin(kind.covered)
+        across = math.sqrt(1.0 - tilt**2)
+        reach = (middle - rho) * across + rho if tilt <= half / rho else end * across + half * tilt
+        drop = middle + kind.roller_distance * (1.0 - math.cos(kind.covered)) - reach
+        rises = f"the wheel is {1e3 * drop:.3g} mm lower there"
+    return {
+        "roller length": f"{2.0 * half:.6g} m",
+        "roller radius": f"{middle:.6g} m amid, {end:.6g} m at the ends",
+        "exchange": f"every {math.degrees(2.0 * kind.covered):g} deg; {rises}",
+        "rubber": f"{kind.contact.stiffness:g} N/m, {kind.contact.damping:g} N s/m at each roller that touches",
+    }
