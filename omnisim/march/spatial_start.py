@@ -27,7 +27,7 @@ class Pose(NamedTuple):
 
 
 def pose_at_start(config: Config, parameters: Parameters) -> Pose:
-    """As the scene says, or in static equilibrium. Raises ConfigError if there is none, or for a wheel in the ground."""
+    """As the scene says, or in static equilibrium. Raises ConfigError if there is none, or for a sunken wheel."""
     space = parameters.space
     assert space is not None
     count = 0 if space.carriers is None else len(space.carriers)
@@ -61,7 +61,7 @@ def standing_pose(config: Config, parameters: Parameters) -> tuple[Pose, np.ndar
 
 
 def above_ground(config: Config, parameters: Parameters, pose: Pose) -> None:
-    """Raises ConfigError for a wheel that is deeper in the ground than its rollers are thick: nothing there is right."""
+    """Raises ConfigError for a wheel deeper in the ground than its rollers are thick: nothing there is right."""
     assert parameters.space is not None
     loads = np.zeros(len(config.wheels))
     direct(weigh, parameters, positions(config, parameters, pose), 1.0, loads)
@@ -69,8 +69,8 @@ def above_ground(config: Config, parameters: Parameters, pose: Pose) -> None:
     for wheel, depth in zip(config.wheels, depths, strict=True):
         most = middle_radius(config.type_of(wheel))
         if depth > most:
-            what = f"wheel '{wheel.name}' begins {depth:.3g} m below the ground"
-            raise ConfigError([Problem(HEIGHT, f"{what}; must be at most {most:.3g} m, the radius of its rollers")])
+            what = f"wheel '{wheel.name}' begins below the ground: its rollers are {depth:.3g} m in it, added up"
+            raise ConfigError([Problem(HEIGHT, f"{what}; must be at most {most:.3g} m, the radius of one")])
 
 
 def positions(config: Config, parameters: Parameters, pose: Pose) -> np.ndarray:

@@ -18,6 +18,7 @@ from omnisim.scene.ideal_kinematics import MOTIONS, handedness, rms_distance, un
 from omnisim.scene.problems import Problem
 from omnisim.scene.schema import Config, Wheel, WheelType
 from omnisim.scene.solids import gap, half_width, hub_radius, outline, profile, solid
+from omnisim.scene.spatial_doubts import fast_rubber, high_start, soft_rubber, soft_springs
 from omnisim.scene.toml_text import KeyPath
 
 ONE_ROW_DEG = 20.0  # roller angle from which on all rollers of a wheel stand in one row; below, in two
@@ -342,4 +343,8 @@ CHECKS: tuple[Check, ...] = (
     beyond_the_wheels,
     weak_motors,
     weak_drives,
+    soft_rubber,
+    soft_springs,
+    fast_rubber,
+    high_start,
 )
