@@ -26,6 +26,7 @@ from omnisim.base.arguments import path_text
 from omnisim.base.files import write_whole
 from omnisim.base.status import EVENT_KINDS
 from omnisim.cad.geometry import of_type, profile
+from omnisim.pictures.viewer_space import AXES, ground, motion_in_space, type_in_space, up
 from omnisim.results.commanded import target_rates
 from omnisim.results.trajectory import Trajectory
 from omnisim.scene.scene import parse
@@ -36,8 +37,8 @@ MOST_ROWS = 20_000  # of long runs: about 10 MB on four wheels of eighteen rolle
 ROUNDING = 1e-9  # of a row
 PROFILE_POINTS = 17  # the page leaves out every other one, or three of four, where nobody sees it
 MODULES = (
-    "motion", "wheels", "chassis", "machine", "arrows", "shadow", "quality", "stage", "quantities", "timebar", "chart",
-    "main",
+    "motion", "wheels", "chassis", "machine", "arrows", "shadow", "ground", "quality", "stage", "quantities", "timebar",
+    "chart", "main",
 )  # fmt: skip
 
 # What the page gets, by path in the file. Positions and angles grow with the run, so they keep all their digits.
@@ -76,13 +77,18 @@ def page(trajectory: Trajectory) -> str:
     if not len(trajectory.time):
         raise NothingToShow("no rows: there is nothing to show")
     config = parse(trajectory.attributes["scene"], "scene of the file").config
+    moved = motion(trajectory) | targets(trajectory, config)
     data = {
         "title": trajectory.attributes["title"],
         "status": trajectory.attributes["status"],
         "machine": machine(config),
-        "motion": {path: encoded(array) for path, array in (motion(trajectory) | targets(trajectory, config)).items()},
         "events": events(trajectory),
     }
+    if config.upright == "free":
+        moved |= motion_in_space(trajectory, config, kept_rows(trajectory.time))
+        found = ground(trajectory, config)
+        data |= {"up": up(config)} | ({} if found is None else {"ground": encoded(found.astype(np.float32))})
+    data["motion"] = {path: encoded(array) for path, array in moved.items()}
     imports = {"vendor": _module("vendor/vendor.min")} | {f"omnisim/{name}": _module(name) for name in MODULES}
     return Template(_text("page.html")).substitute(
         title=html.escape(trajectory.attributes["title"] or "omnisim"),
@@ -95,11 +101,15 @@ def page(trajectory: Trajectory) -> str:
 
 
 def machine(config: Config) -> dict[str, Any]:
-    """Types of wheels and the wheels, in SI units and radians; whether there is a chassis."""
+    """Types of wheels and the wheels, in SI units and radians; whether there is a chassis, and whether it is free in
+    space."""
+    free = config.upright == "free"
+    shaped = type_in_space if free else _type
     return {
-        "types": {name: _type(kind) for name, kind in config.wheel_types.items()},
+        "types": {name: shaped(kind) for name, kind in config.wheel_types.items()},
         "wheels": [_wheel(config, wheel) for wheel in config.wheels],
         "chassis": config.chassis is not None,
+        "free": free,
     }
 
 
@@ -116,7 +126,9 @@ def _type(kind: WheelType) -> dict[str, Any]:
 
 def _wheel(config: Config, wheel: Wheel) -> dict[str, Any]:
     psi = math.radians(config.type_of(wheel).roller_angle_deg)
+    rockers = [axle for axle in config.axles if wheel.name in axle.wheels]
     return {
+        **({"rocker": {"axis": AXES[rockers[0].about], "point": rockers[0].point}} if rockers else {}),
         "name": wheel.name,
         "type": wheel.type,
         "position": wheel.position,
@@ -127,7 +139,7 @@ def _wheel(config: Config, wheel: Wheel) -> dict[str, Any]:
 
 
 def _floor(config: Config) -> str:
-    """A line on the floor where it slopes: the page shows it level, as its axes are."""
+    """A line on the floor where it slopes: the page shows it level, as its axes are, but for machines free in space."""
     floor = config.floor
     if not floor.slope_deg:
         return ""

@@ -10,13 +10,25 @@ from omnisim.march.spatial_observation import ELASTIC, GRAVITY, KINETIC
 
 def rotations(y: np.ndarray) -> np.ndarray:
     """(T, 3, 3): chassis axes as columns, world components."""
-    w, x, y_, z = unit_quaternions(y).T
+    return matrices(unit_quaternions(y))
+
+
+def matrices(orientation: np.ndarray) -> np.ndarray:
+    """The same of unit quaternions (T, 4), w x y z."""
+    w, x, y_, z = orientation.T
     rows = [
         [1 - 2 * (y_ * y_ + z * z), 2 * (x * y_ - w * z), 2 * (x * z + w * y_)],
         [2 * (x * y_ + w * z), 1 - 2 * (x * x + z * z), 2 * (y_ * z - w * x)],
         [2 * (x * z - w * y_), 2 * (y_ * z + w * x), 1 - 2 * (x * x + y_ * y_)],
     ]
     return np.moveaxis(np.array(rows), -1, 0)
+
+
+def attitude(orientation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Roll and pitch (T,) of unit quaternions (T, 4), rad: the chassis is turned by yaw, then pitch, then roll."""
+    found = matrices(orientation)
+    pitch = -np.arcsin(np.clip(found[:, 2, 0], -1.0, 1.0))
+    return np.arctan2(found[:, 2, 1], found[:, 2, 2]), pitch
 
 
 def unit_quaternions(y: np.ndarray) -> np.ndarray:

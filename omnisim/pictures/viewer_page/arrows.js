@@ -62,9 +62,10 @@ export class Arrows {
         friction: new Vector3(at("friction_force", 0), at("friction_force", 1), 0),
         slip: new Vector3(at("slip_velocity", 0), at("slip_velocity", 1), 0),
       };
-      const point = wheel.contactPoint().setZ(0.01 * this.radius);
-      const turned = new Matrix4().extractRotation(wheel.frame); // from h, k, n to the world
-      this.points.setMatrixAt(w, normal > 0 ? new Matrix4().setPosition(point) : NOWHERE);
+      const up = wheel.normal();
+      const turned = tangents(wheel.frame, up); // from h, k, n to the world
+      const point = wheel.contactPoint().addScaledVector(up, 0.01 * this.radius);
+      this.points.setMatrixAt(w, normal > 0 ? turned.clone().setPosition(point) : NOWHERE);
       KINDS.forEach((kind, k) => {
         const vector = vectors[kind];
         largest[kind] = Math.max(largest[kind], normal > 0 ? vector.length() : 0);
@@ -90,6 +91,13 @@ export class Arrows {
     this.shafts.setMatrixAt(i, shaft);
     this.heads.setMatrixAt(i, tip);
   }
+}
+
+// Axes at a contact: h = unit(axle x normal) along the ground, across it, and its normal.
+function tangents(frame, up) {
+  const axle = new Vector3().setFromMatrixColumn(frame, 1);
+  const ahead = axle.cross(up).normalize();
+  return new Matrix4().makeBasis(ahead, up.clone().cross(ahead), up);
 }
 
 function onTop(geometry, count) {

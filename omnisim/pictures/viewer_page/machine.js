@@ -1,21 +1,23 @@
 // The machine: chassis, wheels and every roller, put where the motion has them.
 
-import { Color, Group, InstancedMesh, Matrix4, Mesh, MeshPhongMaterial, Vector3 } from "vendor";
+import { Color, Group, InstancedMesh, Matrix4, Mesh, MeshPhongMaterial, Quaternion, Vector3 } from "vendor";
 import { chassisOf } from "omnisim/chassis";
 import { detailFor, hubGeometry, rollerFrame, rollerGeometry, stripes } from "omnisim/wheels";
 
 const RUBBER = new Color(0x333940);
 const TOUCHING = new Color(0xe07b1a);
+const METAL = new Color(0xb4bcc4);
+const IN_THE_AIR = new Color(0x5aaef0); // of a hub that nothing carries
 const EDGE = 1e-6; // rad by which a roller at rest on its edge may seem beyond it
 const UP = new Vector3(0, 0, 1);
 const AXLE = new Vector3(0, 1, 0);
 
 export class Machine {
-  constructor({ types, wheels, chassis }, motion) {
-    this.motion = motion;
+  constructor({ types, wheels, chassis, free }, motion) {
+    Object.assign(this, { motion, free });
     this.group = new Group();
-    this.place = new Matrix4(); // of the chassis origin, on the floor
-    this.wheels = wheels.map((wheel) => new Wheel(wheel, types[wheel.type], motion));
+    this.place = new Matrix4(); // of the chassis origin
+    this.wheels = wheels.map((wheel) => new Wheel(wheel, types[wheel.type], motion, free));
     this.rollers = Object.entries(types).map(
       ([name, type]) =>
         new Rollers(
@@ -35,12 +37,18 @@ export class Machine {
   // Everything at the present time of the motion.
   update() {
     const at = (component) => this.motion.smooth("body/position", "body/velocity", component);
-    const yaw = this.motion.smooth("body/yaw", "body/yaw_rate");
-    this.position = new Vector3(at(0), at(1), 0);
-    this.place.makeRotationAxis(UP, yaw).setPosition(this.position);
+    this.position = new Vector3(at(0), at(1), this.free ? at(2) : 0);
+    this.turn().setPosition(this.position);
     this.chassis?.matrix.copy(this.place);
     for (const wheel of this.wheels) wheel.update(this.place);
     for (const rollers of this.rollers) rollers.update();
+  }
+
+  // Turns `place`: by the yaw, or as the quaternion w x y z says.
+  turn() {
+    if (!this.free) return this.place.makeRotationAxis(UP, this.motion.smooth("body/yaw", "body/yaw_rate"));
+    const [w, x, y, z] = [0, 1, 2, 3].map((i) => this.motion.linear("body/orientation", i));
+    return this.place.makeRotationFromQuaternion(new Quaternion(x, y, z, w).normalize());
   }
 
   // As fine as can be seen from a point, where a metre at a distance of a metre takes that many pixels.
@@ -66,9 +74,9 @@ export class Machine {
 }
 
 class Wheel {
-  constructor(wheel, type, motion) {
-    Object.assign(this, { wheel, type, motion, path: `wheels/${wheel.name}` });
-    this.hub = new Mesh(undefined, new MeshPhongMaterial({ color: 0xb4bcc4, specular: 0x666666, shininess: 40 }));
+  constructor(wheel, type, motion, free) {
+    Object.assign(this, { wheel, type, motion, free, path: `wheels/${wheel.name}` });
+    this.hub = new Mesh(undefined, new MeshPhongMaterial({ color: METAL, specular: 0x666666, shininess: 40 }));
     this.geometryFor = perDetail((detail) => hubGeometry(type, wheel, detail));
     this.hub.matrixAutoUpdate = false;
     const [x, y] = wheel.position;
@@ -78,9 +86,21 @@ class Wheel {
 
   update(place) {
     this.spin = this.motion.smooth(`${this.path}/spin_angle`, `${this.path}/spin_rate`);
-    this.frame.multiplyMatrices(place, this.mount);
+    this.frame.multiplyMatrices(place, this.carried()).multiply(this.mount);
     this.hub.matrix.copy(this.frame).multiply(new Matrix4().makeRotationAxis(AXLE, this.spin));
-    this.touching = this.contactRoller();
+    this.touching = this.free ? this.motion.held(`${this.path}/contact_roller`) : this.contactRoller();
+    if (this.free) this.hub.material.color.copy(this.touching < 0 ? IN_THE_AIR : METAL);
+  }
+
+  // How its suspension or its rocker has moved it in the chassis.
+  carried() {
+    const [travel, rocking] = [`${this.path}/suspension_travel`, `${this.path}/rocking`];
+    if (this.motion.has(travel))
+      return new Matrix4().setPosition(0, 0, this.motion.smooth(travel, `${this.path}/suspension_rate`));
+    if (!this.motion.has(rocking)) return new Matrix4();
+    const [axis, point] = [this.wheel.rocker.axis, this.wheel.rocker.point].map((one) => new Vector3(...one));
+    const turn = new Matrix4().makeRotationAxis(axis, this.motion.linear(rocking));
+    return turn.setPosition(point.clone().sub(point.clone().applyMatrix4(turn)));
   }
 
   azimuth(i) {
@@ -96,8 +116,22 @@ class Wheel {
     return ((nearest % n) + n) % n;
   }
 
-  // Where it touches: P = O - R n + R1 tan q tan psi k.
+  // Unit normal of the ground there.
+  normal() {
+    if (!this.motion.has(`${this.path}/contact_normal`)) return UP.clone();
+    return new Vector3(...this.between("contact_normal")).normalize();
+  }
+
+  // A vector of the contact: from row to row, as long as the same roller touches.
+  between(name) {
+    const [before, after] = this.motion.around(`${this.path}/contact_roller`, 0);
+    const read = before === after ? "linear" : "nearest";
+    return [0, 1, 2].map((i) => this.motion[read](`${this.path}/${name}`, i));
+  }
+
+  // Where it touches: as it was recorded, along the way of one roller; or P = O - R n + R1 tan q tan psi k.
   contactPoint() {
+    if (this.free) return new Vector3(...this.between("contact_point"));
     const { radius, rollerDistance } = this.type;
     const along = rollerDistance * Math.tan(this.azimuth(this.touching)) * Math.tan(this.wheel.psi);
     return new Vector3(0, along, -radius).applyMatrix4(this.frame);

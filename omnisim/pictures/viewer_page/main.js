@@ -47,7 +47,7 @@ const [chart, timebar] = [
 
 function stageOrReason() {
   try {
-    return new Stage(element("stage"), machine, motion, wake);
+    return new Stage(element("stage"), machine, motion, wake, data);
   } catch (error) {
     const problem = document.createElement("p");
     Object.assign(problem, {

@@ -2,7 +2,7 @@
 
 const TYPES = { float64: Float64Array, float32: Float32Array, int32: Int32Array };
 
-function decoded({ dtype, shape, base64 }) {
+export function decoded({ dtype, shape, base64 }) {
   const bytes = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
   return { values: new TYPES[dtype](bytes.buffer), width: shape.slice(1).reduce((a, b) => a * b, 1) };
 }
@@ -51,6 +51,15 @@ export class Motion {
   // What does not lie between rows, a roller's number for one.
   held(path, component = 0) {
     return this.around(path, component)[this.fraction < 1 ? 0 : 1];
+  }
+
+  has(path) {
+    return path in this.arrays;
+  }
+
+  // That of the row which is nearer.
+  nearest(path, component = 0) {
+    return this.around(path, component)[this.fraction < 0.5 ? 0 : 1];
   }
 
   linear(path, component = 0) {

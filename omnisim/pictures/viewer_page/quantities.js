@@ -28,6 +28,8 @@ export function quantities(motion, wheels) {
 
   const all = {
     "speed, m/s": body("speed", "body/velocity", size("body/velocity")),
+    "height, m": has("body/orientation") ? body("height", "body/position", motion.column("body/position", 2)) : [],
+    "roll and pitch, rad": has("body/roll") ? [...body("roll", "body/roll"), ...body("pitch", "body/pitch")] : [],
     "yaw rate, rad/s": body("yaw rate", "body/yaw_rate"),
     "spin rate, rad/s": each("spin_rate"),
     "drive torque, N m": each("drive_torque"),
@@ -36,6 +38,7 @@ export function quantities(motion, wheels) {
     "current, A": each("current"),
     "electrical power, W": each("electrical_power"),
     "slip, m/s": each("slip_velocity", size),
+    "suspension travel, m": each("suspension_travel"),
     "normal force, N": each("normal_force"),
     "friction force, N": each("friction_force", size),
     "odometry error, m": has("odometry/position_error")

@@ -19,6 +19,7 @@ import {
   Vector3,
   WebGLRenderer,
 } from "vendor";
+import { Ground } from "omnisim/ground";
 import { shadowOf } from "omnisim/shadow";
 
 const SUN = new Vector3(1.2, -0.8, 2.6); // towards it
@@ -28,7 +29,8 @@ const REACH = 12; // of the grid, in sizes of the machine
 const LINE = 1.5; // width in pixels, at the machine
 
 export class Stage {
-  constructor(element, machine, motion, changed) {
+  // ground: points of uneven ground, if it is; up: against gravity, where that is not z.
+  constructor(element, machine, motion, changed, { ground, up = [0, 0, 1] }) {
     Object.assign(this, { element, machine, motion, changed, follows: true });
     const size = machine.size;
     this.renderers = new Map(); // a canvas smooths edges or not, for good: one of each kind
@@ -37,14 +39,18 @@ export class Stage {
     this.scene.fog = new Fog(0);
     this.scene.background = new Color();
     this.camera = new PerspectiveCamera((180 / Math.PI) * FIELD, 1, 0.02 * size, 40 * size);
-    this.camera.up.set(0, 0, 1);
+    this.camera.up.set(...up);
     this.cell = cellFor(size);
     this.grid = new Grid(this.cell, REACH * size);
     this.trace = traceOf(motion);
     const [sun, sky] = [new DirectionalLight(0xffffff, 2.2), new HemisphereLight(0xffffff, 0xb8c0c8, 3.4)];
     sun.position.copy(SUN);
     sky.position.set(0, 0, 1);
-    this.scene.add(machine.group, shadowOf(machine.group, SUN), sun, sky, this.grid.mesh, this.trace);
+    this.scene.add(machine.group, sun, sky, this.trace);
+    if (ground) {
+      this.ground = new Ground(ground, this.cell, SUN);
+      this.scene.add(this.ground.mesh); // too uneven for a shadow that is laid flat
+    } else this.scene.add(shadowOf(machine.group, SUN), this.grid.mesh);
 
     this.controls = new OrbitControls(this.camera, element);
     this.controls.enableDamping = true;
@@ -67,6 +73,7 @@ export class Stage {
   recolour(colour) {
     this.scene.background.set(colour("ground"));
     this.scene.fog.color.set(colour("ground"));
+    this.ground?.recolour(colour("ground"));
     this.trace.material.color.set(colour("trace"));
     this.grid.mesh.material.color.set(colour("grid"));
     this.changed();
@@ -147,7 +154,8 @@ class Grid {
 // The path of the chassis origin, or of the wheel centre, on the floor.
 function traceOf(motion) {
   const [x, y] = [0, 1].map((i) => motion.column("body/position", i));
-  const points = x.map((_, row) => new Vector3(x[row], y[row], 0.001));
+  const z = motion.has("trace_height") ? motion.column("trace_height") : x.map(() => 0.001);
+  const points = x.map((_, row) => new Vector3(x[row], y[row], z[row]));
   const line = new Line(new BufferGeometry().setFromPoints(points), new LineBasicMaterial({ toneMapped: false }));
   line.frustumCulled = false;
   return line;

@@ -8,6 +8,8 @@ const COLOURS = {
   touch_down: "#3f51b5",
   share_begin: "#b05fd0",
   share_end: "#d991ee",
+  contact_begin: "#7a93ad",
+  contact_end: "#a9b8c6",
   stop: "#d2423c",
 };
 const NEAR = 6; // px from a mark to its tooltip

@@ -68,10 +68,11 @@ export function hubGeometry(type, wheel, { segments }) {
   const [length] = profile.at(-1);
   const middle = thickest(profile);
   const pinned = length + 0.08 * middle; // along the pin, beyond the roller's end
-  const side = Math.abs(pinned * Math.sin(wheel.psi));
+  const aside = outermost(type); // of its rows
+  const side = Math.abs(pinned * Math.sin(wheel.psi)) + aside;
   const hub = Math.max(rollerDistance - 1.12 * middle, 0.3 * rollerDistance);
-  const parts = [new CylinderGeometry(hub, hub, 2 * Math.max(side, 0.7 * middle), 2 * segments)];
-  if (side > middle) {
+  const parts = [new CylinderGeometry(hub, hub, 2 * Math.max(side, 0.7 * middle + aside), 2 * segments)];
+  if (side - aside > middle) {
     const plate = Math.max(rollerDistance - 0.35 * middle, hub);
     const disc = new CylinderGeometry(plate, plate, 0.16 * middle, 2 * segments);
     for (const y of [-side, side]) parts.push(disc.clone().translate(0, y, 0));
@@ -89,18 +90,25 @@ export function hubGeometry(type, wheel, { segments }) {
 }
 
 // Where roller i sits in its wheel at spin angle 0: d = -cos q n + sin q h, axis c t + s k with t = k x d.
-export function rollerFrame({ rollerDistance, rollers }, { psi, phase }, i) {
-  const q = phase + (2 * Math.PI * i) / rollers;
+// Rows of rollers take turns.
+export function rollerFrame({ rollerDistance, rollers, rows = [{ offset: 0, phase: 0 }] }, { psi, phase }, i) {
+  const row = rows[i % rows.length];
+  const q = phase + row.phase + (2 * Math.PI * Math.floor(i / rows.length) * rows.length) / rollers;
   const d = new Vector3(Math.sin(q), 0, -Math.cos(q));
   const axis = new Vector3(-Math.cos(psi) * Math.cos(q), Math.sin(psi), -Math.cos(psi) * Math.sin(q));
   const across = new Vector3().crossVectors(axis, d);
-  return new Matrix4().makeBasis(across, axis, d.clone()).setPosition(d.multiplyScalar(rollerDistance));
+  const frame = new Matrix4().makeBasis(across, axis, d.clone());
+  return frame.setPosition(d.multiplyScalar(rollerDistance).add(new Vector3(0, row.offset, 0)));
 }
 
 // Half the width of a wheel along its axle.
-export function halfWidth({ profile }, { psi }) {
-  const [length] = profile.at(-1);
-  return Math.max(Math.abs(length * Math.sin(psi)), thickest(profile));
+export function halfWidth(type, { psi }) {
+  const [length] = type.profile.at(-1);
+  return Math.max(Math.abs(length * Math.sin(psi)), thickest(type.profile)) + outermost(type);
+}
+
+function outermost({ rows = [] }) {
+  return Math.max(0, ...rows.map(({ offset }) => Math.abs(offset)));
 }
 
 function thickest(profile) {

@@ -1,0 +1,86 @@
+"""What the page of a trajectory shows of a machine free in space beside the rest: its pose, springs, and the ground."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from omnisim.dynamics.ground import floor_of_scene
+from omnisim.pictures import ground as uneven
+from omnisim.results.spatial import attitude, matrices
+from omnisim.results.trajectory import Trajectory
+from omnisim.scene.schema import Config, Rocker, WheelType
+from omnisim.scene.solids import outline, profile
+
+AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0)}
+POINTS = 17  # of a profile
+ABOVE = 1e-3  # m, of the path over the ground
+BODY = {"body/orientation": "float64", "body/angular_velocity": "float32"}
+WHEEL = {"suspension_travel": "float32", "suspension_rate": "float32", "contact_point": "float32"}
+
+
+def type_in_space(kind: WheelType) -> dict[str, Any]:
+    """A type of wheels, its rows and the profile of its rollers as they are."""
+    shape = kind.profile
+    if shape.kind == "arc":
+        u = np.linspace(-shape.half_length, shape.half_length, POINTS)
+        r = shape.radius - shape.curvature_radius + np.sqrt(shape.curvature_radius**2 - u**2)
+    else:
+        u, r = profile(outline(kind), np.linspace(-kind.covered, kind.covered, POINTS))
+    return {
+        "radius": kind.radius,
+        "rollerDistance": kind.roller_distance,
+        "rollers": kind.rollers,
+        "rows": [{"offset": row.offset, "phase": math.radians(row.phase_deg)} for row in kind.rows],
+        "profile": np.column_stack([u, r]).tolist(),
+    }
+
+
+def motion_in_space(trajectory: Trajectory, config: Config, rows: np.ndarray) -> dict[str, np.ndarray]:
+    """Datasets of BODY and WHEEL in these rows; roll and pitch, rad; the height of the path, m; normals of uneven
+    ground at the contact points; angles of rockers, rad."""
+    arrays = {path: trajectory[path][rows].astype(dtype) for path, dtype in BODY.items()}
+    for wheel in trajectory.wheels:
+        paths = {f"wheels/{wheel}/{name}": dtype for name, dtype in WHEEL.items()}
+        arrays |= {path: trajectory[path][rows].astype(kind) for path, kind in paths.items() if path in trajectory}
+    angles = attitude(trajectory["body/orientation"][rows])
+    arrays |= {f"body/{name}": angle.astype(np.float32) for name, angle in zip(("roll", "pitch"), angles, strict=True)}
+    for axle in config.axles:
+        angle = rocking(trajectory, config, axle, rows).astype(np.float32)
+        arrays |= {f"wheels/{wheel}/rocking": angle for wheel in axle.wheels}
+    floor = floor_of_scene(config)
+    if floor is not None:
+        x, y, _ = trajectory["body/position"][rows].T
+        arrays["trace_height"] = (uneven.heights(floor, x, y) + ABOVE).astype(np.float32)
+        for wheel in trajectory.wheels:
+            x, y, _ = trajectory[f"wheels/{wheel}/contact_point"][rows].T
+            arrays[f"wheels/{wheel}/contact_normal"] = uneven.normals(floor, x, y).astype(np.float32)
+    return arrays
+
+
+def rocking(trajectory: Trajectory, config: Config, axle: Rocker, rows: np.ndarray) -> np.ndarray:
+    """Angle of a rocker (K,), rad: from where the rollers of one of its wheels are, whose mean turns with it."""
+    name = axle.wheels[0]
+    wheel = next(wheel for wheel in config.wheels if wheel.name == name)
+    kind = config.type_of(wheel)
+    middle = trajectory[f"wheels/{name}/rollers/center_position"][rows].mean(axis=1)
+    turned = matrices(trajectory["body/orientation"][rows])
+    now = np.einsum("tij,ti->tj", turned, middle - trajectory["body/position"][rows]) - axle.point
+    aside = np.mean([row.offset for row in kind.rows])
+    heading = math.radians(wheel.heading_deg)
+    x, y = wheel.position
+    still = np.array([x - aside * math.sin(heading), y + aside * math.cos(heading), kind.radius]) - axle.point
+    axis = np.array(AXES[axle.about])
+    return np.arctan2(np.cross(still, now) @ axis, now @ still - (now @ axis) * (still @ axis))
+
+
+def up(config: Config) -> list[float]:
+    """Against gravity, in the floor's axes."""
+    slope, uphill = math.radians(config.floor.slope_deg), math.radians(config.floor.uphill_deg)
+    return [math.sin(slope) * math.cos(uphill), math.sin(slope) * math.sin(uphill), math.cos(slope)]
+
+
+def ground(trajectory: Trajectory, config: Config) -> np.ndarray | None:
+    """Points (A, B, 3) on uneven ground, m; None of a plane."""
+    size = max(math.hypot(*wheel.position) + 2.0 * config.type_of(wheel).radius for wheel in config.wheels)
+    return uneven.mesh(config, trajectory["body/position"][:, :2], size)
