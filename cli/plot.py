@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from omnisim.studies.result import StudyResult
 
 VIEWS = (
-    "story", "path", "drives", "contact", "slip", "forces", "rollers", "ripple", "odometry", "energy", "bearings",
-    "trackings",
+    "story", "path", "drives", "contact", "slip", "forces", "ride", "rollers", "ripple", "odometry", "energy",
+    "bearings", "trackings",
 )  # fmt: skip
 STUDY = "omnisim-study"
 FORMATS = (".png", ".svg", ".pdf")
@@ -38,7 +38,7 @@ def plot(files: tuple[str, ...], view: str, output: str | None, force: bool) -> 
     runs have measured, over the keys that it varies.
 
     Several files are laid over each other. `trackings` compares two, as the paper's figures 5 to 7 do; `bearings`
-    needs a run with output.bearing_loads = true, `odometry` a machine.
+    needs a run with output.bearing_loads = true, `odometry` a machine, `ride` one that is free in space.
 
     \b
     omnisim plot youbot.h5

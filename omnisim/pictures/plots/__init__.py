@@ -11,7 +11,7 @@ from omnisim.pictures.plots.bearing_loads import bearings
 from omnisim.pictures.plots.drive import drives
 from omnisim.pictures.plots.fits import fit_paths, fit_residuals
 from omnisim.pictures.plots.floor import path
-from omnisim.pictures.plots.motion import contact, energy, forces, odometry, slip
+from omnisim.pictures.plots.motion import contact, energy, forces, odometry, ride, slip
 from omnisim.pictures.plots.overview import story
 from omnisim.pictures.plots.paper import trackings
 from omnisim.pictures.plots.roller_maps import rollers
@@ -19,9 +19,9 @@ from omnisim.pictures.plots.spectra import ripple
 from omnisim.pictures.plots.studies import study
 from omnisim.pictures.plots.style import PlotError
 
-_ALL = (story, path, drives, contact, slip, forces, rollers, ripple, odometry, energy, bearings, trackings)
+_ALL = (story, path, drives, contact, slip, forces, ride, rollers, ripple, odometry, energy, bearings, trackings)
 VIEWS = {view.__name__: view for view in _ALL}
 __all__ = [  # in full: tools that check types read it
     "VIEWS", "PlotError", "bearings", "contact", "drives", "energy", "fit_paths", "fit_residuals", "forces", "odometry",
-    "path", "ripple", "rollers", "slip", "story", "study", "trackings",
+    "path", "ride", "ripple", "rollers", "slip", "story", "study", "trackings",
 ]  # fmt: skip

@@ -7,6 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from omnisim.dynamics.ground import floor_of_scene
+from omnisim.pictures.ground import heights
 from omnisim.pictures.plots.asked import commanded_path, config_of
 from omnisim.pictures.plots.marks import kinds_of, mark, named, stride, thinned
 from omnisim.pictures.plots.outline import draw_outlines
@@ -15,6 +17,8 @@ from omnisim.pictures.plots.style import INK, TARGET, Runs, figure_of, finish, l
 from omnisim.results.trajectory import Trajectory
 
 ARROWS = 12
+CELLS, CONTOURS, REACH = 300, 7, 1.2  # of uneven ground: points each way, levels, half the width by that of the path
+UNMARKED = ("contact_begin", "contact_end")  # at every roller, and often two of a wheel at once
 MOST_MARKS = 30  # of a kind along a path
 SMALLEST = 1e-6  # m: a machine that turns on the spot moves by rounding
 RING: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 9, "markerfacecolor": "none"}
@@ -63,7 +67,8 @@ def path(runs: Runs) -> Figure:
 
 def draw_path(axes: Axes, runs: Runs) -> None:
     """The paths of all runs, with a legend below."""
-    every = {kind: stride([count(run, kind) for run in runs.values()], MOST_MARKS) for kind in kinds_of(runs)}
+    kinds = [kind for kind in kinds_of(runs) if kind not in UNMARKED]
+    every = {kind: stride([count(run, kind) for run in runs.values()], MOST_MARKS) for kind in kinds}
     lines: dict[str, Line2D] = {}
     for number, (name, run) in enumerate(runs.items()):
         colour = look(number, 0, len(runs))["color"]
@@ -89,6 +94,27 @@ def draw_path(axes: Axes, runs: Runs) -> None:
     axes.autoscale_view()
     axes.set_aspect("equal", adjustable="datalim")
     finish(axes)
+    draw_ground(axes, next(iter(runs.values())))
+
+
+def draw_ground(axes: Axes, run: Trajectory) -> None:
+    """Contours of uneven ground beneath all else, as wide as an axis of equal scale may become."""
+    config = config_of(run)
+    floor = None if config is None else floor_of_scene(config)
+    if floor is None:
+        return
+    ends = np.array([axes.get_xlim(), axes.get_ylim()])
+    before = axes.dataLim.frozen()
+    middle, half = ends.mean(axis=1), REACH * np.ptp(ends, axis=1).max()
+    x, y = np.meshgrid(*(np.linspace(one - half, one + half, CELLS) for one in middle))
+    height = 1e3 * heights(floor, x, y)
+    span = float(np.ptp(height))
+    if span > 0.0:
+        levels = height.min() + span * (np.arange(CONTOURS) + 0.5) / CONTOURS
+        least = height.min() - span  # the lightest colours would not be seen
+        axes.contour(x, y, height, levels, cmap="YlOrBr", linewidths=0.8, zorder=0.5, vmin=least)
+    axes.dataLim.set(before)
+    axes.autoscale_view()
 
 
 def count(run: Trajectory, kind: str) -> int:
@@ -130,6 +156,8 @@ def draw_heading(axes: Axes, run: Trajectory, colour: str) -> None:
 def draw_marks(axes: Axes, run: Trajectory, colour: str, every: dict[str, int]) -> None:
     """Marks where the body is, between two rows on a line, when an event happens; of many every so many."""
     for kind in kinds_of({"": run}):
+        if kind not in every:
+            continue
         times = thinned(run["events/time"][run["events/kind"] == kind], every[kind])
         x, y = (np.interp(times, run.time, run["body/position"][:, axis]) for axis in (0, 1))
         axes.plot(x, y, linestyle="none", zorder=4, label=kind, **mark(kind, colour))

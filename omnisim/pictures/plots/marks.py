@@ -10,8 +10,9 @@ from omnisim.pictures.plots.style import QUIET, Runs
 
 MARKERS = {
     "exchange": ".", "stick": "v", "slip": "^", "lift_off": "P", "touch_down": "X",
-    "share_begin": "<", "share_end": ">", "stop": "s",
+    "share_begin": "<", "share_end": ">", "stop": "s", "contact_begin": ".", "contact_end": ".",
 }  # fmt: skip
+OFTEN = ("exchange", "contact_begin", "contact_end")  # at every roller
 
 
 def kinds_of(runs: Runs) -> list[str]:
@@ -20,8 +21,8 @@ def kinds_of(runs: Runs) -> list[str]:
 
 
 def mark(kind: str, colour: str) -> dict[str, Any]:
-    """Exchanges, which are many, are small and grey."""
-    if kind == "exchange":
+    """Those at every roller, which are many, are small and grey."""
+    if kind in OFTEN:
         return {"marker": MARKERS[kind], "markersize": 4, "color": QUIET}
     edge = {"markeredgecolor": colour, "markeredgewidth": 0.7}
     return {"marker": MARKERS[kind], "markersize": 4.5, "markerfacecolor": "white", **edge}

@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 from omnisim.pictures.plots.drive import TORQUE
 from omnisim.pictures.plots.panels import Bands, Panel, bands_of_wheels, extremes, of_wheels, over_time, size
 from omnisim.pictures.plots.style import PlotError, Runs, view
+from omnisim.results.spatial import attitude
 from omnisim.results.trajectory import Trajectory
 
 
@@ -20,7 +21,8 @@ def of_body(path: str, value=np.asarray):
 
 
 def works(run: Trajectory) -> dict[str, np.ndarray]:
-    """Energies (J) by name, that in gravity from its start on; losses and works that there are none of are left out."""
+    """Energies (J) by name, that in gravity from its start on, losses of rubber and dampers together; losses and works
+    that there are none of are left out."""
     found = {"kinetic energy": run["energy/kinetic"]}
     if "energy/gravity" in run:
         gravity = run["energy/gravity"]
@@ -29,6 +31,9 @@ def works(run: Trajectory) -> dict[str, np.ndarray]:
         path = f"energy/{name}"
         if path in run and run[path].any():
             found[name.replace("_", " ")] = run[path]
+    if is_free(run):
+        found["elastic energy"] = run["energy/elastic"]
+        found["damping loss"] = run["energy/contact_loss"] + run["energy/damper_loss"]
     return found
 
 
@@ -49,6 +54,19 @@ def yaw_reach(run: Trajectory) -> Bands:
     return {"": extremes(run, path)} if f"interval_max/{path}" in run else {}
 
 
+def above_ground(run: Trajectory) -> dict[str, np.ndarray]:
+    """How high the chassis origin is over its place on level ground, mm."""
+    return {"": 1e3 * run["body/position"][:, 2]}
+
+
+def inclination(run: Trajectory) -> dict[str, np.ndarray]:
+    """Roll and pitch, deg."""
+    return dict(zip(("roll", "pitch"), np.degrees(attitude(run["body/orientation"])), strict=True))
+
+
+HEIGHT = Panel("height, mm", above_ground)
+INCLINATION = Panel("roll, pitch, deg", inclination)
+TRAVEL = Panel("travel of springs, mm", of_wheels("suspension_travel", lambda travel: 1e3 * travel))
 SPEED = Panel("speed, m/s", of_body("body/velocity", lambda velocity: size(velocity[:, :2])))
 YAW_RATE = Panel("yaw rate, rad/s", of_body("body/yaw_rate"))
 NORMAL_FORCE = Panel("normal force, N", of_wheels("normal_force"), bands_of_wheels("normal_force"))
@@ -66,6 +84,22 @@ def contact(runs: Runs) -> Figure:
         Panel("contact angle, rad", of_wheels("contact_angle")),
         Panel("share of the load", of_wheels("contact_share")),
     ])  # fmt: skip
+
+
+@view
+def ride(runs: Runs) -> Figure:
+    """Height, roll and pitch of machines free in space, travel of their springs, normal forces. Raises PlotError for a
+    machine that is held upright."""
+    for name, run in runs.items():
+        if not is_free(run):
+            raise PlotError(f"{name}: it is held upright; only machines free in space have a ride")
+    sprung = any(TRAVEL.curves(run) for run in runs.values())
+    return over_time(runs, [HEIGHT, INCLINATION, *([TRAVEL] if sprung else []), NORMAL_FORCE])
+
+
+def is_free(run: Trajectory) -> bool:
+    """Whether the machine is free in space."""
+    return "energy/elastic" in run
 
 
 @view

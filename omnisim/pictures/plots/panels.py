@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from omnisim.pictures.plots.marks import kinds_of, named, stride, thinned
+from omnisim.pictures.plots.marks import OFTEN, kinds_of, named, stride, thinned
 from omnisim.pictures.plots.style import (
     BAND,
     INK,
@@ -156,18 +156,18 @@ def draw(axes: Axes, panel: Panel, runs: Runs) -> tuple[list[str], dict[str, Art
 
 
 def draw_events(axes: Axes, runs: Runs) -> None:
-    """A row of ticks for each kind of events, those of exchanges fine, with lanes within it; thinned where many."""
+    """A row of ticks for each kind of events, those at every roller fine, with lanes within it; thinned where many."""
     kinds = kinds_of(runs)
     events = lanes(runs)
     names = []
     height = 0.8 / len(events)
-    most = max(((kind_of != "exchange").sum() for *_, kind_of in events), default=0)
+    most = max((np.isin(kind_of, OFTEN, invert=True).sum() for *_, kind_of in events), default=0)
     for row, kind in enumerate(kinds):
         found = [(colour, time[kind_of == kind]) for colour, time, kind_of in events]
         counts = [len(times) for _, times in found]
         every = stride(counts, MOST_TICKS)
         names.append(named(kind, every, sum(counts), between="\n"))
-        width = 0.6 if kind == "exchange" else 1.8 if most < MANY else 1.0
+        width = 0.6 if kind in OFTEN else 1.8 if most < MANY else 1.0
         for lane, (colour, times) in enumerate(found):
             times = thinned(times, every)
             y = np.full(len(times), row - 0.4 + height * (lane + 0.5))
