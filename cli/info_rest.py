@@ -52,10 +52,8 @@ def rest_of(scene: Scene, parameters: Parameters) -> Rest:
 
 
 def pose_told(pose: Pose) -> str:
-    return (
-        f"{1e3 * pose.height:.4g} mm over the base plane, pitch {math.degrees(pose.pitch):.3g} deg, "
-        f"roll {math.degrees(pose.roll):.3g} deg"
-    )
+    pitch, roll = (round(math.degrees(angle), 9) + 0.0 for angle in (pose.pitch, pose.roll))
+    return f"{1e3 * pose.height:.4g} mm over the base plane, pitch {pitch:.3g} deg, roll {roll:.3g} deg"
 
 
 def rocker_facts(config: Config, pose: Pose) -> dict[str, str]:

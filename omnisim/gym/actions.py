@@ -43,6 +43,8 @@ def actions(scene: Scene, kind: str, limits: tuple[float, ...]) -> Actions:
     """The Actions of one kind on a scene as its author wrote it. Raises SceneError where its drives do not take them,
     ValueError for limits of another number."""
     config = scene.config
+    if config.upright == "free":
+        raise SceneError(f'{scene.source}: scene.upright = "free": environments take machines that are held upright')
     wheels = np.array([w for w, wheel in enumerate(config.wheels) if wheel.drive.given is not None], int)
     if not len(wheels):
         raise SceneError(f"{scene.source}: wheels: none has a drive that takes an input")

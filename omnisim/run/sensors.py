@@ -17,6 +17,7 @@ from omnisim.dynamics.state import YAW, Places, Run, X, Y
 from omnisim.march.initial_state import blank_rows
 from omnisim.march.observation import Observed, observed_rows
 from omnisim.results.observables import body
+from omnisim.results.spatial import body_in_space
 from omnisim.scene.scene import Scene
 
 Vector = NDArray[np.float64]
@@ -40,27 +41,50 @@ class Sensors:
 
     @property
     def yaw(self) -> float:
-        """rad"""
-        return float(self.run.y[YAW])
+        """rad; of a machine free in space within -pi and pi"""
+        return float(self._in_space["body/yaw"][0] if self._free else self.run.y[YAW])
 
     @property
     def yaw_rate(self) -> float:
         """rad/s"""
-        return float(self.run.y[self._at.yaw_rate])
+        return float(self._in_space["body/yaw_rate"][0] if self._free else self.run.y[self._at.yaw_rate])
 
     @property
     def yaw_acceleration(self) -> float:
         """rad/s^2"""
+        if self._free:
+            return float(self._in_space["body/yaw_acceleration"][0])
         return float(self._observed.slopes[0, self._at.yaw_rate])
+
+    @property
+    def height(self) -> float:
+        """Of the chassis origin over the base plane, m: 0 of a machine that is held upright."""
+        return float(self._in_space["body/position"][0, 2]) if self._free else 0.0
+
+    @property
+    def orientation(self) -> Vector:
+        """Unit quaternion w, x, y, z from chassis axes to world axes."""
+        if self._free:
+            return self._in_space["body/orientation"][0].copy()
+        return np.array([np.cos(0.5 * self.yaw), 0.0, 0.0, np.sin(0.5 * self.yaw)])
+
+    @property
+    def angular_velocity(self) -> Vector:
+        """Of the chassis, world axes, rad/s."""
+        if self._free:
+            return self._in_space["body/angular_velocity"][0].copy()
+        return np.array([0.0, 0.0, self.yaw_rate])
 
     @property
     def position(self) -> Vector:
         """Of the chassis origin or the centre of a bare wheel: x, y, m."""
-        return self.run.y[[X, Y]] - self._to_centre()
+        return self._in_space["body/position"][0, :2].copy() if self._free else self.run.y[[X, Y]] - self._to_centre()
 
     @property
     def velocity(self) -> Vector:
         """Of the same point: x, y, m/s, world axes."""
+        if self._free:
+            return self._in_space["body/velocity"][0, :2].copy()
         x, y = self._to_centre()
         v = self._at.velocity
         return self.run.y[v : v + 2] + self.yaw_rate * np.array([y, -x])
@@ -68,6 +92,8 @@ class Sensors:
     @property
     def acceleration(self) -> Vector:
         """Of the same point: x, y, m/s^2, world axes."""
+        if self._free:
+            return self._in_space["body/acceleration"][0, :2].copy()
         parameters = self.parameters._replace(machine=plain(self.parameters.machine))
         bare = self.scene.config.chassis is None
         return body(parameters, self.run.y[None], self._observed.slopes, bare)["body/acceleration"][0, :2]
@@ -109,7 +135,10 @@ class Sensors:
 
     @property
     def contact_rollers(self) -> NDArray[np.int64]:
-        """Which roller of each wheel touches the floor (W,), counted from 0."""
+        """Which roller of each wheel touches the floor (W,), counted from 0; of several the one that carries most, -1 of a
+        wheel in the air."""
+        if self._free:
+            return self._contacts("roller")
         return np.asarray(self.run.mode)["roller"] % np.asarray(self.parameters.wheels)["rollers"]
 
     @property
@@ -136,6 +165,16 @@ class Sensors:
     def _to_centre(self) -> Vector:
         """C from the chassis origin, world axes, m."""
         return to_centre(self.parameters.machine.centre, self.run.y[YAW])
+
+    @property
+    def _free(self) -> bool:
+        """Whether the machine is free in space."""
+        return self.parameters.space is not None
+
+    @property
+    def _in_space(self) -> dict[str, np.ndarray]:
+        """Datasets of the body of a machine free in space at this instant."""
+        return body_in_space(self.parameters, self.run.y[None], self._observed.slopes)
 
     def _contacts(self, field: str) -> Vector:
         return np.asarray(self._observed.wheels)[field][0].copy()

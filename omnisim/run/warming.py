@@ -26,7 +26,10 @@ from omnisim.run.loop import Loop
 from omnisim.run.timing import tracking_cost
 from omnisim.scene.scene import Scene, SceneError, as_scene, load
 
-SMALL = ("six_rollers", "time.end=0.01", "time.step=0.001", "time.output_interval=0.01")  # a scene, made of any kind
+BRIEF = ("time.end=0.01", "time.step=0.001", "time.output_interval=0.01")
+SMALL, FREE = "six_rollers", "kiwi_ramp"  # scenes, made of any kind: one held upright, one free in space
+BUMP = "floor.bumps=[[9.0, 9.0, 0.01, 0.1]]"
+SPRING = "wheels.back.suspension={mass=0.1, inertia=1e-4, stiffness=1e4, damping=10.0}"
 FORMULATIONS, LAWS, METHODS = ("reduced", "multibody"), ("regularized", "coulomb"), ("rk4", "radau5")
 WORKER = "import sys; from omnisim.run.warming import compile_now; compile_now(sys.argv[1:])"
 
@@ -34,36 +37,54 @@ WORKER = "import sys; from omnisim.run.warming import compile_now; compile_now(s
 class Kind(NamedTuple):
     """What kernels are compiled for."""
 
-    multibody: bool
-    set_valued: bool  # friction
-    implicit: bool  # steps, all or some
+    multibody: bool = False
+    set_valued: bool = False  # friction
+    implicit: bool = False  # steps, all or some
+    free: bool = False  # in space; and then
+    uneven: bool = False  # ground
+    carried: bool = False  # wheels, by suspensions or rockers
 
     def __str__(self) -> str:
-        formulation = "the multibody formulation" if self.multibody else "the reduced formulation"
+        what = "the multibody formulation" if self.multibody else "the reduced formulation"
+        if self.free:
+            what = f"machines free in space{' on uneven ground' * self.uneven}{' on suspensions' * self.carried}"
         friction = "set-valued friction" if self.set_valued else "smooth friction"
-        return f"{formulation} with {friction} and {'implicit' if self.implicit else 'explicit'} steps"
+        return f"{what} with {friction} and {'implicit' if self.implicit else 'explicit'} steps"
 
     @property
     def overrides(self) -> tuple[str, ...]:
         """Those that make the small scene one of this kind."""
         return (
+            *BRIEF,
             f"solver.formulation={FORMULATIONS[self.multibody]}",
             f"friction.law={LAWS[self.set_valued]}",
             f"solver.method={METHODS[self.implicit]}",
+            *[BUMP] * self.uneven,
+            *[SPRING] * self.carried,
         )
+
+    @property
+    def scene(self) -> Scene:
+        """A small one of this kind. Raises SceneError if there is none."""
+        return load(FREE if self.free else SMALL, self.overrides)
 
 
 def kind_of(scene: Scene) -> Kind:
     parameters = pack(scene.config)
+    space = parameters.space
     there = parameters.workspace.articulated is not None, parameters.workspace.resting is not None
-    return Kind(*there, resolve(scene.config, parameters) != EXPLICIT)
+    free = (False,) * 3 if space is None else (True, space.floor is not None, space.carriers is not None)
+    return Kind(*there, resolve(scene.config, parameters) != EXPLICIT, *free)
 
 
 def kinds() -> Iterator[Kind]:
     """All that a scene can be of."""
-    for kind in map(Kind._make, product((False, True), repeat=3)):
+    for flags in product((False, True), repeat=len(Kind._fields)):
+        kind = Kind(*flags)
+        if kind.free < max(kind.uneven, kind.carried):
+            continue
         try:
-            load(SMALL[0], [*SMALL[1:], *kind.overrides])
+            kind.scene  # noqa: B018
         except SceneError:  # not every formulation has every method
             continue
         yield kind
@@ -87,7 +108,8 @@ def warm(
     while waiting or running:
         while waiting and len(running) < most:
             kind = waiting.pop(0)
-            running[subprocess.Popen([sys.executable, "-c", WORKER, *kind.overrides])] = kind
+            flags = [str(int(flag)) for flag in kind]
+            running[subprocess.Popen([sys.executable, "-c", WORKER, *flags])] = kind
         child = next(iter(running))
         kind = running.pop(child)
         if child.wait():
@@ -99,13 +121,14 @@ def warm(
     return wanted
 
 
-def compile_now(overrides: Iterable[str]) -> None:
-    """Compile, in this process, what the small scene with these overrides needs."""
-    scene = load(SMALL[0], [*SMALL[1:], *overrides])
+def compile_now(flags: Iterable[str]) -> None:
+    """Compile, in this process, what scenes of the kind with these flags, "0" or "1", need."""
+    scene = Kind(*(flag == "1" for flag in flags)).scene
     Loop(scene).trajectory()
-    tracking_cost(scene)
     parameters = pack(scene.config)
     explanation(scene.config, parameters)
+    if parameters.space is None:
+        tracking_cost(scene)
     for size in (length, tip_radius):
         size(parameters.wheels[0])
     profile_radius(parameters.wheels[0], 0.0)
@@ -114,7 +137,7 @@ def compile_now(overrides: Iterable[str]) -> None:
 def kernels_of(kind: Kind) -> set[Kernel]:
     """About those that are compiled for a run of this kind: all that march and observation reach in their sources but
     for branches that ask for what is not there."""
-    there = dict(zip(("articulated", "resting", "newton"), kind, strict=True))
+    there = dict(zip(("articulated", "resting", "newton", "space", "floor", "carriers"), kind, strict=True))
     found: set[Kernel] = set()
     waiting = [kernel for kernel in (march, observe) if isinstance(kernel, Kernel)]  # compilation may be switched off
     while waiting:

@@ -484,7 +484,8 @@ def unused_keys(config: Config) -> tuple[str, ...]:
         if {"mass", "density"} <= kind.roller.model_fields_set
     }
     chassis = config.chassis.model_fields_set if config.chassis else set()
-    clearance = chassis & {"ground_clearance"} if chassis & {"center_of_mass"} or not chassis & {"size"} else set()
+    read = "size" in chassis and (config.upright == "free" or "center_of_mass" not in chassis)
+    clearance = set() if read else chassis & {"ground_clearance"}
     unread = (("friction", friction), ("wheel_types", types | densities), ("chassis", clearance))
     return tuple(f"{table}.{key}" for table, keys in unread for key in sorted(keys))
 

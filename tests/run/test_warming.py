@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from omnisim.run.warming import SMALL, Kind, kernels_of, kind_of, kinds
+from omnisim.run.warming import Kind, kernels_of, kind_of, kinds
 from omnisim.scene.scene import load
 
 COUNTING = """
@@ -44,12 +44,17 @@ def test_scenes_of_a_kind_share_all_kernels_and_a_new_process_compiles_none():
 
 def test_a_small_scene_is_of_the_kind_that_it_is_made_for():
     found = list(kinds())
-    assert len(found) == 6  # in the multibody formulation all steps are explicit
+    held = [kind for kind in found if not kind.free]
+    assert len(held) == 6  # in the multibody formulation all steps are explicit
+    assert len(found) - len(held) == 4  # plane or uneven ground, suspensions or not
     for kind in found:
-        assert kind_of(load(SMALL[0], [*SMALL[1:], *kind.overrides])) == kind
+        assert kind_of(kind.scene) == kind
 
 
 @pytest.mark.parametrize(("scene", "kind"), [
+    ("kiwi_ramp", Kind(free=True)),
+    ("cable_duct", Kind(free=True, uneven=True, carried=True)),
+    ("rocker", Kind(free=True, uneven=True, carried=True)),
     ("six_rollers", Kind(False, False, False)),
     ("coulomb_wheel", Kind(False, True, False)),
     ("authors_vehicle", Kind(False, False, True)),
@@ -73,3 +78,6 @@ def test_kernels_of_a_kind_are_those_that_it_needs():
     assert {"turn_creep", "come_to_rest", "align_slip"} <= coulomb - smooth
     assert {"implicit_step", "factorize"} <= implicit - smooth
     assert "multibody_rhs" in multibody - smooth and "reduced_rhs" not in multibody
+    plane, uneven = ({kernel.__name__ for kernel in kernels_of(Kind(free=True, uneven=up))} for up in (False, True))
+    assert "touch_plane" in plane - smooth and "reduced_rhs" not in plane
+    assert "quickly_clear" in uneven - plane

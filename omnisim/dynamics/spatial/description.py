@@ -58,9 +58,7 @@ def _bodies(config: Config, parameters: Parameters) -> Iterator[Part]:
         why = f"rates of those of each wheel that touch, {SLOTS} at most at once; none while it is in the air"
         yield Part("rollers in contact", True, count, why)
         total = sum(config.type_of(wheel).rollers for wheel in config.wheels)
-        yield Part(
-            "rollers in the air", False, 0, f"{total} less those keep their axial rates exactly: frictionless bearings"
-        )
+        yield Part("rollers in the air", False, 0, f"the others of {total} keep theirs exactly: frictionless bearings")
 
 
 def _ground(config: Config) -> Iterator[Part]:

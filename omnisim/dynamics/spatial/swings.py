@@ -38,7 +38,7 @@ def swings(parameters: Parameters) -> list[Swing]:
         size = np.abs(way) * np.array([1.0, reach, reach] + [1.0] * (len(way) - 3))
         most = int(np.argmax(size))
         part = float(way @ damping @ way) / (2.0 * rate) if rate > 0.0 else 0.0
-        found.append(Swing(NAMES[most] if most < 3 else "wheels", rate / (2.0 * math.pi), part))
+        found.append(Swing(NAMES[most] if most < 3 else "hub", rate / (2.0 * math.pi), part))
     return found
 
 
