@@ -152,7 +152,7 @@ def report(trajectory: Trajectory, path: Path) -> str:
         "error": accuracy(trajectory),
         "speed": speed(a["stop_time"], a["wall_time"]),
         "steps": f"{a['steps']}, with {a['rhs_evaluations']} right-hand sides",
-        "events": ", ".join(f"{count} {kind}{'s' * (count != 1)}" for kind, count in events.items()),
+        "events": ", ".join(f"{count} {kind}{'s' * (count != 1)}" for kind, count in events.items()) or "none",
         "energy": energy(trajectory),
         "peaks": peaks(trajectory),
         "odometry": odometry(trajectory),

@@ -15,6 +15,7 @@ from omnisim.scene.problems import ConfigError, Problem
 from omnisim.scene.schema import Config
 
 HEIGHT = ("initial", "height")
+TIPPED = math.radians(60.0)  # of pitch or roll: it may rest there, but does not stand
 
 
 class Pose(NamedTuple):
@@ -54,6 +55,8 @@ def standing_pose(config: Config, parameters: Parameters) -> tuple[Pose, np.ndar
 
     try:
         x, loads = find_equilibrium(parameters, state_at, count)
+        if max(abs(x[1]), abs(x[2])) > TIPPED:
+            raise NoEquilibriumError("it tips over")
     except NoEquilibriumError as error:
         what = f"missing, and where the scene puts the machine it has no pose at rest to begin in: {error}"
         raise ConfigError([Problem(HEIGHT, f"{what}; give a height, pitch_deg or roll_deg")]) from None

@@ -2,7 +2,7 @@
 
 import math
 
-from omnisim.base.methods import AUTO, EXPLICIT, METHODS
+from omnisim.base.methods import AUTO, EXPLICIT, IMPLICIT, METHODS
 from omnisim.base.status import SAFE_STEP
 from omnisim.contact.frame import Slip
 from omnisim.contact.friction import friction_factor
@@ -12,7 +12,6 @@ from omnisim.dynamics.static_loads import static_loads
 from omnisim.march.validity import roller_mobility
 from omnisim.scene.schema import Config
 
-AUTO_TOO = " or method = 'auto'"
 SAFE = 0.5  # of the stability limit of the explicit tableau, up to which "auto" is explicit throughout
 
 
@@ -63,15 +62,16 @@ def _of_currents(config: Config, parameters: Parameters) -> str:
     if rate == 0.0:
         return ""
     told = f"; currents of motors settle at up to {rate:.2g} 1/s"
-    return told + _too_fast(config, rate, resolve(config, parameters) == EXPLICIT, AUTO_TOO)
+    return told + _too_fast(config, rate, resolve(config, parameters) == EXPLICIT, "auto")
 
 
 def _of_rubber(config: Config, parameters: Parameters) -> str:
-    """The same of a machine free in space on its rubber and springs."""
+    """The same of a machine free in space on its rubber and springs: "auto" does not look at them."""
     if parameters.space is None:
         return ""
     rate = fastest_swing(parameters)
-    return f"; it swings on its rubber at up to {rate:.2g} 1/s" + _too_fast(config, rate, True, "")
+    explicit = METHODS[config.solver.method].choice != IMPLICIT
+    return f"; it swings on its rubber at up to {rate:.2g} 1/s" + _too_fast(config, rate, explicit, "radau5")
 
 
 def _too_fast(config: Config, rate: float, explicit: bool, instead: str) -> str:
@@ -79,7 +79,7 @@ def _too_fast(config: Config, rate: float, explicit: bool, instead: str) -> str:
     limit = METHODS[config.solver.method].tableau.stability_limit
     if not explicit or rate * (config.time.step or 0.0) <= limit:
         return ""
-    return f", too fast for this step: time.step < {SAFE_STEP * limit / rate:.2g} s{instead} would do"
+    return f", too fast for this step: time.step < {SAFE_STEP * limit / rate:.2g} s or method = '{instead}' would do"
 
 
 def _of_friction(config: Config, parameters: Parameters) -> str:
@@ -109,8 +109,7 @@ def _of_friction(config: Config, parameters: Parameters) -> str:
         return f"{used}: {slip}, and {name} follows {limit:.2g} 1/s with this step"
     if config.friction.law == "coulomb":
         return f"{used}: {slip}, and steps are parted to follow; 'auto' takes slow slip in implicit steps"
-    instead = AUTO_TOO if parameters.space is None else ""
     return (
         f"{used}: {slip}, but {name} follows {limit:.2g} 1/s with this step, and the run stops where it must: "
-        f"time.step < {SAFE_STEP * method.tableau.stability_limit / rate:.2g} s{instead} would do"
+        f"time.step < {SAFE_STEP * method.tableau.stability_limit / rate:.2g} s or method = 'auto' would do"
     )

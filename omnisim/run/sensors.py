@@ -135,8 +135,8 @@ class Sensors:
 
     @property
     def contact_rollers(self) -> NDArray[np.int64]:
-        """Which roller of each wheel touches the floor (W,), counted from 0; of several the one that carries most, -1 of a
-        wheel in the air."""
+        """Which roller of each wheel touches the floor (W,), counted from 0. In space: of several the one that carries
+        most, -1 in the air."""
         if self._free:
             return self._contacts("roller")
         return np.asarray(self.run.mode)["roller"] % np.asarray(self.parameters.wheels)["rollers"]

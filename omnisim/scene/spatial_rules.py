@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 
-from omnisim.base.methods import EXPLICIT, METHODS
 from omnisim.scene.problems import Problem, allowed_at, did_you_mean
 from omnisim.scene.schema import PROFILE_KEYS, Config
 
@@ -26,10 +25,6 @@ def _needed(config: Config) -> Iterator[Problem]:
                                 ("tracking", config.solver.tracking, "explicit")):  # fmt: skip
         if value != allowed:
             yield Problem(("solver", key), f'must be "{allowed}" with upright = "free"')
-    explicit = [name for name, method in METHODS.items() if method.choice == EXPLICIT]
-    if config.solver.method not in explicit:
-        names = ", ".join(f"'{name}'" for name in explicit)
-        yield Problem(("solver", "method"), f'must be one of {names} with upright = "free"')
     if config.friction.law == "coulomb":
         yield Problem(("friction", "law"), 'must be "regularized" or another smooth law with upright = "free"')
     if config.output.bearing_loads:

@@ -301,3 +301,8 @@ def test_the_environment_of_one_goes_through_gymnasiums_own_vectors_too():
     acted = actions(50, 2, 3)
     for one, other in zip(episodes(ours, acted, 5), episodes(theirs, acted, 5), strict=True):
         assert np.array_equal(one, other)
+
+
+def test_a_machine_free_in_space_is_refused():
+    with pytest.raises(omnisim.SceneError, match=r'scene\.upright = "free": environments take machines that are held'):
+        single(scene="cable_duct")

@@ -5,14 +5,26 @@ import pytest
 import omnisim
 from omnisim.pictures.viewer import page
 
-SCENES = ("coulomb_wheel", "kiwi", "mixed", "youbot")
+SCENES = ("coulomb_wheel", "kiwi", "mixed", "youbot", "cable_duct", "kiwi_ramp", "rocker")
+
+
+class Runs(dict):
+    """Trajectories by the name of their scene, each simulated when somebody asks for it."""
+
+    def __init__(self, scenes):
+        self.scenes = scenes
+
+    def __missing__(self, name):
+        self[name] = omnisim.simulate(self.scenes[name])
+        return self[name]
 
 
 @pytest.fixture(scope="session")
 def runs():
     """Trajectories of packaged scenes by name, 100 rows a second; the mecanum machine drives for 10 s."""
     overrides = {name: ["time.output_interval=0.01"] for name in SCENES} | {"youbot": ["time.end=10.0"]}
-    return {name: omnisim.simulate(omnisim.load(name, overrides[name])) for name in SCENES}
+    overrides["kiwi_ramp"].append("time.end=0.5")
+    return Runs({name: omnisim.load(name, overrides[name]) for name in SCENES})
 
 
 @pytest.fixture(scope="session")

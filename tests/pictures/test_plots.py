@@ -25,7 +25,7 @@ def closed():
 # --- every view of every kind of file -------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", sorted(set(plots.VIEWS) - {"trackings"}))
+@pytest.mark.parametrize("name", sorted(set(plots.VIEWS) - {"trackings", "ride"}))
 def test_every_view_of_a_machine_is_drawn(name, kiwi):
     for trajectories in (machine(), [machine(title="made up"), kiwi]):
         figure = plots.VIEWS[name](trajectories)
@@ -33,9 +33,31 @@ def test_every_view_of_a_machine_is_drawn(name, kiwi):
         every_axis_is_named(figure)
 
 
-@pytest.mark.parametrize("name", sorted(set(plots.VIEWS) - {"trackings", "odometry", "drives"}))
+@pytest.mark.parametrize("name", sorted(set(plots.VIEWS) - {"trackings", "odometry", "drives", "ride"}))
 def test_every_view_of_a_wheel_is_drawn(name, wheel):
     plots.VIEWS[name](wheel).canvas.draw()
+
+
+@pytest.mark.parametrize("name", sorted(set(plots.VIEWS) - {"trackings", "bearings"}))
+def test_every_view_of_a_machine_free_in_space_is_drawn(name, runs):
+    for scene in ("cable_duct", "kiwi_ramp")[: 1 if name == "ripple" else 2]:  # the second is too short for one
+        figure = plots.VIEWS[name](runs[scene])
+        figure.canvas.draw()
+        every_axis_is_named(figure)
+
+
+def test_a_ride_shows_height_roll_pitch_and_travel_as_recorded(runs):
+    run = runs["cable_duct"]
+    height, angles, travel, _, events = plots.ride(run).axes
+    assert np.array_equal(height.lines[0].get_ydata(), 1e3 * run["body/position"][:, 2])
+    roll, pitch = (np.radians(line.get_ydata()) for line in angles.lines)
+    w, x, y, z = run["body/orientation"].T
+    assert np.abs(np.sin(pitch) - 2.0 * (w * y - x * z)).max() < 1e-15
+    assert np.abs(np.tan(roll) * (1.0 - 2.0 * (x * x + y * y)) - 2.0 * (w * x + y * z)).max() < 1e-15
+    for line, wheel in zip(travel.lines, run.wheels, strict=True):
+        assert np.array_equal(line.get_ydata(), 1e3 * run[f"wheels/{wheel}/suspension_travel"])
+    assert [label.get_text() for label in events.get_yticklabels()][-2:] == ["contact begin", "contact end"]
+    assert len(plots.ride(runs["kiwi_ramp"]).axes) == 4  # no springs
 
 
 @pytest.mark.parametrize("name", ["story", "path", "contact", "slip", "forces", "rollers", "energy"])

@@ -105,3 +105,32 @@ def test_inputs_that_make_no_sense_are_refused():
         omnisim.Loop(omnisim.load("six_rollers")).command(1.0, 0.0, 0.0)
     with pytest.raises(ValueError, match="tell no pose"):
         _ = omnisim.Loop(omnisim.load("six_rollers")).odometry
+
+
+def test_a_loop_of_a_machine_free_in_space_shows_what_its_run_records():
+    loop = omnisim.Loop(omnisim.load("cable_duct", ["time.end=0.7"]))
+    while loop.advance(0.01):
+        pass
+    run = loop.trajectory()
+    shown = {
+        "body/position": [*loop.position, loop.height],
+        "body/orientation": loop.orientation,
+        "body/angular_velocity": loop.angular_velocity,
+        "body/yaw": loop.yaw,
+        "body/yaw_rate": loop.yaw_rate,
+        "body/yaw_acceleration": loop.yaw_acceleration,
+    }
+    for path, value in shown.items():
+        assert np.array_equal(run[path][-1], value), path
+    assert np.array_equal(run["body/velocity"][-1, :2], loop.velocity)
+    assert np.array_equal(run["body/acceleration"][-1, :2], loop.acceleration)
+    forces = [run[f"wheels/{wheel}/normal_force"][-1] for wheel in run.wheels]
+    assert np.array_equal(forces, loop.normal_forces) and loop.height < -1e-3
+    assert loop.contact_rollers.tolist() == [run[f"wheels/{wheel}/contact_roller"][-1] for wheel in run.wheels]
+
+
+def test_an_upright_machine_has_height_and_orientation_too():
+    loop = omnisim.Loop(omnisim.load("kiwi", [*MACHINE, "initial.yaw_deg=60"]))
+    assert loop.height == 0.0
+    assert loop.orientation == pytest.approx([np.cos(np.pi / 6), 0.0, 0.0, 0.5], abs=1e-15)
+    assert loop.angular_velocity.tolist() == [0.0, 0.0, loop.yaw_rate]

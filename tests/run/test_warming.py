@@ -46,7 +46,7 @@ def test_a_small_scene_is_of_the_kind_that_it_is_made_for():
     found = list(kinds())
     held = [kind for kind in found if not kind.free]
     assert len(held) == 6  # in the multibody formulation all steps are explicit
-    assert len(found) - len(held) == 4  # plane or uneven ground, suspensions or not
+    assert len(found) - len(held) == 8  # plane or uneven ground, suspensions or not, explicit or implicit steps
     for kind in found:
         assert kind_of(kind.scene) == kind
 

@@ -34,7 +34,11 @@ def headings(*degrees: float) -> list[str]:
 
 
 # youBot free in space; its weak bearings and command stay out of the way
-FREE = ["scene.upright=free", f"{MECANUM}.contact={{stiffness=1e6, damping=100}}"]
+FREE = [
+    "scene.upright=free",
+    "friction={law='regularized', coefficient=0.6, slip_speed=0.1}",
+    f"{MECANUM}.contact={{stiffness=1e6, damping=100}}",
+]
 
 
 def limits(torque: float) -> list[str]:
@@ -54,6 +58,11 @@ def doubted(name: str, *overrides: str) -> omnisim.Scene:
 DOUBTS = {
     "pit": (plausibility.hollow_ground, "youbot", [*FREE, "floor.bumps=[[0, 0, -0.02, 0.05]]"], "floor.bumps[0] = [0, 0, -0.02, 0.05]", "its hollow is curved with a radius of 0.0625 m; expected at least 0.0835 m, that of the rollers along their axes"),
     "skirt": (plausibility.hollow_ground, "youbot", [*FREE, "floor.bumps=[[9, 9, 0.02, 0.1], [0, 0, 0.02, 0.03]]"], "floor.bumps[1] = ", "a radius of 0.0504 m"),
+    "soft rubber": (plausibility.soft_rubber, "cable_duct", [f"{MECANUM}.contact.stiffness=3e4"], "contact.stiffness = 30000.0", "it sags by 1.96 mm under 58.9 N, a wheel's share of the weight; expected at least 5.9e+04 N/m"),
+    "soft springs": (plausibility.soft_springs, "cable_duct", ["wheels.rear_left.suspension.stiffness=600.0"], "rear_left.suspension.stiffness = 600.0", "55.9 N beyond its preload press it in by more than the wheel's radius; expected at least 1.2e+03 N/m, or another preload"),
+    "stiff rubber": (plausibility.fast_rubber, "kiwi_ramp", [f"{OMNI}.contact.stiffness=1e11"], "contact.stiffness = 100000000000.0", "and rk4 follows 2.8e+05 1/s with time.step = 1e-05 s; expected time.step < 3."),
+    "damped rubber": (plausibility.fast_rubber, "kiwi_ramp", [f"{OMNI}.contact.damping=6e5"], "contact.damping = 600000.0", "it makes wheels swing at about"),
+    "high": (plausibility.high_start, "cable_duct", ["initial.height=0.5"], "initial.height = 0.5", "it falls 0.49 m to the ground, and meets it at 3.1 m/s; expected at most 0.095 m over the highest ground"),
     "neighbours": (plausibility.crowded_rollers, "youbot", [f"{MECANUM}.roller_count=9"], "roller_count = 9", "overlap their neighbours by 0.00413 m; expected at most 7 rollers at this distance or a roller_distance of at least 0.03764 m"),
     "next but one": (plausibility.crowded_rollers, "soccer_kit", [f"{OMNI}.roller_distance=0.024"], "roller_count = 20", "rollers overlap the next but one, so that not even two rows hold them, by 0.00"),
     "hub": (plausibility.crowded_hub, "youbot", [f"{MECANUM}.disk={{mass=0.4, hub_radius=0.03, width=0.05}}"], "disk.hub_radius = 0.03", "rollers reach 0.0055 m into the hub; expected at most 2 roller_distance - radius = 0.0245 m"),

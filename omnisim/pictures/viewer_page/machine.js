@@ -89,7 +89,8 @@ class Wheel {
     this.frame.multiplyMatrices(place, this.carried()).multiply(this.mount);
     this.hub.matrix.copy(this.frame).multiply(new Matrix4().makeRotationAxis(AXLE, this.spin));
     this.touching = this.free ? this.motion.held(`${this.path}/contact_roller`) : this.contactRoller();
-    if (this.free) this.hub.material.color.copy(this.touching < 0 ? IN_THE_AIR : METAL);
+    this.inTheAir = this.touching < 0;
+    this.hub.material.color.copy(this.inTheAir ? IN_THE_AIR : METAL);
   }
 
   // How its suspension or its rocker has moved it in the chassis.

@@ -194,5 +194,6 @@ window.omnisim = {
   play,
   pause,
   rollerPosition: (w, i) => machine.rollerPosition(w, i).toArray(),
+  inTheAir: (w) => machine.wheels[w].inTheAir,
   contactPoint: (w) => machine.wheels[w].contactPoint().toArray(),
 };

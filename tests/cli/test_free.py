@@ -1,0 +1,145 @@
+"""What a user of the command meets with a machine free in space."""
+
+import csv
+import math
+import re
+import tomllib
+
+import pytest
+from commands import command, refused, settings
+
+import omnisim
+from omnisim.results.trajectory import open_trajectory
+
+pytestmark = pytest.mark.usefixtures("folder")
+
+SHORT = settings("time.end=0.8")
+OFF = "chassis.center_of_mass=[0.6, 0.0, 0.0575]"  # beyond the front wheels
+
+
+@pytest.fixture(scope="module")
+def run_of(tmp_path_factory):
+    """The file of a short run across the beginning of a ramp, and what was said."""
+    path = tmp_path_factory.mktemp("free") / "ramp.h5"
+    result = command("run", "kiwi_ramp", "-o", path, *SHORT)
+    assert result.exit_code == 0, result.stderr
+    return path, result.stdout
+
+
+def loads_of(text):
+    """Loads at standstill in `info`, N."""
+    return [
+        float(load) for load in re.findall(r"(\S+) N(?:  +\S+ mm)?$", text.partition("\nwheels\n")[2], re.MULTILINE)
+    ]
+
+
+def test_info_has_pose_loads_and_travel_at_rest():
+    result = command("info", "cable_duct")
+    assert result.exit_code == 0 and "Warning" not in result.stderr, result.stderr
+    text = result.stdout
+    assert "upright on the plane floor" not in text and "the run stops" in text and "not used by this scene" not in text
+    weight = 24.0 * 9.81
+    assert sum(loads_of(text)[:4]) == pytest.approx(weight, rel=1e-3)  # four digits
+    travel = (weight / 4.0 - (0.3 + 0.7) * 9.81) / 6000.0  # what the hub and its wheel weigh, the spring does not feel
+    told = re.findall(r"N +(\S+) mm$", text, re.MULTILINE)
+    assert [float(value) for value in told] == pytest.approx([1e3 * travel] * 4, rel=2e-3)
+    sag = travel + weight / 4.0 / 2e5
+    assert float(re.search(r"chassis origin +(\S+) mm", text)[1]) == pytest.approx(-1e3 * sag, rel=2e-3)
+
+
+def test_info_tells_on_which_slopes_it_tips_and_how_it_swings():
+    text = command("info", "kiwi_ramp").stdout
+    config = omnisim.load("kiwi_ramp").config
+    total = math.fsum([2.5, *[0.18 + 18 * 0.0045] * 3])
+    height = (2.5 * 0.1 + 3 * (0.18 + 18 * 0.0045) * 0.05) / total
+    least = math.degrees(math.atan2(0.0625, height))  # each edge is 62.5 mm away
+    assert re.search(rf"any way, the least .* {least:.3g}$", text, re.MULTILINE)
+    heave = math.sqrt(3.0 * config.wheel_types["omni"].contact.stiffness / total) / (2.0 * math.pi)
+    assert f"heave swings    {heave:.3g} Hz" in text
+    assert "18 in 2 rows" in text and "0.1 mm lower there" not in text
+
+
+@pytest.mark.parametrize(("overrides", "parts"), [
+    (["friction.law=coulomb"], ["friction.law", "'coulomb'"]),
+    (["output.bearing_loads=true"], ["output.bearing_loads"]),
+    (["initial.height=-0.02"], ["initial.height = -0.02", "wheel 'front_left' begins below the ground", "0.0115 m"]),
+    ([OFF], ["initial.height", "missing", "no pose at rest", "give a height"]),
+])  # fmt: skip
+def test_what_cannot_begin_is_one_line(folder, overrides, parts):
+    line = refused(command("run", "cable_duct", *SHORT, *settings(*overrides)), *parts)
+    assert "bug" not in line and not list(folder.iterdir())
+    with pytest.raises(omnisim.SceneError, match=re.escape(parts[0])):
+        omnisim.simulate(omnisim.load("cable_duct", overrides))
+
+
+def test_info_of_a_machine_that_cannot_begin_says_so_too(folder):
+    scene = tomllib.loads(omnisim.load("cable_duct", [OFF]).text)
+    assert scene["chassis"]["center_of_mass"][0] == 0.6
+    (folder / "off.toml").write_text(omnisim.load("cable_duct", [OFF]).text)
+    refused(command("info", "off.toml"), "off.toml:", "initial.height", "no pose at rest")
+    (folder / "placed.toml").write_text(omnisim.load("cable_duct", [OFF, "initial.height=0.01"]).text)
+    text = command("info", "placed.toml").stdout
+    assert "it has no pose at rest" in text and "10 mm over the base plane" in text
+
+
+def test_a_run_tells_its_contacts_and_no_exchanges(run_of):
+    _, said = run_of
+    assert re.search(r"events +\d+ contact_begins?, \d+ contact_ends?$", said, re.MULTILINE) and "exchange" not in said
+    assert "rigid body 13" in said and "status    complete" in said
+
+
+def test_info_of_its_file_has_the_datasets_of_space(run_of):
+    text = command("info", run_of[0]).stdout
+    for path in ("/body/orientation", "/body/angular_velocity", "/energy/elastic", "/energy/contact_loss"):
+        assert path in text
+
+
+def test_its_rows_are_in_the_tables(run_of, folder):
+    assert command("export", run_of[0], "ramp.csv").exit_code == 0
+    with open(folder / "ramp.csv", newline="") as file:
+        _units, *rows = csv.DictReader(file)
+    run = open_trajectory(run_of[0])
+    assert len(rows) == len(run.time)
+    names = [name for name in rows[0] if "orientation" in name]
+    assert len(names) == 4 and [float(rows[-1][name]) for name in names] == run["body/orientation"][-1].tolist()
+
+
+@pytest.mark.parametrize("view", ["story", "ride", "path", "energy"])
+def test_its_pictures_are_drawn(run_of, folder, view):
+    result = command("plot", run_of[0], "--view", view, "-o", "picture.png")
+    assert result.exit_code == 0, result.stderr
+    assert (folder / "picture.png").stat().st_size > 10_000
+
+
+def test_a_ride_of_a_machine_that_is_held_upright_is_refused(folder):
+    omnisim.simulate(omnisim.load("kiwi", ["time.end=0.01", "time.output_interval=0.005"])).save("kiwi.h5")
+    refused(command("plot", "kiwi.h5", "--view", "ride", "-o", "picture.png"), "held upright", "free in space")
+
+
+def test_trackings_and_formulations_are_not_compared():
+    refused(command("compare", "implicit", "explicit", "kiwi_ramp"), 'must be "explicit" with upright = "free"')
+    refused(command("compare", "reduced", "multibody", "kiwi_ramp"), 'must be "reduced" with upright = "free"')
+
+
+STUDY = """
+schema = 1
+scene = "kiwi_ramp"
+[set]
+"time.end" = 0.05
+"time.output_interval" = 0.01
+[vary]
+"chassis.center_of_mass" = [[0.0, 0.0, 0.1], [0.4, 0.0, 0.1]]
+[measure]
+roll = { dataset = "body/angular_velocity", reduce = "max", component = "norm" }
+load = { dataset = "wheels/*/normal_force", reduce = "max" }
+"""
+
+
+def test_a_study_goes_on_where_a_machine_cannot_begin(folder):
+    (folder / "study.toml").write_text(STUDY)
+    result = command("sweep", "study.toml", "--workers", "1")
+    assert result.exit_code == 0, result.stderr
+    found = omnisim.open_study("study.h5")
+    first, second = found["status"].tolist()
+    assert first == "complete" and second.startswith("impossible: initial.height: missing")
+    assert found["load"][0] > 10.0 and math.isnan(found["load"][1])

@@ -1,0 +1,83 @@
+"""The page of a machine free in space as a browser shows it."""
+
+import numpy as np
+import pytest
+
+from omnisim.pictures.viewer import kept_rows
+from omnisim.pictures.viewer_space import rocking, type_in_space, up
+from omnisim.scene.scene import load, parse
+
+SCENES = ("cable_duct", "kiwi_ramp", "rocker")
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_rollers_are_drawn_where_they_were_computed(runs, shown, name):
+    """On springs, on a rocker and inclined: in rows that the page has; between them springs swing on their own."""
+    trajectory, tab = runs[name], shown(name)
+    ask = "([t, w, n]) => (omnisim.seek(t), [...Array(n).keys()].map(i => omnisim.rollerPosition(w, i)))"
+    kept = kept_rows(trajectory.time)
+    assert len(kept) < len(trajectory.time)
+    for row in np.linspace(0, len(trajectory.time) - 1, 19).astype(int):
+        for w, wheel in enumerate(trajectory.wheels):
+            center = trajectory[f"wheels/{wheel}/rollers/center_position"][row]
+            drawn = np.array(tab.evaluate(ask, [trajectory.time[row], w, len(center)]))
+            assert np.abs(drawn - center).max() < (1e-6 if row in kept else 2e-3)  # 6e-8; 8e-4 where one meets the duct
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_contact_points_are_drawn_where_they_were_computed(runs, shown, name):
+    trajectory, tab = runs[name], shown(name)
+    for row in kept_rows(trajectory.time)[::9]:
+        drawn = tab.evaluate("t => (omnisim.seek(t), omnisim.contactPoint(0))", trajectory.time[row])
+        assert np.abs(drawn - trajectory[f"wheels/{trajectory.wheels[0]}/contact_point"][row]).max() < 1e-6  # float32
+
+
+def test_a_wheel_in_the_air_looks_so(runs, shown):
+    run, tab = runs["cable_duct"], shown("cable_duct")
+    inside = kept_rows(run.time)
+    flying = np.array([run[f"wheels/{wheel}/contact_roller"][inside] < 0 for wheel in run.wheels])
+    ask = "([t, w]) => (omnisim.seek(t), omnisim.inTheAir(w))"
+    rows = [*np.flatnonzero(flying.any(axis=0))[:3], 0]
+    for row in rows:
+        told = [tab.evaluate(ask, [run.time[inside[row]], w]) for w in range(4)]
+        assert told == flying[:, row].tolist()
+
+
+def test_a_rocker_turns_as_its_wheels_stand(runs):
+    """Heights of the centres of both wheels over the chassis tell the same angle."""
+    run = runs["rocker"]
+    config = parse(run.attributes["scene"]).config
+    angle = rocking(run, config, config.axles[0], np.arange(len(run.time)))
+    assert np.ptp(angle) > 0.01
+    other = config.axles[0].model_copy(update={"wheels": config.axles[0].wheels[::-1]})
+    assert np.abs(rocking(run, config, other, np.arange(len(run.time))) - angle).max() < 1e-12  # 3e-16
+
+
+def test_barrels_are_drawn_as_barrels_in_their_rows():
+    kind = load("kiwi_ramp").config.wheel_types["omni"]
+    drawn = type_in_space(kind)
+    u, r = np.transpose(drawn["profile"])
+    shape = kind.profile
+    assert u[-1] == -u[0] == shape.half_length and r.max() == shape.radius
+    circle = (r - shape.radius + shape.curvature_radius) ** 2 + u**2
+    assert np.abs(circle - shape.curvature_radius**2).max() < 1e-17
+    assert drawn["rollers"] == 18 and drawn["rows"][1] == {"offset": 0.009, "phase": np.radians(20.0)}
+
+
+def test_up_is_against_gravity():
+    assert up(load("cable_duct").config) == [0.0, 0.0, 1.0]
+    slope = np.radians(10.0)
+    assert up(load("kiwi_ramp").config) == pytest.approx([np.sin(slope), 0.0, np.cos(slope)])
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_browser_has_nothing_to_complain_of(shown, name):
+    tab = shown(name)
+    choices = tab.locator("#quantity option").all_text_contents()
+    assert {"height, m", "roll and pitch, rad"} <= set(choices)
+    assert ("suspension travel, m" in choices) == (name == "cable_duct")
+    for quantity in choices:
+        tab.locator("#quantity").select_option(quantity)
+    tab.emulate_media(color_scheme="dark")
+    tab.wait_for_timeout(300)
+    assert tab.complaints == []
