@@ -138,7 +138,7 @@ def machine_facts(parameters: Parameters) -> dict[str, str]:
 
 def wheel_table(config: Config, rest: Rest) -> str:
     """One line for each wheel: where it is, what drives it, what it carries, and how far its spring is pressed in."""
-    rows = [("name", "type", "position", "heading", "mirrored", "drive", "load at standstill")]
+    rows: list[tuple[str, ...]] = [("name", "type", "position", "heading", "mirrored", "drive", "load at standstill")]
     for w, wheel in enumerate(config.wheels):
         x, y = wheel.position
         place = f"[{x:g}, {y:g}] m"

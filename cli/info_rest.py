@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from .screen import BAD_INPUT, Failure
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from omnisim.dynamics.parameters import Parameters
     from omnisim.march.spatial_start import Pose
     from omnisim.scene.scene import Scene
@@ -19,7 +21,7 @@ class Rest(NamedTuple):
     """The machine at rest where it begins: load of each wheel, N, and travel of its suspension, m, empty where there
     are none; and what else is told of a machine free in space."""
 
-    loads: Sequence[float]
+    loads: np.ndarray | tuple[()]
     travels: Sequence[float]
     facts: dict[str, str]
 

@@ -138,7 +138,7 @@ class Sensors:
         """Which roller of each wheel touches the floor (W,), counted from 0. In space: of several the one that carries
         most, -1 in the air."""
         if self._free:
-            return self._contacts("roller")
+            return np.asarray(self._observed.wheels)["roller"][0].copy()
         return np.asarray(self.run.mode)["roller"] % np.asarray(self.parameters.wheels)["rollers"]
 
     @property
