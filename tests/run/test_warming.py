@@ -79,5 +79,5 @@ def test_kernels_of_a_kind_are_those_that_it_needs():
     assert {"implicit_step", "factorize"} <= implicit - smooth
     assert "multibody_rhs" in multibody - smooth and "reduced_rhs" not in multibody
     plane, uneven = ({kernel.__name__ for kernel in kernels_of(Kind(free=True, uneven=up))} for up in (False, True))
-    assert "touch_plane" in plane - smooth and "reduced_rhs" not in plane
-    assert "quickly_clear" in uneven - plane
+    assert {"spatial_rhs", "add_contact"} <= plane - smooth and "reduced_rhs" not in plane
+    assert "quickly_clear" in uneven - plane and "touch_plane" in plane - uneven
