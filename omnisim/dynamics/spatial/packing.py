@@ -9,7 +9,7 @@ from omnisim.base.trigonometry import exact_cos_sin
 from omnisim.contact.support import PROFILES, SHAPE
 from omnisim.dynamics.ground import floor_of_scene
 from omnisim.dynamics.inertia import diameter_inertia
-from omnisim.dynamics.spatial.records import BODY, CARRIER, HUB, MOTION, SLOTS, TOUCH, Space
+from omnisim.dynamics.spatial.records import BODY, CARRIER, HELD, HUB, MOTION, SLOTS, TOUCH, Holding, Space
 from omnisim.scene.masses import chassis_box, common_centre, point_masses, row_shift
 from omnisim.scene.schema import Config, Rocker, Wheel, WheelType
 from omnisim.scene.solids import outline
@@ -64,6 +64,16 @@ def pack_space(config: Config, wheels: list[dict], machine: dict) -> Space:
         pushes=np.zeros((1 + len(carriers), 6)),
         balance=np.zeros((6 + len(carriers), 6 + len(carriers))),
         answer=np.zeros(6 + len(carriers)),
+        holding=holding(SLOTS * len(wheels), 6 + len(carriers)) if config.friction.law == "coulomb" else None,
+    )
+
+
+def holding(contacts: int, speeds: int) -> Holding:
+    """Workspace for so many contacts at rest, of a machine with so many speeds of chassis and carriers."""
+    count = 2 * contacts
+    levers = np.zeros((2, contacts, 2, speeds))
+    return Holding(
+        blank(HELD, contacts), levers[0], levers[1], np.zeros((count, count)), np.zeros((count, count)), np.zeros(count)
     )
 
 

@@ -86,6 +86,21 @@ TOUCH = np.dtype(
     ],
     align=True,
 )
+HELD = np.dtype(
+    [
+        ("wheel", np.int64),
+        ("contact", np.int64),
+        ("roller", np.int64),
+        ("creeps", np.int64),  # 1: it creeps, 0: it sticks
+        ("limit", np.float64),  # mu N, N
+        ("spin", np.float64, (2,)),  # torque on the axle and on the roller by a unit force along h and k, m
+        ("arm", np.float64, (2,)),
+        ("bias", np.float64, (2,)),  # slip acceleration without the force of any of them, m/s^2
+        ("force", np.float64, (2,)),  # N
+        ("turned", np.float64),  # by the last correction of its direction, rad
+    ],
+    align=True,
+)
 MOTION = np.dtype(
     [
         ("cos", np.float64),  # of the angle by which a rocker is turned
@@ -108,7 +123,8 @@ SPATIAL_MODE = np.dtype(
         ("region", np.int64, (SLOTS,)),  # of the roller, see support.py
         ("pressed", np.int64, (SLOTS,)),  # 1: the rubber presses, N > 0
         ("saturated", np.int64, (SLOTS,)),  # branch of the saturated friction law
-        ("grip", np.int64, (SLOTS,)),  # SLIP, as long as there is no set-valued law
+        ("grip", np.int64, (SLOTS,)),  # as of MODE
+        ("creep", np.float64, (SLOTS, 2)),
         ("drive", np.int64),  # as of MODE
         ("held", np.float64),
         ("integral", np.float64),
@@ -130,8 +146,22 @@ SPATIAL_MONITORS = np.dtype(
         ("within", np.float64, (SLOTS,)),  # its piece of the floor, m
         ("slip_square", np.float64, (SLOTS,)),
         ("factor", np.float64, (SLOTS,)),
+        ("margin", np.float64, (SLOTS,)),  # as of MONITORS
     ]
 )
+
+
+class Holding(NamedTuple):
+    """Workspace for contacts at rest, at most M: contacts (M,): records HELD; felt (M, 2, 6 + C): what a unit force
+    along h and k does to chassis and carriers, given (M, 2, 6 + C): how these are accelerated by it; mobility
+    (2 M, 2 M), 1/kg, system (2 M, 2 M) and side (2 M,): equations."""
+
+    contacts: np.recarray
+    felt: np.ndarray
+    given: np.ndarray
+    mobility: np.ndarray
+    system: np.ndarray
+    side: np.ndarray
 
 
 class Space(NamedTuple):
@@ -141,7 +171,7 @@ class Space(NamedTuple):
     sine of the angle of each roller on its disk, and its offset along the axle, m. floor: Floor, None if it is plane.
     carriers (C,): records CARRIER, None if there are none. Then what is found at an instant: touches (W * SLOTS,):
     records TOUCH; motions (C,): records MOTION; pushes (1 + C, 6): moment about C and force on chassis and carriers,
-    chassis axes; balance (6 + C, 6 + C) and answer (6 + C,): their equations.
+    chassis axes; balance (6 + C, 6 + C) and answer (6 + C,): their equations. holding: Holding, None with a smooth law.
     """
 
     body: np.record
@@ -155,3 +185,4 @@ class Space(NamedTuple):
     pushes: np.ndarray
     balance: np.ndarray
     answer: np.ndarray
+    holding: Holding | None

@@ -12,6 +12,7 @@ from omnisim.base.vector import Vec3, combine, cross, dot, plus, times
 from omnisim.dynamics.actuation import rest_motors
 from omnisim.dynamics.parameters import FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE
 from omnisim.dynamics.spatial.carriers import accelerate_carried
+from omnisim.dynamics.spatial.holding import hold
 from omnisim.dynamics.spatial.pose import (
     add_push,
     body_of,
@@ -24,7 +25,7 @@ from omnisim.dynamics.spatial.pose import (
     vector,
 )
 from omnisim.dynamics.spatial.records import BASE, POSITION
-from omnisim.dynamics.spatial.wheel import push_wheel, spin_up
+from omnisim.dynamics.spatial.wheel import follow_angles, push_wheel, spin_up
 from omnisim.dynamics.state import places
 
 
@@ -53,7 +54,14 @@ def spatial_rhs(parameters, stage):
     put_at(dy, at.velocity, moved)
     put_at(dy, at.rate, angular)
     for w in range(len(parameters.wheels)):
-        power += spin_up(parameters, stage, w, turning_of(parameters, stage, w, body, angular))
+        spin_up(parameters, stage, w, turning_of(parameters, stage, w, body))
+    if parameters.workspace.resting is not None:
+        heat += hold(parameters, stage, body)
+        for w in range(len(parameters.wheels)):
+            spin_up(parameters, stage, w, turning_of(parameters, stage, w, body))
+    if parameters.machine.follows:
+        for w in range(len(parameters.wheels)):
+            power += follow_angles(parameters, stage, w, turning_of(parameters, stage, w, body))
     dy[at.friction_loss], dy[at.contact_loss], dy[at.drive_work] = heat, loss, power
 
 
@@ -106,9 +114,10 @@ def accelerate(body, push):
 
 
 @kernel
-def turning_of(parameters, stage, w, body, angular):
+def turning_of(parameters, stage, w, body):
     """Acceleration of what carries wheel w, about k, rad/s^2."""
     space = parameters.space
+    angular = vector(stage.dy, places(parameters).rate)
     k = vector(space.hubs[w].k, 0)
     if space.carriers is not None and space.hubs[w].carrier >= 0:
         j = space.hubs[w].carrier

@@ -17,6 +17,7 @@ from omnisim.base.vector import Vec3, combine, cross, dot, plus, times
 from omnisim.contact.common_normal import ANY, touch
 from omnisim.contact.frame import Slip
 from omnisim.contact.friction import friction
+from omnisim.contact.set_valued import SLIP
 from omnisim.contact.support import region_of, support
 from omnisim.dynamics.spatial.pose import Body, Hub, hub_of, inward, mounted, outward, tangent_of
 from omnisim.dynamics.state import places
@@ -165,6 +166,8 @@ def react(parameters, mode, w, c, stand, touched, rate):
         factor, torque = friction(machine, mode.saturated[c], load, slip, turn)
     held = Slip(-factor * slip.h, -factor * slip.k)
     heat = factor * (slip.h * slip.h + slip.k * slip.k) - torque * turn
+    if parameters.workspace.resting is not None and mode.grip[c] != SLIP:  # its force is found with those of others
+        held, heat = Slip(0.0, 0.0), 0.0
     return Reaction(closing, press, load, slip, held, factor, combine(load, normal, held.h, h, held.k, k), torque, heat)
 
 

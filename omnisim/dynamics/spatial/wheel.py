@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.vector import Vec3, combine, cross, dot, plus, times
+from omnisim.contact.set_valued import SLIP
 from omnisim.contact.support import region_guard
 from omnisim.dynamics.actuation import actuate, followed
 from omnisim.dynamics.spatial.pose import add_push, mounted, outward, put
@@ -145,6 +146,8 @@ def press_wheel(parameters, stage, w, stand, rollers):
         load += found.normal_force
         if stage.monitoring:
             monitor_contact(parameters, stage.monitors[w], w, c, mode.region[c], touched, found)
+        if stage.monitoring or (parameters.workspace.resting is not None and mode.grip[c] != SLIP):
+            remember(parameters.space.touches[w * SLOTS + c], touched, found)
     if stage.monitoring:
         stage.monitors[w].normal_force = load
         parameters.workspace.parts[w].normal_force = load
@@ -153,8 +156,7 @@ def press_wheel(parameters, stage, w, stand, rollers):
 
 @kernel
 def monitor_contact(parameters, monitors, w, c, region, touched, found):
-    """What events want to know of a contact, and what is told of it."""
-    seen = parameters.space.touches[w * SLOTS + c]
+    """What events want to know of a contact."""
     shape = parameters.space.shapes[w]
     monitors.depth[c] = touched.depth
     monitors.press[c] = found.press
@@ -162,6 +164,12 @@ def monitor_contact(parameters, monitors, w, c, region, touched, found):
     monitors.within[c] = touched.within
     monitors.slip_square[c] = found.slip.h * found.slip.h + found.slip.k * found.slip.k
     monitors.factor[c] = found.factor
+    monitors.margin[c] = 0.0
+
+
+@kernel
+def remember(seen, touched, found):
+    """What is told of a contact, into its record TOUCH."""
     seen.depth, seen.normal_force, seen.torque = touched.depth, found.normal_force, found.torque
     seen.slip[0], seen.slip[1] = found.slip.h, found.slip.k
     seen.force[0], seen.force[1] = found.friction.h, found.friction.k
@@ -174,15 +182,17 @@ def monitor_contact(parameters, monitors, w, c, region, touched, found):
 
 @kernel
 def spin_up(parameters, stage, w, hub_turning):
-    """phi'' of wheel w from the acceleration of its carrier about k, rad/s^2; the power of a drive that follows angles,
-    W, beyond what push_wheel has told."""
-    wheel = parameters.wheels[w]
-    part = parameters.workspace.parts[w]
-    at = places(parameters)
-    if parameters.machine.follows and wheel.follows:
-        own = wheel.axle_inertia * (part.followed + hub_turning) - part.free_spin
-        stage.dy[at.spin_rate + w] = part.followed
-        part.drive_torque += own
-        return own * stage.y[at.spin_rate + w]
-    stage.dy[at.spin_rate + w] = (part.free_spin - wheel.axle_inertia * hub_turning) * wheel.spin_mobility
-    return 0.0
+    """phi'' of wheel w from the acceleration of its carrier about k, rad/s^2."""
+    wheel, part = parameters.wheels[w], parameters.workspace.parts[w]
+    spin = (part.free_spin - wheel.axle_inertia * hub_turning) * wheel.spin_mobility
+    stage.dy[places(parameters).spin_rate + w] = spin + part.followed
+
+
+@kernel
+def follow_angles(parameters, stage, w, hub_turning):
+    """Torque of a drive that turns wheel w as a table of angles says, into its part; its power, W."""
+    wheel, part = parameters.wheels[w], parameters.workspace.parts[w]
+    if not wheel.follows:
+        return 0.0
+    part.drive_torque = wheel.axle_inertia * (part.followed + hub_turning) - part.free_spin
+    return part.drive_torque * stage.y[places(parameters).spin_rate + w]
