@@ -16,6 +16,7 @@ from omnisim.dynamics.planar_body import (
     set_lever,
     yielding,
 )
+from omnisim.dynamics.spatial.holding import align_in_space
 from omnisim.dynamics.state import places
 from omnisim.dynamics.twist import body_motion, in_world, world_frame
 from omnisim.dynamics.wheel import contact_state
@@ -27,9 +28,12 @@ FIRM_ROUNDS = 6  # where spins that follow angles are taken to turn as easily as
 def align_slip(parameters, run):
     """Change the speeds by the impulses that leave no slip to sticking contacts, and none across their direction to
     creeping ones, all at once; next to none in so many rounds where spins follow angles."""
-    rounds = FIRM_ROUNDS if parameters.machine.follows else 1
-    for _ in range(rounds):
-        align_slip_once(parameters, run)
+    if parameters.space is not None:
+        align_in_space(parameters, run.mode, run.y)
+    else:
+        rounds = FIRM_ROUNDS if parameters.machine.follows else 1
+        for _ in range(rounds):
+            align_slip_once(parameters, run)
 
 
 @kernel
@@ -46,7 +50,7 @@ def align_slip_once(parameters, run):
         contact = workspace.contacts[wheel.contacts]
         if mode.grip[0] != SLIP and not mode.shared:
             state = contact_state(parameters, mode, w, 0, body, y)
-            slip, u = state.slip, mode.creep
+            slip, u = state.slip, mode.creep[0]
             along = slip.h * u[0] + slip.k * u[1] if mode.grip[0] == CREEP else 0.0
             j = slip_jacobian(wheel, state.axis, state.contact)
             set_contact(contact, state, j, False)

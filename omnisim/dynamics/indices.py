@@ -25,7 +25,7 @@ def roller_of(mode, side):
 @kernel
 def contact_count(mode):
     """How many contacts a wheel has: its sides from 0 on."""
-    return 1 + mode.shared
+    return mode.contacts
 
 
 @kernel

@@ -130,6 +130,7 @@ MODE = np.dtype(
         ("roller", np.int64),  # of contact 0, counted on through every turn of its axle: see indices.py
         ("row", np.uint32, (TOUCHING,)),  # on which row of rollers each contact is, never counted from the end
         ("direction", np.int64),  # +1 or -1: sense in which the spin angle runs throughout a step
+        ("contacts", np.int64),  # how many it has: 1, or 2 while
         ("shared", np.int64),  # 1: the wheel rests on `roller` at q = +alpha and on the one behind it, contact 1
         ("loaded", np.int64),  # 1: the floor carries the wheel
         ("drive", np.int64),  # actuation.BY_LIMIT or BY_CURRENT by its sense: the limit it is at; FREE: at none
@@ -140,8 +141,8 @@ MODE = np.dtype(
         ("past_rate", np.float64),  # and one sample before
         ("saturated", np.int64, (TOUCHING,)),  # branch of the saturated friction law at each contact
         ("grip", np.int64, (TOUCHING,)),  # coulomb.SLIP, STICK or CREEP
-        ("creep", np.float64, (2,)),  # direction of creeping slip when it began; 0: not known yet
-        ("stopping", np.int64),  # 1: creeping slip is about to stop; 0: it has been released
+        ("creep", np.float64, (TOUCHING, 2)),  # direction of creeping slip when it began; 0: not known yet
+        ("stopping", np.int64, (TOUCHING,)),  # 1: creeping slip is about to stop; 0: it has been released
         ("stopped", np.int64, (TOUCHING,)),  # 1: slip has just come to its end at this contact
         ("freed", np.int64),  # how often creeping slip got a direction of its own in the grid step
         ("freed_step", np.int64),  # where it last did so

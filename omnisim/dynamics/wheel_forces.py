@@ -165,8 +165,9 @@ def find_friction(parameters, mode, w, side, body, state, j):
         contact.unit[0], contact.unit[1] = -factor * slip.h, -factor * slip.k
     if parameters.workspace.resting is not None and contact.rest:
         creep = contact.creep  # where the last search ended is the best place to begin, if it is of this creeping
-        if not creep[0] * mode.creep[0] + creep[1] * mode.creep[1] > NEARLY:
-            creep[0], creep[1] = mode.creep[0], mode.creep[1]
+        begun = mode.creep[side]
+        if not creep[0] * begun[0] + creep[1] * begun[1] > NEARLY:
+            creep[0], creep[1] = begun[0], begun[1]
         contact.turned = 0.0
         contact.unit[0], contact.unit[1] = -machine.friction * creep[0], -machine.friction * creep[1]
 

@@ -14,9 +14,8 @@ from omnisim.base.status import (
     NOT_FINITE,
 )
 from omnisim.contact.set_valued import CREEP
+from omnisim.dynamics.indices import contact_count
 from omnisim.dynamics.state import places
-from omnisim.dynamics.twist import body_motion
-from omnisim.dynamics.wheel import contact_state
 from omnisim.march.events import (
     EXIT,
     GRIP,
@@ -29,7 +28,7 @@ from omnisim.march.events import (
     guard_kinds,
     resolution,
 )
-from omnisim.march.friction_modes import slip_rate, stopped_speed
+from omnisim.march.friction_modes import creep_of, slip_of, slip_rate, stopped_speed
 from omnisim.march.radau5 import implicit_step
 from omnisim.march.runge_kutta import explicit_step
 from omnisim.march.spatial_events import falls
@@ -114,11 +113,11 @@ def guard_rate(parameters, run, which, at_end):
     """Rate of the Guard of an exchange, rad/s, or of creeping slip, m/s^2, at the start of a step or `at_end`."""
     kind, w, side = which
     y = run.trial if at_end else run.y
-    if kind == EXIT:
+    if parameters.space is None and kind == EXIT:
         return -run.mode[w].direction * y[places(parameters).spin_rate + w]
     rate, _, _ = slip_rate(parameters, run.mode[w], w, side, y, run.slopes[-1 if at_end else 0])
-    creep = parameters.workspace.contacts[parameters.wheels[w].contacts + side].creep
-    return rate.h * creep[0] + rate.k * creep[1]
+    creep = creep_of(parameters, w, side)
+    return rate.h * creep.h + rate.k * creep.k
 
 
 @kernel
@@ -179,7 +178,7 @@ def locate(parameters, method, run, t, h, which, value):
         if not math.isfinite(g + s):  # of a state that has burst nothing can be located
             return h
         correction = g * (s - s_last) / (g_last - g)
-        if parameters.space is None and with_rate:
+        if with_rate:
             correction = to_root(parameters, run, which, s)
         if g > 0.0:
             low = s
@@ -225,14 +224,13 @@ def slide(parameters, run, h, time):
         run.increment[m] = whole * run.increment[m] + (first * run.slopes[0, m] + last * run.slopes[-1, m])
         run.trial[m] = run.y[m] + run.increment[m]
     if parameters.workspace.resting is not None:
-        body = body_motion(parameters, run.trial)
         for w in range(len(run.mode)):
-            if run.mode[w].grip[0] == CREEP and not run.mode[w].shared:
-                slip = contact_state(parameters, run.mode[w], w, 0, body, run.trial).slip
-                creep = parameters.workspace.contacts[parameters.wheels[w].contacts].creep
-                monitors = run.monitors_end[w]
-                monitors.slip_square[0] = slip.h * slip.h + slip.k * slip.k
-                monitors.margin[0] = slip.h * creep[0] + slip.k * creep[1]
+            mode, monitors = run.mode[w], run.monitors_end[w]
+            for side in range(contact_count(mode)):
+                if mode.grip[side] == CREEP and not mode.shared:
+                    slip, creep = slip_of(parameters, mode, w, side, run.trial), creep_of(parameters, w, side)
+                    monitors.slip_square[side] = slip.h * slip.h + slip.k * slip.k
+                    monitors.margin[side] = slip.h * creep.h + slip.k * creep.k
 
 
 @kernel
@@ -240,9 +238,7 @@ def leaves_at_once(parameters, run, which):
     """Whether a Guard that is on its root at the start of a step, or beyond, does not come back: spin that has no rate
     or the other sense and goes on to gain it, and creeping slip that has turned."""
     kind, w, _ = which
-    if parameters.space is not None:
-        return False
-    if kind == TURN:
+    if parameters.space is None and kind == TURN:
         return run.mode[w].direction * run.slopes[0, places(parameters).spin_rate + w] < 0.0
     return creeps(run, which)
 

@@ -26,30 +26,23 @@ from typing import NamedTuple
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.status import EVENT_KINDS, JAMMED, LIFT_OFF, RUNNING, TIPPING
 from omnisim.contact.friction import SATURATED
-from omnisim.contact.set_valued import CREEP, SLIP, STICK
+from omnisim.contact.set_valued import SLIP, STICK
 from omnisim.dynamics.actuation import limit_guard, next_limit
-from omnisim.dynamics.indices import contact_count, roller_index, roller_of
+from omnisim.dynamics.indices import contact_count, roller_index
 from omnisim.dynamics.normal_forces.rigid_plane import LEAST_REGULAR
 from omnisim.dynamics.parameters import CONTACTS
 from omnisim.dynamics.state import places
 from omnisim.dynamics.wheel import roller_end
 from omnisim.march.event_log import record
-from omnisim.march.friction_modes import (
-    CREEP_SPEED,
-    come_to_rest,
-    cone_rounding,
-    rest_speed,
-    start_creep,
-    start_slip,
-    youth,
-)
+from omnisim.march.friction_modes import grip_guard, young_guard
+from omnisim.march.grip_events import SLIPS, STUCK, change_grip
 from omnisim.march.roller_exchange import comes_to_rest_between, edge_rounding, leave_edge, release_rollers, stand_on
 from omnisim.march.runge_kutta import refresh
 from omnisim.march.spatial_events import (
-    LIMIT,
     SPATIAL_GUARDS,
     all_stay,
     change_contact,
+    restore_in_space,
     sides_of,
     spatial_guard,
 )
@@ -63,9 +56,8 @@ LOAD_PLAY = 1e-12  # of the weight: in the rounding of its load a wheel that has
 MOST_CHANGES = 50  # of modes that follow one another at one instant
 MOST_TRIED = 10  # wheels of which all sets are tried
 ON_A_LINE = 1e-9  # of the extent of the wheels squared
-CREEP_ROUNDING = 1e-3  # of the slip that no longer matters: what contacts that let go together may slip back
-EXCHANGE, STUCK, SLIPS, LIFT, LANDING, SHARED, PARTED, STOP = map(EVENT_KINDS.index, (
-    "exchange", "stick", "slip", "lift_off", "touch_down", "share_begin", "share_end", "stop",
+EXCHANGE, LIFT, LANDING, SHARED, PARTED, STOP = map(EVENT_KINDS.index, (
+    "exchange", "lift_off", "touch_down", "share_begin", "share_end", "stop",
 ))  # fmt: skip
 
 
@@ -141,13 +133,9 @@ def upright_guard(parameters, run, which, at_end):
         return excess if mode.saturated[side] else -excess
     if parameters.workspace.resting is None or mode.grip[side] == SLIP:
         return 0.0
-    if kind == GRIP and mode.grip[side] == STICK:
-        return monitors.margin[side] + cone_rounding(machine, monitors)
-    if kind == GRIP:  # contacts that let go together leave one another some rounding
-        return monitors.margin[side] + CREEP_ROUNDING * rest_speed(parameters, mode, w, side, y)
-    if mode.shared:
-        return CREEP_SPEED - math.sqrt(monitors.slip_square[side])
-    return youth(parameters, run.clock, mode, monitors) if mode.grip[side] == CREEP else 0.0
+    if kind == GRIP:
+        return grip_guard(parameters, run, w, side, at_end)
+    return young_guard(parameters, run, w, side, at_end)
 
 
 @kernel
@@ -221,23 +209,7 @@ def change_mode(parameters, run, log, fired, time):
         mode.saturated[side] = 1 - mode.saturated[side]
         refresh(parameters, run, time)
     elif parameters.workspace.resting is not None:
-        change_grip(parameters, run, log, kind, w, side, time)
-
-
-@kernel
-def change_grip(parameters, run, log, kind, w, side, time):
-    """A contact of set-valued friction lets go, comes to its end, or slips in a direction of its own."""
-    mode = run.mode[w]
-    clock = run.clock
-    if kind == GRIP and mode.grip[side] == STICK:
-        record(clock, log, time, SLIPS, w, -1, -1)
-        start_creep(parameters, run, w, time)
-    elif kind == GRIP:
-        end_slips(parameters, run, log, w, side, time)
-    else:
-        if mode.shared:
-            record(clock, log, time, SLIPS, w, roller_index(parameters.wheels[w], roller_of(mode, side)), -1)
-        start_slip(parameters, run, w, side, time)
+        change_grip(parameters, run, log, kind == GRIP, w, side, time)
 
 
 @kernel
@@ -293,9 +265,7 @@ def restore_consistency(parameters, run, log, time):
     which only rounding makes, enters the extremes.
     """
     if parameters.space is not None:
-        for w in range(len(run.mode)):
-            if guard(parameters, run, Guard(LIMIT, w, 0), False) < 0.0:
-                transition(parameters, run, log, Guard(LIMIT, w, 0), time)
+        restore_in_space(parameters, run, log, time)
     else:
         restore_modes(parameters, run, log, time)
 
@@ -352,16 +322,3 @@ def find_loads(parameters, run, log, time):
                     record(run.clock, log, time, LANDING if run.mode[w].loaded else LIFT, w, -1, -1)
             return True
     return False
-
-
-@kernel
-def end_slips(parameters, run, log, w, side, time):
-    """Slips that have come to their end, and that of contact `side` of wheel w (-1: of none): the contacts stick or
-    creep on."""
-    come_to_rest(parameters, run, w, side, True, time)
-    for v in range(len(run.mode)):
-        mode = run.mode[v]
-        for other in range(contact_count(mode)):
-            if mode.stopped[other]:
-                which = roller_index(parameters.wheels[v], roller_of(mode, other)) if mode.shared else -1  # of the two
-                record(run.clock, log, time, STUCK, v, which, -1)

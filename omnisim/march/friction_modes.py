@@ -23,6 +23,11 @@ from omnisim.contact.mobility import across, inverse_mass
 from omnisim.contact.set_valued import CREEP, SLIP, STICK
 from omnisim.dynamics.impulses import align_slip, change_slip
 from omnisim.dynamics.indices import contact_count, rate_place
+from omnisim.dynamics.spatial.acceleration import slip_at, slip_change
+from omnisim.dynamics.spatial.mobility import contact_mobility
+from omnisim.dynamics.spatial.pose import body_of
+from omnisim.dynamics.spatial.records import SLOTS
+from omnisim.dynamics.spatial.touching import rate_of_roller, standing, touching_at
 from omnisim.dynamics.state import places
 from omnisim.dynamics.twist import acceleration_of, body_motion, wheel_motion
 from omnisim.dynamics.wheel import contact_state
@@ -41,12 +46,24 @@ LEAST_ALIGNED = 1e-13  # m/s of slip, of the finest step: taking the last slip a
 MOST_FREED = 20  # times in a step, after which slip is followed by sub-steps to its end
 LEAST_STIFF = 2.0  # relaxation of slip within a step, below which sub-steps cost nothing
 STILL_STIFF = 0.5 * LEAST_STIFF  # the same of slip that creeps already: less, lest it begin and end in turn
+CREEP_ROUNDING = 1e-3  # of the slip that no longer matters: what contacts that let go together may slip back
 CONE = 1e-12  # of mu times load and weight, by which a sticking force may pass the cone in rounding
 
 
 @kernel
 def slip_rate(parameters, mode, w, side, y, slope):
     """v' (Slip, m/s^2) at a contact of wheel w in a state y with this derivative, v (Slip, m/s), and A, 1/kg."""
+    if parameters.space is not None:
+        stand = standing(parameters, w, body_of(parameters, y), y)
+        mobility = contact_mobility(parameters, w, stand.hub, touching_at(parameters, mode, w, side, stand))
+        change = slip_change(parameters, mode, w, side, stand, y, slope)
+        return change, slip_at(parameters, mode, w, side, y), mobility
+    return upright_slip_rate(parameters, mode, w, side, y, slope)
+
+
+@kernel
+def upright_slip_rate(parameters, mode, w, side, y, slope):
+    """The same of a machine that is upright."""
     wheel = parameters.wheels[w]
     at = places(parameters)
     body = body_motion(parameters, y)
@@ -86,13 +103,38 @@ def rests(parameters, run, w, side):
     """Whether a contact of wheel w slips so slowly that it is at rest; in the air nothing holds it there."""
     mode = run.mode[w]
     monitors = run.monitors[w]
-    limit = parameters.machine.friction * run.monitors[w].normal_force
-    if mode.loaded == 0 or limit <= 0.0:
+    if not parameters.machine.friction * load_at(parameters, run, w, side) > 0.0:
         return False
-    if mode.grip[side] == CREEP and mode.stopping:  # together with another one whose end has been found
+    if mode.grip[side] == CREEP and mode.stopping[side]:  # together with another one whose end has been found
         return monitors.margin[side] <= stopped_speed(parameters, run, w, side)
     slow = monitors.slip_square[side] < rest_speed(parameters, mode, w, side, run.y) ** 2
     return mode.grip[side] == SLIP and slow
+
+
+@kernel
+def load_at(parameters, run, w, side):
+    """Normal force that holds a contact of wheel w, N; all of its wheel's where two rollers share it."""
+    if parameters.space is not None:
+        return run.monitors[w].load[side]
+    return run.monitors[w].normal_force if run.mode[w].loaded else 0.0
+
+
+@kernel
+def creep_of(parameters, w, side):
+    """Direction of creeping slip at a contact of wheel w as the last right-hand side found it (Slip)."""
+    if parameters.space is not None:
+        touch = parameters.space.touches[w * SLOTS + side]
+        return Slip(touch.creep[0], touch.creep[1])
+    contact = parameters.workspace.contacts[parameters.wheels[w].contacts + side]
+    return Slip(contact.creep[0], contact.creep[1])
+
+
+@kernel
+def slip_of(parameters, mode, w, side, y):
+    """Slip velocity (Slip, m/s) at a contact of wheel w in state y."""
+    if parameters.space is not None:
+        return slip_at(parameters, mode, w, side, y)
+    return contact_state(parameters, mode, w, side, body_motion(parameters, y), y).slip
 
 
 @kernel
@@ -103,44 +145,44 @@ def stopped_speed(parameters, run, w, side):
 
 
 @kernel
-def stops(parameters, run, w):
+def stops(parameters, run, w, side):
     """Whether a contact slips that will stop within a step in a direction that attracts, and is so near to it that the
     error of a step hides what it slips across: by the turning of the slip, |v x v'|, and the rate of attraction."""
     mode, monitors = run.mode[w], run.monitors[w]
-    if mode.shared or mode.grip[0] != SLIP or monitors.factor[0] == 0.0:
+    if mode.shared or mode.grip[side] != SLIP or monitors.factor[side] == 0.0:
         return False
     if mode.freed_step == run.clock.step and mode.freed >= MOST_FREED:
         return False
-    rate, slip, mobility = slip_rate(parameters, mode, w, 0, run.y, run.slopes[0])
+    rate, slip, mobility = slip_rate(parameters, mode, w, side, run.y, run.slopes[0])
     along = slip.h * rate.h + slip.k * rate.k
     turn = slip.h * rate.k - slip.k * rate.h
-    square = monitors.slip_square[0]
-    attraction = monitors.factor[0] * across(mobility, slip.h, slip.k) + along
-    soon = square < -along * run.clock.dt and stiffness(parameters, run.clock, monitors) > LEAST_STIFF
+    square = monitors.slip_square[side]
+    attraction = monitors.factor[side] * across(mobility, slip.h, slip.k) + along
+    soon = square < -along * run.clock.dt and stiffness(parameters, run.clock, monitors, side) > LEAST_STIFF
     speed = math.sqrt(square)
     return soon and abs(turn) * speed < attraction * unseen(run.clock, True, speed)
 
 
 @kernel
-def stiffness(parameters, clock, monitors):
+def stiffness(parameters, clock, monitors, side):
     """Relaxation of slip within a grid step, at most, 1."""
-    return monitors.factor[0] * parameters.machine.slip_mobility * clock.dt
+    return monitors.factor[side] * parameters.machine.slip_mobility * clock.dt
 
 
 @kernel
-def slip_across(monitors):
+def slip_across(monitors, side):
     """Slip of a creeping contact across the direction of the contact equation, m/s."""
-    return math.sqrt(max(monitors.slip_square[0] - monitors.margin[0] * monitors.margin[0], 0.0))
+    return math.sqrt(max(monitors.slip_square[side] - monitors.margin[side] ** 2, 0.0))
 
 
 @kernel
-def youth(parameters, clock, mode, monitors):
+def youth(parameters, clock, mode, monitors, side):
     """Positive while creeping slip is too young for a direction of its own: so slow, or else so little of it across
     the direction of the contact equation that the error of a step hides it, while sub-steps would have to be short."""
-    speed = math.sqrt(monitors.slip_square[0])
+    speed = math.sqrt(monitors.slip_square[side])
     hidden = min(
-        unseen(clock, mode.stopping, speed) - slip_across(monitors),
-        stiffness(parameters, clock, monitors) - STILL_STIFF,
+        unseen(clock, mode.stopping[side], speed) - slip_across(monitors, side),
+        stiffness(parameters, clock, monitors, side) - STILL_STIFF,
     )
     return max(CREEP_SPEED - speed, hidden)
 
@@ -152,7 +194,10 @@ def rest_speed(parameters, mode, w, side, y):
     at = places(parameters)
     spin = wheel.radius * abs(y[at.spin_rate + w])
     yaw = (abs(wheel.offset[0]) + abs(wheel.offset[1])) * abs(y[at.yaw_rate])
-    rate = y[rate_place(parameters, mode, w, side)]
+    if parameters.space is not None:
+        rate = y[rate_of_roller(parameters, mode, w, side)]
+    else:
+        rate = y[rate_place(parameters, mode, w, side)]
     roller = (wheel.radius - wheel.roller_distance) * abs(rate)
     return REST * (1.0 + abs(y[at.velocity]) + abs(y[at.velocity + 1]) + spin + yaw + roller)
 
@@ -161,6 +206,27 @@ def rest_speed(parameters, mode, w, side, y):
 def cone_rounding(machine, monitors):
     """By how much a sticking force may pass the cone, N: one that is about to lift has forces of the others' size."""
     return CONE * machine.friction * (abs(monitors.normal_force) + machine.mass * machine.gravity)
+
+
+@kernel
+def grip_guard(parameters, run, w, side, at_end):
+    """The guard GRIP of a contact that sticks or creeps, N or m/s: inside the cone, or its slip keeps its sense.
+    Contacts that let go together leave one another some rounding."""
+    mode, y = run.mode[w], run.trial if at_end else run.y
+    monitors = run.monitors_end[w] if at_end else run.monitors[w]
+    if mode.grip[side] == STICK:
+        return monitors.margin[side] + cone_rounding(parameters.machine, monitors)
+    return monitors.margin[side] + CREEP_ROUNDING * rest_speed(parameters, mode, w, side, y)
+
+
+@kernel
+def young_guard(parameters, run, w, side, at_end):
+    """The guard YOUNG of a contact that creeps, m/s: its slip is slow."""
+    mode = run.mode[w]
+    monitors = run.monitors_end[w] if at_end else run.monitors[w]
+    if mode.shared:
+        return CREEP_SPEED - math.sqrt(monitors.slip_square[side])
+    return youth(parameters, run.clock, mode, monitors, side) if mode.grip[side] == CREEP else 0.0
 
 
 @outlined
@@ -177,53 +243,55 @@ def come_to_rest(parameters, run, w, side, others, t):
             mode.stopped[other] = stopped
             if stopped:
                 mode.grip[other] = STICK
-                if mode.shared:
+                if parameters.space is None and mode.shared:
                     change_slip(parameters, run, v, other, Slip(0.0, 0.0))
     align_slip(parameters, run)
     refresh(parameters, run, t)
     for v in range(len(run.mode)):
         mode, monitors = run.mode[v], run.monitors[v]
-        outside = monitors.margin[0] < -cone_rounding(parameters.machine, monitors)
-        if mode.stopped[0] and not mode.shared and outside:
-            mode.stopped[0] = 0
-            start_creep(parameters, run, v, t)
+        for other in range(contact_count(mode)):
+            outside = monitors.margin[other] < -cone_rounding(parameters.machine, monitors)
+            if mode.stopped[other] and not mode.shared and outside:
+                mode.stopped[other] = 0
+                start_creep(parameters, run, v, other, t)
 
 
 @outlined
-def start_creep(parameters, run, w, t):
+def start_creep(parameters, run, w, side, t):
     """Let a contact at rest slip off in the direction of the contact equation."""
     mode = run.mode[w]
-    mode.grip[0], mode.stopping = CREEP, 0
-    mode.creep[0] = mode.creep[1] = 0.0
+    mode.grip[side], mode.stopping[side] = CREEP, 0
+    mode.creep[side, 0] = mode.creep[side, 1] = 0.0
     refresh(parameters, run, t)
-    keep_creep(parameters, run, w)
+    keep_creep(parameters, run, w, side)
 
 
 @kernel
 def begin_to_stop(parameters, run, t):
     """Let slips that are about to stop go on in the direction of the contact equation, in which they will."""
     for w in range(len(run.mode)):
-        if stops(parameters, run, w):
-            mode = run.mode[w]
-            slip = parameters.workspace.contacts[parameters.wheels[w].contacts].slip
-            mode.grip[0] = CREEP
-            mode.stopping = 1
-            speed = math.sqrt(run.monitors[w].slip_square[0])
-            mode.creep[0], mode.creep[1] = slip[0] / speed, slip[1] / speed
+        mode = run.mode[w]
+        for side in range(contact_count(mode)):
+            if stops(parameters, run, w, side):
+                slip = slip_of(parameters, mode, w, side, run.y)
+                mode.grip[side], mode.stopping[side] = CREEP, 1
+                speed = math.sqrt(run.monitors[w].slip_square[side])
+                mode.creep[side, 0], mode.creep[side, 1] = slip.h / speed, slip.k / speed
     refresh(parameters, run, t)
     for w in range(len(run.mode)):
-        if run.mode[w].grip[0] == CREEP:
-            keep_creep(parameters, run, w)
+        for side in range(contact_count(run.mode[w])):
+            if run.mode[w].grip[side] == CREEP and not run.mode[w].shared:
+                keep_creep(parameters, run, w, side)
     align_slip(parameters, run)
     refresh(parameters, run, t)
 
 
 @kernel
-def keep_creep(parameters, run, w):
+def keep_creep(parameters, run, w, side):
     """Remember the direction of creeping slip that the last right-hand side found."""
     mode = run.mode[w]
-    creep = parameters.workspace.contacts[parameters.wheels[w].contacts].creep
-    mode.creep[0], mode.creep[1] = creep[0], creep[1]
+    creep = creep_of(parameters, w, side)
+    mode.creep[side, 0], mode.creep[side, 1] = creep.h, creep.k
 
 
 @kernel
@@ -232,7 +300,7 @@ def start_slip(parameters, run, w, side, t):
     mode = run.mode[w]
     if mode.grip[side] == CREEP and not mode.shared:
         refresh(parameters, run, t)
-        keep_creep(parameters, run, w)
+        keep_creep(parameters, run, w, side)
         align_slip(parameters, run)
         mode.freed = mode.freed + 1 if mode.freed_step == run.clock.step else 1
         mode.freed_step = run.clock.step
@@ -249,12 +317,13 @@ def take_drift_away(parameters, run, t, refreshed):
         mode, monitors = run.mode[w], run.monitors[w]
         if mode.shared:
             continue
-        if mode.grip[0] == STICK:
-            rest = rest_speed(parameters, mode, w, 0, run.y)
-            drifts = drifts or monitors.slip_square[0] > DRIFTED * rest * rest
-        elif mode.grip[0] == CREEP:
-            keep_creep(parameters, run, w)
-            drifts = drifts or slip_across(monitors) > 0.0
+        for side in range(contact_count(mode)):
+            if mode.grip[side] == STICK:
+                rest = rest_speed(parameters, mode, w, side, run.y)
+                drifts = drifts or monitors.slip_square[side] > DRIFTED * rest * rest
+            elif mode.grip[side] == CREEP:
+                keep_creep(parameters, run, w, side)
+                drifts = drifts or slip_across(monitors, side) > 0.0
     if drifts:
         align_slip(parameters, run)
         if not refreshed:

@@ -27,12 +27,12 @@ from omnisim.march.event_location import GRID_ROUNDING, step_to_event
 from omnisim.march.events import (
     EXIT,
     TURN,
-    end_slips,
     restore_consistency,
     transition,
 )
 from omnisim.march.extremes import begin_interval, follow, follow_again
 from omnisim.march.friction_modes import begin_to_stop, rests, stops, take_drift_away
+from omnisim.march.grip_events import end_slips
 from omnisim.march.onset import stand
 from omnisim.march.roller_exchange import release_rollers
 from omnisim.march.runge_kutta import accept, copy, refresh
@@ -220,7 +220,8 @@ def end_old_slips(parameters, run, rows, log, t):
         end_slips(parameters, run, log, -1, 0, t)
         follow_again(parameters, run, rows, run.clock.row)
     for w in range(len(run.mode)):
-        stopping = stopping or stops(parameters, run, w)
+        for side in range(contact_count(run.mode[w])):
+            stopping = stopping or stops(parameters, run, w, side)
     if stopping:
         begin_to_stop(parameters, run, t)
 

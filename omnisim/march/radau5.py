@@ -85,8 +85,7 @@ def differentiate(parameters, run, t):
     shifted = newton.stages[6]
     jacobian = newton.real[: len(newton.active)]
     for w in range(len(run.monitors)):
-        count = contact_count(run.mode[w]) if parameters.space is None else run.mode[w].contacts
-        for side in range(count):
+        for side in range(contact_count(run.mode[w])):
             speed = min(speed, math.sqrt(run.monitors[w].slip_square[side]) + parameters.machine.slip_floor)
     shift = min(max(STEEP * speed, LEAST_SHIFT), MOST_SHIFT)
     copy(run.y, run.trial)

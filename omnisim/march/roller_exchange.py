@@ -181,7 +181,7 @@ def take_rollers(parameters, run, w, roller, shared):
     The sums of those in the air are taken anew each time, so they never drift.
     """
     mode, wheel = run.mode[w], parameters.wheels[w]
-    mode.roller, mode.shared = roller, shared
+    mode.roller, mode.shared, mode.contacts = roller, shared, 1 + shared
     for side in range(TOUCHING):
         mode.row[side] = row_index(wheel, roller_of(mode, side))
     mode.air_cos, mode.air_sin, mode.air_sum = 0.0, 0.0, 0.0

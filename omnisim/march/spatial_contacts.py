@@ -10,10 +10,12 @@ from omnisim.base.kernel import kernel, outlined
 from omnisim.contact.common_normal import ANY, Roller, quickly_clear
 from omnisim.contact.floor import pieces
 from omnisim.contact.friction import SATURATED
+from omnisim.contact.set_valued import SLIP
 from omnisim.contact.support import WITHIN, region_of
 from omnisim.dynamics.spatial.pose import body_of
 from omnisim.dynamics.spatial.records import SLOTS
 from omnisim.dynamics.spatial.touching import in_world, roller_on, standing, touching
+from omnisim.march.friction_modes import come_to_rest
 from omnisim.march.runge_kutta import refresh
 
 
@@ -118,6 +120,8 @@ def stand_in_space(parameters, run):
             mode.pressed[c] = run.monitors[w].press[c] >= 0.0
             mode.saturated[c] = branch(parameters, run, w, c)
     refresh(parameters, run, 0.0)
+    if parameters.workspace.resting is not None:
+        come_to_rest(parameters, run, -1, 0, True, 0.0)
 
 
 @kernel
@@ -141,7 +145,7 @@ def add_contact(parameters, run, w, i, piece):
     mode.slot[c], mode.piece[c], mode.pressed[c] = slot, piece, 1
     mode.region[c] = region_here(parameters, run.y, w, i, piece)
     mode.saturated[c] = 0
-    mode.grip[c] = 0
+    mode.grip[c], mode.stopping[c], mode.stopped[c] = SLIP, 0, 0
 
 
 @kernel
@@ -162,6 +166,8 @@ def remove_contact(parameters, run, w, c):
         mode.slot[d], mode.first[d], mode.piece[d] = mode.slot[d + 1], mode.first[d + 1], mode.piece[d + 1]
         mode.region[d], mode.pressed[d] = mode.region[d + 1], mode.pressed[d + 1]
         mode.saturated[d], mode.grip[d] = mode.saturated[d + 1], mode.grip[d + 1]
+        mode.stopping[d], mode.stopped[d] = mode.stopping[d + 1], mode.stopped[d + 1]
+        mode.creep[d, 0], mode.creep[d, 1] = mode.creep[d + 1, 0], mode.creep[d + 1, 1]
     mode.contacts = last
     other = -1
     for d in range(last - 1, -1, -1):

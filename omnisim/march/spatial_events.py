@@ -7,7 +7,7 @@
     PIECE  the contact is on its piece of the floor                       it ends
     PRESS  stiffness delta + damping delta' >= 0, or <= 0 while N = 0     the rubber presses no more, or again
     RIM    the lowest point is within the profile, or on its rim          the other
-    KINK   |v| stays on its side of slip_speed                            the other branch of the saturated law
+    KINK, GRIP, YOUNG as in events.py
     MEET   a roller that does not touch is apart from the ground          it touches
 
 Contacts begin and end where delta = 0, N may end before, and the lowest point passes from the profile to the rim of the
@@ -20,11 +20,14 @@ from omnisim.base.kernel import kernel, outlined
 from omnisim.base.status import CHASSIS_DOWN, EVENT_KINDS, TOO_MANY_TOUCH
 from omnisim.contact.floor import surface
 from omnisim.contact.friction import SATURATED
+from omnisim.contact.set_valued import SLIP, STICK
 from omnisim.dynamics.actuation import limit_guard, next_limit
 from omnisim.dynamics.spatial.pose import body_of, outward, vector
 from omnisim.dynamics.spatial.records import SLOTS
 from omnisim.dynamics.state import places
 from omnisim.march.event_log import record
+from omnisim.march.friction_modes import grip_guard, young_guard
+from omnisim.march.grip_events import change_grip
 from omnisim.march.runge_kutta import refresh
 from omnisim.march.spatial_contacts import (
     add_contact,
@@ -37,8 +40,9 @@ from omnisim.march.spatial_contacts import (
     remove_contact,
 )
 
-DOWN, LIMIT, APART, PIECE, PRESS, RIM, KINK, MEET = range(8)
-SPATIAL_GUARDS = 8
+DOWN, LIMIT, APART, PIECE, PRESS, RIM, KINK, GRIP, YOUNG, MEET = range(10)  # KINK, GRIP, YOUNG as in events.py
+SPATIAL_GUARDS = 10
+MOST_CHANGES = 50  # of modes that follow one another at one instant
 BEGIN, END = EVENT_KINDS.index("contact_begin"), EVENT_KINDS.index("contact_end")
 LIFT, LANDING = EVENT_KINDS.index("lift_off"), EVENT_KINDS.index("touch_down")
 
@@ -75,6 +79,12 @@ def spatial_guard(parameters, run, kind, w, side, at_end):
             return 0.0
         excess = math.sqrt(monitors.slip_square[side]) - parameters.machine.slip_speed
         return excess if mode.saturated[side] else -excess
+    if kind in (GRIP, YOUNG):
+        if parameters.workspace.resting is None or mode.grip[side] == SLIP:
+            return 0.0
+        if kind == GRIP:
+            return grip_guard(parameters, run, w, side, at_end)
+        return young_guard(parameters, run, w, side, at_end)
     if kind == DOWN:
         return clearance(parameters, y) if w == 0 else 0.0
     rollers = parameters.wheels[w].rollers
@@ -104,6 +114,9 @@ def all_stay(parameters, run, w):
         held = held and monitors.inside[c] >= 0.0 and monitors.within[c] >= 0.0
         if parameters.machine.law == SATURATED:
             held = held and spatial_guard(parameters, run, KINK, w, c, True) >= 0.0
+        if parameters.workspace.resting is not None:
+            held = held and spatial_guard(parameters, run, GRIP, w, c, True) >= 0.0
+            held = held and spatial_guard(parameters, run, YOUNG, w, c, True) >= 0.0
     return held and nothing_meets(parameters, mode, w, run.trial)
 
 
@@ -140,10 +153,14 @@ def change_contact(parameters, run, log, kind, w, side, time):
             record(clock, log, time, LIFT, w, -1, -1)
     elif kind == PRESS:
         mode.pressed[side] = 1 - mode.pressed[side]
+        mode.grip[side] = SLIP
     elif kind == RIM:
         mode.region[side] = next_region(mode.region[side], tilt_here(parameters, run, w, side))
     elif kind == KINK:
         mode.saturated[side] = 1 - mode.saturated[side]
+    elif kind in (GRIP, YOUNG):
+        if parameters.workspace.resting is not None:
+            change_grip(parameters, run, log, kind == GRIP, w, side, time)
     else:
         rollers = parameters.wheels[w].rollers
         i = side % rollers
@@ -168,3 +185,21 @@ def tilt_here(parameters, run, w, c):
     cos_q, sin_q = seen.azimuth[0], seen.azimuth[1]
     along_h, along_up = -wheel.cos_psi * cos_q, -wheel.cos_psi * sin_q
     return along_h * seen.normal[0] + wheel.sin_psi * seen.normal[1] + along_up * seen.normal[2]
+
+
+@outlined
+def restore_in_space(parameters, run, log, time):
+    """Limits of drives and cones that the last change has left behind: modes follow until all agree."""
+    for _ in range(MOST_CHANGES):
+        changed = False
+        for w in range(len(run.mode)):
+            if spatial_guard(parameters, run, LIMIT, w, 0, False) < 0.0:
+                change_contact(parameters, run, log, LIMIT, w, 0, time)
+                changed = True
+            for c in range(run.mode[w].contacts):
+                sticks = parameters.workspace.resting is not None and run.mode[w].grip[c] == STICK
+                if sticks and spatial_guard(parameters, run, GRIP, w, c, False) < 0.0:
+                    change_contact(parameters, run, log, GRIP, w, c, time)
+                    changed = True
+        if not changed:
+            return

@@ -12,10 +12,6 @@ from omnisim.base.methods import EXPLICIT, IMPLICIT
 from omnisim.contact.mobility import largest
 from omnisim.contact.set_valued import CREEP, SLIP, TINY
 from omnisim.dynamics.indices import contact_count
-from omnisim.dynamics.spatial.acceleration import slip_change
-from omnisim.dynamics.spatial.mobility import contact_mobility
-from omnisim.dynamics.spatial.pose import body_of
-from omnisim.dynamics.spatial.touching import standing
 from omnisim.march.friction_modes import COARSE_STEP, CREEP_SPEED, slip_rate
 
 SLIP_FRACTION = 0.9  # of the time in which slip could stop, that one explicit sub-step may take at most
@@ -37,8 +33,6 @@ def step_length(parameters, run, t, h):
     An explicit step of coulomb friction also follows the turning of the slip's direction; method "auto" leaves that to
     an implicit step.
     """
-    if parameters.space is not None:
-        return step_in_space(parameters, run, h)
     machine = parameters.machine
     clock = run.clock
     floor = parameters.machine.slip_floor
@@ -76,27 +70,6 @@ def step_length(parameters, run, t, h):
         stiffness = h_explicit * relaxation
     clock.implicit = clock.choice == IMPLICIT or stiffness > AUTO_STIFF
     return min(h, fraction / pace) if clock.implicit else min(h_explicit, AUTO_ACCURATE / relaxation)
-
-
-@kernel
-def step_in_space(parameters, run, h):
-    """The same of a machine free in space, whose friction is smooth: rubber and friction layer are followed."""
-    machine, clock = parameters.machine, run.clock
-    floor = machine.slip_floor
-    relaxation, pace = max(machine.bearing_relaxation, machine.current_relaxation, TINY), TINY
-    body = body_of(parameters, run.y)
-    for w in range(len(run.mode)):
-        mode = run.mode[w]
-        stand = standing(parameters, w, body, run.y)
-        for c in range(mode.contacts):
-            factor = run.monitors[w].factor[c]
-            if factor > 0.0:
-                rate = slip_change(parameters, mode, w, c, stand, run.y, run.slopes[0])
-                scale = run.monitors[w].slip_square[c] + floor * floor
-                pace = max(pace, math.sqrt((rate.h * rate.h + rate.k * rate.k) / scale))
-                relaxation = max(relaxation, factor * largest(contact_mobility(parameters, w, stand.hub, c)))
-    clock.implicit = clock.choice == IMPLICIT or clock.dt * relaxation > AUTO_STIFF
-    return min(h, LAYER_FRACTION / pace) if clock.implicit else min(h, AUTO_ACCURATE / relaxation)
 
 
 @kernel

@@ -10,10 +10,11 @@ from omnisim.contact.friction import friction_factor
 from omnisim.contact.mobility import inverse_mass, largest
 from omnisim.contact.tracking import Contact, explicit_contact, roller_axis
 from omnisim.dynamics.energy import kinetic_energy, potential_energy
-from omnisim.dynamics.indices import roller_index
+from omnisim.dynamics.indices import contact_count, roller_index
 from omnisim.dynamics.spatial.energy import motion_energy, stored_energy
 from omnisim.dynamics.spatial.mobility import contact_mobility
-from omnisim.dynamics.spatial.pose import body_of, hub_of
+from omnisim.dynamics.spatial.pose import body_of
+from omnisim.dynamics.spatial.touching import standing, touching_at
 from omnisim.dynamics.state import places
 from omnisim.dynamics.wheel import rho_of
 
@@ -113,19 +114,19 @@ def too_fast(parameters, run, w):
     machine = parameters.machine
     if parameters.workspace.resting is not None or run.newton is not None:
         return False
-    count = 1 if parameters.space is None else run.mode[w].contacts
-    for c in range(count):
+    for c in range(contact_count(run.mode[w])):
         factor = run.monitors[w].factor[c]
         if factor * machine.slip_mobility * clock.dt > clock.stability_limit:  # the bound of the mobility is cheap
-            return factor * mobility_at(parameters, run.y, w, c) * clock.dt > clock.stability_limit
+            return factor * mobility_at(parameters, run.mode[w], run.y, w, c) * clock.dt > clock.stability_limit
     return False
 
 
 @outlined
-def mobility_at(parameters, y, w, c):
+def mobility_at(parameters, mode, y, w, c):
     """Largest eigenvalue of the inverse mass at contact c of wheel w, 1/kg: with the factor g, the rate of its slip."""
     if parameters.space is not None:
-        return largest(contact_mobility(parameters, w, hub_of(parameters, body_of(parameters, y), w, y), c))
+        stand = standing(parameters, w, body_of(parameters, y), y)
+        return largest(contact_mobility(parameters, w, stand.hub, touching_at(parameters, mode, w, c, stand)))
     return slip_mobility(parameters, w)
 
 

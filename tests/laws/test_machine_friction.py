@@ -231,7 +231,7 @@ def test_impulses_that_take_slip_away_cost_what_friction_is_said_to_lose(seed):
     loop = omnisim.Loop(scene(driven()))
     parameters, run, at, random = loop.parameters, loop.run, places_in(loop.parameters), np.random.default_rng(seed)
     run.y[at.velocity : at.integral] += random.normal(size=at.integral - at.velocity)
-    run.mode.grip[:, 0], run.mode.creep[2] = (STICK, STICK, CREEP, SLIP), (0.8, -0.6)
+    run.mode.grip[:, 0], run.mode.creep[2, 0] = (STICK, STICK, CREEP, SLIP), (0.8, -0.6)
     before, lost = kinetic(parameters, run), run.y[at.friction_loss]
     align_slip(parameters, run)
     body = body_motion(parameters, run.y)

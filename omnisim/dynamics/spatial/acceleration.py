@@ -2,14 +2,16 @@
 
 import math
 
-from omnisim.base.kernel import kernel
+from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3, combine, cross, dot, minus, plus, times
 from omnisim.contact.frame import Slip
 from omnisim.contact.support import support
-from omnisim.dynamics.spatial.pose import hub_of, inward, mounted, tangent_of, turned, vector
-from omnisim.dynamics.spatial.touching import STANDING, touching
+from omnisim.dynamics.spatial.pose import body_of, hub_of, inward, mounted, outward, tangent_of, turned, vector
+from omnisim.dynamics.spatial.touching import STANDING, rate_of_roller, react, standing, touching_at
 from omnisim.dynamics.state import places
+
+MOMENT = 1e-6  # s: of differences of slip along the motion
 
 
 @kernel
@@ -40,15 +42,51 @@ def hub_acceleration(parameters, body, w, y, dy):
 
 
 @kernel
+def slip_at(parameters, mode, w, c, y):
+    """Slip velocity (Slip, m/s) at contact c of wheel w in state y."""
+    stand = standing(parameters, w, body_of(parameters, y), y)
+    touched = touching_at(parameters, mode, w, c, stand)
+    return react(parameters, mode, w, c, stand, touched, y[rate_of_roller(parameters, mode, w, c)]).slip
+
+
+@kernel
 def slip_change(parameters, mode, w, c, stand, y, dy):
-    """v' (Slip, m/s^2) at contact c of wheel w on a plane, by the derivative dy of the state.
+    """v' (Slip, m/s^2) at contact c of wheel w by the derivative dy of the state, in axes h and k that do not turn."""
+    if parameters.space.floor is not None:
+        return slip_change_on_ground(parameters, mode, w, c, stand, y, dy)
+    return slip_change_on_plane(parameters, mode, w, c, stand, y, dy)
+
+
+@outlined
+def slip_change_on_ground(parameters, mode, w, c, stand, y, dy):
+    """The same where the ground is curved, by central differences along the motion."""
+    whole = Vec3(0.0, 0.0, 0.0)
+    for side in range(2):
+        time = MOMENT if side else -MOMENT
+        shifted = parameters.space.shifted
+        for m in range(len(shifted)):
+            shifted[m] = y[m] + time * dy[m]
+        there = standing(parameters, w, body_of(parameters, shifted), shifted)
+        touched = touching_at(parameters, mode, w, c, there)
+        found = react(parameters, mode, w, c, there, touched, shifted[rate_of_roller(parameters, mode, w, c)])
+        h, k = tangent_of(touched.normal)
+        slip = combine(found.slip.h, h, found.slip.k, k, 0.0, h)
+        slip = outward(there.body.rotation, outward(mounted(there.hub), slip))
+        whole = plus(whole, times(0.5 / time, slip))
+    whole = inward(mounted(stand.hub), inward(stand.body.rotation, whole))
+    h, k = tangent_of(touching_at(parameters, mode, w, c, stand).normal)
+    return Slip(dot(whole, h), dot(whole, k))
+
+
+@kernel
+def slip_change_on_plane(parameters, mode, w, c, stand, y, dy):
+    """The same on a plane, in closed form.
 
     V = V_O + w_d x (X - O) + chi' a x (X - B) at X - B = g a + f nu, which moves through the roller:
     g = u + r N / across, f = delta - r / across, N = nu . a.
     """
-    wheel = parameters.wheels[w]
     at = places(parameters)
-    touched = touching(parameters, w, stand, mode.piece[c], mode.region[c], mode.roller[mode.slot[c]])
+    touched = touching_at(parameters, mode, w, c, stand)
     hub, roller, normal = stand.hub, touched.roller, touched.normal
     axes = mounted(hub)
     lifted, bending = hub_acceleration(parameters, stand.body, w, y, dy)
@@ -56,8 +94,7 @@ def slip_change(parameters, mode, w, c, stand, y, dy):
     axle = Vec3(0.0, 1.0, 0.0)
     rate = Vec3(hub.rate.x, hub.rate.y + stand.spin_rate, hub.rate.z)
     bending = plus(bending, combine(dy[at.spin_rate + w], axle, stand.spin_rate, cross(hub.rate, axle), 0.0, axle))
-    slot = mode.roller[mode.slot[c]] if parameters.machine.every_rate else mode.slot[c]
-    place = wheel.rates + slot
+    place = rate_of_roller(parameters, mode, w, c)
     joint = y[place] - dot(rate, roller.axis)
     joint_change = dy[place] - dot(bending, roller.axis)
     # X - B, and how it changes

@@ -5,7 +5,7 @@ from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
 from omnisim.dynamics.spatial.carriers import place_carrier
 from omnisim.dynamics.spatial.pose import body_of, hub_of, product, vector
 from omnisim.dynamics.spatial.records import POSITION
-from omnisim.dynamics.spatial.touching import standing, touching
+from omnisim.dynamics.spatial.touching import standing, touching_at
 from omnisim.dynamics.state import places
 
 
@@ -81,8 +81,7 @@ def spring_energy(parameters, mode, y):
     for w in range(len(parameters.wheels)):
         stand = standing(parameters, w, body, y)
         for c in range(mode[w].contacts):
-            i = mode[w].roller[mode[w].slot[c]]
-            touched = touching(parameters, w, stand, mode[w].piece[c], mode[w].region[c], i)
+            touched = touching_at(parameters, mode[w], w, c, stand)
             energy += 0.5 * space.hubs[w].stiffness * touched.depth * touched.depth
     if space.carriers is not None:
         for j in range(len(space.carriers)):

@@ -13,16 +13,17 @@ rounds of the proximal point method.
 import math
 
 from omnisim.base.kernel import kernel, outlined
-from omnisim.base.vector import dot, plus, times
+from omnisim.base.vector import dot, minus, plus, times
 from omnisim.contact.frame import Slip
 from omnisim.contact.mobility import Symmetric, across
 from omnisim.contact.set_valued import CREEP, SLIP, TINY, slip_direction, turned
-from omnisim.dynamics.spatial.acceleration import slip_change
+from omnisim.dynamics.spatial.acceleration import slip_at, slip_change
 from omnisim.dynamics.spatial.carriers import factorize, substitute
 from omnisim.dynamics.spatial.mobility import lever_along
-from omnisim.dynamics.spatial.pose import outward, product, put, put_at, tangent_of, vector
+from omnisim.dynamics.spatial.pose import body_of, outward, product, put, put_at, tangent_of, vector
+from omnisim.dynamics.spatial.pose import turned as turned_about
 from omnisim.dynamics.spatial.records import SLOTS
-from omnisim.dynamics.spatial.touching import standing
+from omnisim.dynamics.spatial.touching import rate_of_roller, standing, touching_at
 from omnisim.dynamics.state import places
 
 PROXIMAL = 1e-8  # of the largest mobility: what keeps the system regular
@@ -35,10 +36,16 @@ ROUNDING = 1e-9  # rad, below which a correction that no longer falls is roundin
 @outlined
 def hold(parameters, stage, body):
     """Forces at the contacts that stick or creep, and what they change in y'; their heat, W."""
-    count = gather(parameters, stage, body)
+    count = gather(parameters, stage.mode, body, stage.y)
     if count == 0:
         return 0.0
     holding = parameters.space.holding
+    for m in range(count):
+        held = holding.contacts[m]
+        w, c = held.wheel, held.contact
+        stand = standing(parameters, w, body, stage.y)
+        bias = slip_change(parameters, stage.mode[w], w, c, stand, stage.y, stage.dy)
+        held.bias[0], held.bias[1] = bias.h, bias.k
     find_mobility(parameters, count)
     last = math.inf
     for _ in range(MOST_ROUNDS):
@@ -46,7 +53,7 @@ def hold(parameters, stage, body):
         change = 0.0
         for m in range(count):
             if holding.contacts[m].creeps:
-                change = max(change, turn_creep(stage, holding, m, count))
+                change = max(change, turn_creep(holding, m, count))
         if change <= STEADY or (change <= ROUNDING and change >= last):
             break
         last = change
@@ -56,55 +63,116 @@ def hold(parameters, stage, body):
     return heat
 
 
+@outlined
+def align_in_space(parameters, mode, y):
+    """Change the speeds in y by the impulses that leave no slip to sticking contacts, and none across their direction
+    to creeping ones, all at once."""
+    body = body_of(parameters, y)
+    count = gather(parameters, mode, body, y)
+    if count == 0:
+        return
+    holding, at = parameters.space.holding, places(parameters)
+    for m in range(count):
+        held = holding.contacts[m]
+        slip, u = (
+            slip_at(parameters, mode[held.wheel], held.wheel, held.contact, y),
+            mode[held.wheel].creep[held.contact],
+        )
+        along = slip.h * u[0] + slip.k * u[1] if held.creeps else 0.0
+        held.bias[0], held.bias[1] = slip.h - along * u[0], slip.k - along * u[1]
+        held.force[0] = held.force[1] = 0.0
+        held.creeps = 0
+        mean_h, mean_k = slip.h - 0.5 * held.bias[0], slip.k - 0.5 * held.bias[1]
+        held.middle[0], held.middle[1] = mean_h, mean_k
+    find_mobility(parameters, count)
+    stick(holding, count)
+    before = parameters.space.shifted
+    for i in range(len(before)):
+        before[i] = y[i]
+    for m in range(count):
+        kick(parameters, body, mode, y, m)
+    for w in range(len(parameters.wheels)):
+        wheel = parameters.wheels[w]
+        y[at.spin_rate + w] -= wheel.axle_inertia * wheel.spin_mobility * turned_faster(parameters, w, before, y)
+
+
 @kernel
-def gather(parameters, stage, body):
-    """The contacts at rest into the workspace, with their levers and b: how many."""
+def turned_faster(parameters, w, before, y):
+    """What the rate of the carrier of wheel w about k has gained from one state to another at the same place, rad/s."""
+    space, at = parameters.space, places(parameters)
+    gained = minus(vector(y, at.rate), vector(before, at.rate))
+    k, j = vector(space.hubs[w].k, 0), space.hubs[w].carrier
+    if space.carriers is not None and j >= 0 and space.carriers[j].turns:
+        axis = vector(space.carriers[j].axis, 0)
+        k = turned_about(k, axis, space.motions[j].cos, space.motions[j].sin)
+        gained = plus(gained, times(y[at.joint_rate + j] - before[at.joint_rate + j], axis))
+    return dot(k, gained)
+
+
+@kernel
+def kick(parameters, body, mode, y, m):
+    """The impulse at contact m into the speeds in y; axles as if their carriers turned no faster."""
+    space, at = parameters.space, places(parameters)
+    held = space.holding.contacts[m]
+    w, impulse = held.wheel, held.force
+    wheel = parameters.wheels[w]
+    place = rate_of_roller(parameters, mode[w], w, held.contact)
+    for e in range(2):
+        given = space.holding.given[m, e]
+        linear = outward(body.rotation, times(impulse[e], vector(given, 3)))
+        put_at(y, at.velocity, plus(vector(y, at.velocity), linear))
+        put_at(y, at.rate, plus(vector(y, at.rate), times(impulse[e], vector(given, 0))))
+        for j in range(6, len(space.answer)):
+            y[at.joint_rate + j - 6] += impulse[e] * given[j]
+        y[place] += wheel.axial_mobility * held.arm[e] * impulse[e]
+        y[at.spin_rate + w] += wheel.spin_mobility * held.spin[e] * impulse[e]
+        if wheel.follows:  # its drive holds the rate against the impulse
+            y[at.drive_work] -= held.spin[e] * impulse[e] * y[at.spin_rate + w]
+        y[at.friction_loss] -= impulse[e] * held.middle[e]
+
+
+@kernel
+def gather(parameters, mode, body, y):
+    """The contacts at rest into the workspace, with their levers: how many."""
     space = parameters.space
     holding = space.holding
     count = 0
-    for w in range(len(stage.mode)):
-        mode = stage.mode[w]
-        resting = False
-        for c in range(mode.contacts):
-            resting = resting or mode.grip[c] != SLIP
-        if not resting:
-            continue
-        stand = standing(parameters, w, body, stage.y)
-        for c in range(mode.contacts):
-            if mode.grip[c] == SLIP:
+    for w in range(len(mode)):
+        for c in range(mode[w].contacts):
+            if mode[w].grip[c] == SLIP:
                 continue
-            held, seen = holding.contacts[count], space.touches[w * SLOTS + c]
-            held.wheel, held.contact, held.roller = w, c, mode.slot[c]
-            held.creeps = mode.grip[c] == CREEP
-            held.limit = parameters.machine.friction * max(seen.normal_force, 0.0)
+            stand = standing(parameters, w, body, y)
+            touched = touching_at(parameters, mode[w], w, c, stand)
+            held, creep = holding.contacts[count], mode[w].creep[c]
+            held.wheel, held.contact, held.roller = w, c, mode[w].slot[c]
+            held.creeps = mode[w].grip[c] == CREEP
+            held.limit = parameters.machine.friction * max(space.touches[w * SLOTS + c].normal_force, 0.0)
             held.turned = 0.0
-            h, k = tangent_of(vector(seen.normal, 0))
-            feel(parameters, w, c, stand, holding.felt[count, 0], held, 0, h)
-            feel(parameters, w, c, stand, holding.felt[count, 1], held, 1, k)
-            bias = slip_change(parameters, mode, w, c, stand, stage.y, stage.dy)
-            held.bias[0], held.bias[1] = bias.h, bias.k
-            held.force[0], held.force[1] = -held.limit * mode.creep[c, 0], -held.limit * mode.creep[c, 1]
-            if not held.creeps:
-                held.force[0] = held.force[1] = 0.0
+            h, k = tangent_of(touched.normal)
+            feel(parameters, w, stand, touched, held, holding.felt[count], (h, k))
+            begun = -held.limit if held.creeps else 0.0
+            held.force[0], held.force[1] = begun * creep[0], begun * creep[1]
             count += 1
     return count
 
 
 @kernel
-def feel(parameters, w, c, stand, felt, held, side, e):
-    """What a unit force along e (hub axes) at contact c of wheel w does, into a row of `felt` and HELD."""
+def feel(parameters, w, stand, touched, held, felt, directions):
+    """What unit forces along two directions (hub axes) do where a roller of wheel w touches, into `felt` (2, 6 + C) and
+    HELD."""
     space = parameters.space
-    lever = lever_along(parameters, w, stand.hub, c, e)
-    put(felt, lever.moment)
-    put_at(felt, 3, lever.force)
-    if space.carriers is not None:
-        for j in range(len(space.carriers)):
-            felt[6 + j] = 0.0
-        j = space.hubs[w].carrier
-        if j >= 0:
+    for e in range(2):
+        lever = lever_along(parameters, w, stand.hub, touched, directions[e])
+        put(felt[e], lever.moment)
+        put_at(felt[e], 3, lever.force)
+        for j in range(6, len(space.answer)):
+            felt[e, j] = 0.0
+        if space.carriers is not None and space.hubs[w].carrier >= 0:
+            j = space.hubs[w].carrier
             motion = space.motions[j]
-            felt[6 + j] = dot(vector(motion.turning, 0), lever.moment) + dot(vector(motion.at_origin, 0), lever.force)
-    held.spin[side], held.arm[side] = lever.spin, lever.roller
+            turning = dot(vector(motion.turning, 0), lever.moment)
+            felt[e, 6 + j] = turning + dot(vector(motion.at_origin, 0), lever.force)
+        held.spin[e], held.arm[e] = lever.spin, lever.roller
 
 
 @kernel
@@ -193,7 +261,7 @@ def rate_of(holding, m, count):
 
 
 @kernel
-def turn_creep(stage, holding, m, count):
+def turn_creep(holding, m, count):
     """Turn the direction of creeping contact m by one Newton correction: its size, rad."""
     held = holding.contacts[m]
     a = Symmetric(
@@ -221,7 +289,8 @@ def yield_to(parameters, stage, body, m):
     space, at = parameters.space, places(parameters)
     held, dy = space.holding.contacts[m], stage.dy
     w, c, force = held.wheel, held.contact, held.force
-    wheel, seen, mode = parameters.wheels[w], space.touches[w * SLOTS + c], stage.mode[w]
+    wheel, seen = parameters.wheels[w], space.touches[w * SLOTS + c]
+    place = rate_of_roller(parameters, stage.mode[w], w, c)
     for e in range(2):
         given = space.holding.given[m, e]
         linear, angular = outward(body.rotation, vector(given, 3)), vector(given, 0)
@@ -229,15 +298,15 @@ def yield_to(parameters, stage, body, m):
         put_at(dy, at.rate, plus(vector(dy, at.rate), times(force[e], angular)))
         for j in range(6, len(space.answer)):
             dy[at.joint_rate + j - 6] += force[e] * given[j]
-        place = wheel.rates + (mode.roller[held.roller] if parameters.machine.every_rate else held.roller)
         dy[place] += wheel.axial_mobility * held.arm[e] * force[e]
         parameters.workspace.parts[w].free_spin += held.spin[e] * force[e]
         seen.force[e] = force[e]
     if stage.monitoring:
         monitors = stage.monitors[w]
         if held.creeps:
-            u_h, u_k = -force[0] / held.limit, -force[1] / held.limit
-            monitors.margin[c] = u_h * seen.slip[0] + u_k * seen.slip[1]
+            u = seen.creep
+            u[0], u[1] = -force[0] / max(held.limit, TINY), -force[1] / max(held.limit, TINY)
+            monitors.margin[c] = u[0] * seen.slip[0] + u[1] * seen.slip[1]
         else:
             monitors.margin[c] = held.limit - math.sqrt(force[0] * force[0] + force[1] * force[1])
     return -(force[0] * seen.slip[0] + force[1] * seen.slip[1])

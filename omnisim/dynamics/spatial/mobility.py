@@ -15,8 +15,7 @@ from typing import NamedTuple
 from omnisim.base.kernel import kernel
 from omnisim.base.vector import Vec3, combine, cross, dot, plus
 from omnisim.contact.mobility import Symmetric
-from omnisim.dynamics.spatial.pose import mounted, outward, product, tangent_of, vector
-from omnisim.dynamics.spatial.records import SLOTS
+from omnisim.dynamics.spatial.pose import mounted, outward, product, tangent_of
 
 
 class Lever(NamedTuple):
@@ -30,13 +29,11 @@ class Lever(NamedTuple):
 
 
 @kernel
-def lever_along(parameters, w, hub, c, e):
-    """The Lever of a unit force along e (hub axes) at contact c of wheel w, as `touches` has it."""
-    wheel, seen = parameters.wheels[w], parameters.space.touches[w * SLOTS + c]
-    cos_q, sin_q = seen.azimuth[0], seen.azimuth[1]
-    axis = Vec3(-wheel.cos_psi * cos_q, wheel.sin_psi, -wheel.cos_psi * sin_q)
-    roller = dot(cross(axis, vector(seen.lever, 0)), e)
-    turned = combine(1.0, cross(vector(seen.point, 0), e), -roller, axis, 0.0, e)
+def lever_along(parameters, w, hub, touched, e):
+    """The Lever of a unit force along e (hub axes) where a roller of wheel w touches, a Touching."""
+    axis = touched.roller.axis
+    roller = dot(cross(axis, touched.lever), e)
+    turned = combine(1.0, cross(plus(touched.roller.centre, touched.lever), e), -roller, axis, 0.0, e)
     leaning = parameters.space.hubs[w].coupled * turned.y
     axes = mounted(hub)
     force = outward(axes, e)
@@ -45,10 +42,11 @@ def lever_along(parameters, w, hub, c, e):
 
 
 @kernel
-def contact_mobility(parameters, w, hub, c):
-    """Slip acceleration along h and k by the force at contact c of wheel w (Symmetric, 1/kg), with carriers held."""
-    h, k = tangent_of(vector(parameters.space.touches[w * SLOTS + c].normal, 0))
-    along, across = lever_along(parameters, w, hub, c, h), lever_along(parameters, w, hub, c, k)
+def contact_mobility(parameters, w, hub, touched):
+    """Slip acceleration along h and k by the force where a roller of wheel w touches (Symmetric, 1/kg), with carriers
+    held."""
+    h, k = tangent_of(touched.normal)
+    along, across = lever_along(parameters, w, hub, touched, h), lever_along(parameters, w, hub, touched, k)
     return Symmetric(
         through(parameters, w, along, along),
         through(parameters, w, along, across),

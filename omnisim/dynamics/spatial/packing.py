@@ -64,17 +64,18 @@ def pack_space(config: Config, wheels: list[dict], machine: dict) -> Space:
         pushes=np.zeros((1 + len(carriers), 6)),
         balance=np.zeros((6 + len(carriers), 6 + len(carriers))),
         answer=np.zeros(6 + len(carriers)),
-        holding=holding(SLOTS * len(wheels), 6 + len(carriers)) if config.friction.law == "coulomb" else None,
+        shifted=np.zeros(machine["places"].rho),
+        holding=holding(len(wheels), len(carriers)) if config.friction.law == "coulomb" else None,
     )
 
 
-def holding(contacts: int, speeds: int) -> Holding:
-    """Workspace for so many contacts at rest, of a machine with so many speeds of chassis and carriers."""
+def holding(wheels: int, carriers: int) -> Holding:
+    """Workspace for all contacts that a machine of so many wheels and carriers may have at rest."""
+    contacts = SLOTS * wheels
     count = 2 * contacts
-    levers = np.zeros((2, contacts, 2, speeds))
-    return Holding(
-        blank(HELD, contacts), levers[0], levers[1], np.zeros((count, count)), np.zeros((count, count)), np.zeros(count)
-    )
+    levers = np.zeros((2, contacts, 2, 6 + carriers))
+    equations = np.zeros((2, count, count))
+    return Holding(blank(HELD, contacts), levers[0], levers[1], equations[0], equations[1], np.zeros(count))
 
 
 def record(dtype: np.dtype, values: dict) -> np.record:

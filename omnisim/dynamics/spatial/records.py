@@ -77,7 +77,7 @@ TOUCH = np.dtype(
         ("normal_force", np.float64),  # N
         ("slip", np.float64, (2,)),  # along h and k in the tangent plane, m/s
         ("force", np.float64, (2,)),  # friction on the roller, N
-        ("factor", np.float64),  # g of the friction law F = -g v, N s/m
+        ("creep", np.float64, (2,)),  # direction of creeping slip
         ("torque", np.float64),  # about the normal, N m
         ("point", np.float64, (3,)),  # X from O, along h, k and z of the hub, m
         ("normal", np.float64, (3,)),  # of the ground, in the same axes
@@ -96,7 +96,8 @@ HELD = np.dtype(
         ("spin", np.float64, (2,)),  # torque on the axle and on the roller by a unit force along h and k, m
         ("arm", np.float64, (2,)),
         ("bias", np.float64, (2,)),  # slip acceleration without the force of any of them, m/s^2
-        ("force", np.float64, (2,)),  # N
+        ("force", np.float64, (2,)),  # N; N s of an impulse
+        ("middle", np.float64, (2,)),  # slip, before and after an impulse, m/s
         ("turned", np.float64),  # by the last correction of its direction, rad
     ],
     align=True,
@@ -125,6 +126,11 @@ SPATIAL_MODE = np.dtype(
         ("saturated", np.int64, (SLOTS,)),  # branch of the saturated friction law
         ("grip", np.int64, (SLOTS,)),  # as of MODE
         ("creep", np.float64, (SLOTS, 2)),
+        ("stopping", np.int64, (SLOTS,)),
+        ("stopped", np.int64, (SLOTS,)),
+        ("freed", np.int64),
+        ("freed_step", np.int64),
+        ("shared", np.int64),  # 0: rubber shares the load
         ("drive", np.int64),  # as of MODE
         ("held", np.float64),
         ("integral", np.float64),
@@ -141,6 +147,7 @@ SPATIAL_MONITORS = np.dtype(
         ("normal_force", np.float64),  # of the whole wheel, N
         ("demand", np.float64),  # of the drive
         ("depth", np.float64, (SLOTS,)),
+        ("load", np.float64, (SLOTS,)),  # N
         ("press", np.float64, (SLOTS,)),
         ("inside", np.float64, (SLOTS,)),  # its region
         ("within", np.float64, (SLOTS,)),  # its piece of the floor, m
@@ -171,7 +178,8 @@ class Space(NamedTuple):
     sine of the angle of each roller on its disk, and its offset along the axle, m. floor: Floor, None if it is plane.
     carriers (C,): records CARRIER, None if there are none. Then what is found at an instant: touches (W * SLOTS,):
     records TOUCH; motions (C,): records MOTION; pushes (1 + C, 6): moment about C and force on chassis and carriers,
-    chassis axes; balance (6 + C, 6 + C) and answer (6 + C,): their equations. holding: Holding, None with a smooth law.
+    chassis axes; balance (6 + C, 6 + C) and answer (6 + C,): their equations; shifted (n,): a state
+    nearby. holding: Holding, None with a smooth law.
     """
 
     body: np.record
@@ -185,4 +193,5 @@ class Space(NamedTuple):
     pushes: np.ndarray
     balance: np.ndarray
     answer: np.ndarray
+    shifted: np.ndarray
     holding: Holding | None

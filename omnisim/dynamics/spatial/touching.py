@@ -107,6 +107,19 @@ def touching(parameters, w, stand, piece, region, i):
 
 
 @kernel
+def touching_at(parameters, mode, w, c, stand):
+    """The same of contact c of wheel w."""
+    return touching(parameters, w, stand, mode.piece[c], mode.region[c], mode.roller[mode.slot[c]])
+
+
+@kernel
+def rate_of_roller(parameters, mode, w, c):
+    """Where the rate of the roller of contact c stands in the state."""
+    slot = mode.roller[mode.slot[c]] if parameters.machine.every_rate else mode.slot[c]
+    return parameters.wheels[w].rates + slot
+
+
+@kernel
 def touch_plane(shape, region, roller, normal, height):
     """The same on the base plane; normal: along hub axes, height: of O, m."""
     tilt = dot(roller.axis, normal)

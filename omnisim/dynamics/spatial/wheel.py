@@ -18,7 +18,7 @@ from omnisim.contact.support import region_guard
 from omnisim.dynamics.actuation import actuate, followed
 from omnisim.dynamics.spatial.pose import add_push, mounted, outward, put
 from omnisim.dynamics.spatial.records import BASE, SLOTS
-from omnisim.dynamics.spatial.touching import joint_rate, react, roller_on, standing, touching
+from omnisim.dynamics.spatial.touching import joint_rate, rate_of_roller, react, roller_on, standing, touching_at
 from omnisim.dynamics.state import places
 from omnisim.dynamics.wheel import bearing_torque
 
@@ -128,9 +128,8 @@ def press_wheel(parameters, stage, w, stand, rollers):
     force, moment, heat, loss, load = ZERO, ZERO, 0.0, 0.0, 0.0
     momentum, torque = rollers.momentum, rollers.torque
     for c in range(mode.contacts):
-        i = mode.roller[mode.slot[c]]
-        place = wheel.rates + (i if machine.every_rate else mode.slot[c])
-        touched = touching(parameters, w, stand, mode.piece[c], mode.region[c], i)
+        place = rate_of_roller(parameters, mode, w, c)
+        touched = touching_at(parameters, mode, w, c, stand)
         roller = touched.roller
         found = react(parameters, mode, w, c, stand, touched, y[place])
         rolling = dot(roller.axis, cross(touched.lever, found.force)) + found.torque * touched.tilt
@@ -159,7 +158,7 @@ def monitor_contact(parameters, monitors, w, c, region, touched, found):
     """What events want to know of a contact."""
     shape = parameters.space.shapes[w]
     monitors.depth[c] = touched.depth
-    monitors.press[c] = found.press
+    monitors.press[c], monitors.load[c] = found.press, found.normal_force
     monitors.inside[c] = region_guard(shape, region, touched.tilt)
     monitors.within[c] = touched.within
     monitors.slip_square[c] = found.slip.h * found.slip.h + found.slip.k * found.slip.k
