@@ -118,7 +118,7 @@ def idle(parameters, run, m):
 
 @kernel
 def factorize_all(radau, newton, h):
-    """Factors of lambda / h - J for the real and the complex eigenvalue."""
+    """LU factors of lambda / h - J for the real and the complex eigenvalue."""
     k = len(newton.active)
     jacobian = newton.real[:k]
     real = newton.real[k : 2 * k]
@@ -176,45 +176,33 @@ def change(radau, z, m, real, cplx, y):
 
 @kernel
 def factorize(matrix, pivots):
-    """Factors in place with partial pivoting, from the last state to the first; pivots[k] is the row that came to k.
-
-    Rates of rollers stand last and hardly depend on each other: eliminated first, they leave the zeros between them.
-    """
+    """LU factors in place with partial pivoting; pivots[k] is the row that came to k."""
     n = len(pivots)
-    for k in range(n - 1, -1, -1):
+    for k in range(n):
         p = k
-        for i in range(k):
-            if size(matrix[i, k]) > size(matrix[p, k]):
+        for i in range(k + 1, n):
+            if abs(matrix[i, k]) > abs(matrix[p, k]):
                 p = i
         pivots[k] = p
-        if p != k:
-            for j in range(n):
-                matrix[k, j], matrix[p, j] = matrix[p, j], matrix[k, j]
-        inverse = 1.0 / matrix[k, k]
-        for i in range(k):
-            if matrix[i, k] != 0.0:
-                matrix[i, k] *= inverse
-                for j in range(k):
-                    matrix[i, j] -= matrix[i, k] * matrix[k, j]
-
-
-@kernel
-def size(entry):
-    """That of a real or complex number, to a factor of 1.5: a square root would cost more than the elimination."""
-    return abs(entry.real) + abs(entry.imag)
+        for j in range(n):
+            matrix[k, j], matrix[p, j] = matrix[p, j], matrix[k, j]
+        for i in range(k + 1, n):
+            matrix[i, k] /= matrix[k, k]
+            for j in range(k + 1, n):
+                matrix[i, j] -= matrix[i, k] * matrix[k, j]
 
 
 @kernel
 def substitute(matrix, pivots, side):
     """Solve with the factors: `side` becomes the solution."""
     n = len(pivots)
-    for k in range(n - 1, -1, -1):
+    for k in range(n):
         p = pivots[k]
         side[k], side[p] = side[p], side[k]
-    for k in range(n - 1, -1, -1):
-        for i in range(k):
-            side[i] -= matrix[i, k] * side[k]
     for k in range(n):
-        for j in range(k):
+        for i in range(k + 1, n):
+            side[i] -= matrix[i, k] * side[k]
+    for k in range(n - 1, -1, -1):
+        for j in range(k + 1, n):
             side[k] -= matrix[k, j] * side[j]
         side[k] /= matrix[k, k]
