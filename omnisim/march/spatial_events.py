@@ -99,7 +99,7 @@ def falls(parameters, run, kind, w, side, value):
     Where an event has just happened a guard may begin below 0 by rounding, and rise. A trial that another event at the
     same instant cuts short would see it fire again, and never come to the other.
     """
-    return kind in (DOWN, LIMIT) or value < spatial_guard(parameters, run, kind, w, side, False)
+    return kind in (DOWN, LIMIT, GRIP, YOUNG) or value < spatial_guard(parameters, run, kind, w, side, False)
 
 
 @kernel

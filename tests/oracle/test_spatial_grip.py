@@ -7,9 +7,6 @@ the motion that follows, must not change where a contact sticks, and change alon
 import numpy as np
 import pytest
 import tomlkit
-from oracle.spatial.machine import Machine
-from oracle.spatial.states import states
-from oracle.test_spatial import SCENES, Engine, Pairs, add_accelerations, add_energy, assert_equal
 
 from omnisim.contact.set_valued import CREEP, STICK
 from omnisim.dynamics.spatial.acceleration import slip_change_on_ground
@@ -18,6 +15,9 @@ from omnisim.dynamics.spatial.records import SLOTS
 from omnisim.dynamics.spatial.touching import standing
 from omnisim.march.runge_kutta import refresh
 from omnisim.scene.scene import parse
+from oracle.spatial.machine import Machine
+from oracle.spatial.states import states
+from oracle.test_spatial import SCENES, Engine, Pairs, add_accelerations, add_energy, assert_equal
 
 CASES = ("kiwi_slope", "mecanum_springs", "double_row")
 FEW = 6
