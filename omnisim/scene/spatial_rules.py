@@ -25,10 +25,6 @@ def _needed(config: Config) -> Iterator[Problem]:
                                 ("tracking", config.solver.tracking, "explicit")):  # fmt: skip
         if value != allowed:
             yield Problem(("solver", key), f'must be "{allowed}" with upright = "free"')
-    if config.friction.law == "coulomb":
-        yield Problem(("friction", "law"), 'must be "regularized" or another smooth law with upright = "free"')
-    if config.output.bearing_loads:
-        yield Problem(("output", "bearing_loads"), 'must be false with upright = "free"')
     for name, kind in config.wheel_types.items():
         path = ("wheel_types", name)
         if kind.contact is None:

@@ -60,8 +60,6 @@ def test_info_tells_on_which_slopes_it_tips_and_how_it_swings():
 
 
 @pytest.mark.parametrize(("overrides", "parts"), [
-    (["friction.law=coulomb"], ["friction.law", "'coulomb'"]),
-    (["output.bearing_loads=true"], ["output.bearing_loads"]),
     (["initial.height=-0.02"], ["initial.height = -0.02", "wheel 'front_left' begins below the ground", "0.0115 m"]),
     ([OFF], ["initial.height", "missing", "no pose at rest", "give a height"]),
 ])  # fmt: skip
