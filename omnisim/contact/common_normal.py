@@ -102,17 +102,19 @@ def reach_of(shape):
 
 
 @kernel
-def quickly_clear(floor, piece, roller):
-    """Whether a Roller cannot touch this piece: cheap, and not told of all that cannot."""
+def room(floor, piece, roller):
+    """How far above or beside this piece a Roller is that cannot touch it, m; 0 where it may: cheap, and not told of
+    all that cannot. Over a level top it ends where the roller touches: a root for that event to find."""
     centre, reach = roller.centre, reach_of(roller.shape)
-    if lowest(roller, ANY, Vec3(0.0, 0.0, 1.0)).point.z > floor.highest:
-        return True
+    above = lowest(roller, ANY, Vec3(0.0, 0.0, 1.0)).point.z - floor.highest
+    if above > 0.0:
+        return above
     if piece:
         step = floor.steps[piece - 1]
         s = beyond(step, centre.x, centre.y)
-        return s < -reach or s > step[6] + reach
+        return max(-reach - s, s - step[6] - reach, 0.0)
     height = centre.z - smooth_ground(floor, centre.x, centre.y).height - floor.stairs
-    return height > reach * math.sqrt(1.0 + floor.steepest * floor.steepest)
+    return max(height - reach * math.sqrt(1.0 + floor.steepest * floor.steepest), 0.0)
 
 
 @kernel

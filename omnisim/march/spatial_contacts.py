@@ -7,7 +7,7 @@ may have two contacts, with the ground before a step and with its edge: one rate
 import math
 
 from omnisim.base.kernel import kernel, outlined
-from omnisim.contact.common_normal import ANY, Roller, quickly_clear
+from omnisim.contact.common_normal import ANY, Roller, room
 from omnisim.contact.floor import pieces
 from omnisim.contact.friction import SATURATED
 from omnisim.contact.set_valued import SLIP
@@ -17,6 +17,8 @@ from omnisim.dynamics.spatial.records import SLOTS
 from omnisim.dynamics.spatial.touching import in_world, roller_on, standing, touching
 from omnisim.march.friction_modes import come_to_rest
 from omnisim.march.runge_kutta import refresh
+
+FAR = 1.0  # m: a gap where no common normal is found, which events can still be located with
 
 
 @kernel
@@ -39,10 +41,11 @@ def gap_at(parameters, w, stand, i, piece):
     space = parameters.space
     if space.floor is not None:
         centre, axis = in_world(stand, roller_on(parameters, w, i, stand))
-        if quickly_clear(space.floor, piece, Roller(space.shapes[w], centre, axis)):
-            return math.inf
+        away = room(space.floor, piece, Roller(space.shapes[w], centre, axis))
+        if away > 0.0:
+            return away
     touched = touching(parameters, w, stand, piece, ANY, i)
-    return -min(touched.depth, touched.within)
+    return min(-min(touched.depth, touched.within), FAR)
 
 
 @kernel

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import minimize
 from uneven import barrel, exact_roller, floor, placed, unit, vec
 
-from omnisim.contact.common_normal import ANY, Roller, look, quickly_clear, touch
+from omnisim.contact.common_normal import ANY, Roller, look, room, touch
 from omnisim.contact.floor import surface
 from omnisim.contact.patch import Coordinates
 from omnisim.contact.support import AHEAD, BEHIND, WITHIN, support
@@ -47,7 +47,7 @@ def errors(ground, piece, roller, axis, at, depth):
     centre, nu, region = placed(ground, piece, at, roller, axis, depth)
     found = touched(ground, piece, roller, centre, axis)
     assert found.converged and found.region == region
-    assert not quickly_clear(ground, piece, Roller(roller, vec(centre), vec(axis))) or depth < 0.0
+    assert room(ground, piece, Roller(roller, vec(centre), vec(axis))) == 0.0 or depth < 0.0
     return abs(found.depth - depth), float(np.abs(np.array(found.nu) - nu).max())
 
 
@@ -236,20 +236,28 @@ def test_of_several_common_normals_in_a_narrow_pit_the_deepest_is_found():
         assert found.depth > deepest - 1e-6
 
 
-def test_what_is_quickly_clear_does_not_touch():
-    """Of 2000 rollers above hills and before a step none that touches is told clear; of the 1803 others 1604 are."""
+def test_what_is_told_to_have_room_does_not_touch():
+    """Of 2000 rollers above hills and before a step none that touches is told to; of the 1803 others 1604 are."""
     ground, random, clear, apart = floor([[0.5, 0.1, 0.012, 0.06]], [LOW]), np.random.default_rng(12), 0, 0
     for axis in axes(1000, seed=13):
         centre = random.uniform((0.4, -0.1, 0.0), (0.6, 0.2, 0.08))
         for piece in (0, 1):
-            told, found = (
-                quickly_clear(ground, piece, Roller(OMNI, vec(centre), vec(axis))),
-                touched(ground, piece, OMNI, centre, axis),
-            )
+            told = room(ground, piece, Roller(OMNI, vec(centre), vec(axis))) > 0.0
+            found = touched(ground, piece, OMNI, centre, axis)
             touches = found.converged and found.inside > 0.0 and found.depth > 0.0
             assert not (told and touches)
             clear, apart = clear + told, apart + (not touches)
     assert clear > 0.6 * apart
+
+
+def test_the_room_above_a_level_top_ends_where_a_roller_touches_it():
+    """So that an event has a root to find there, not a jump."""
+    ground, height = floor([], [LOW]), 0.05
+    for axis in axes(20, seed=14):
+        deep = touched(ground, 0, OMNI, (1.0, 0.0, height), axis).depth
+        roller = Roller(OMNI, vec((1.0, 0.0, height + deep + 1e-9)), vec(axis))
+        assert abs(room(ground, 0, roller) - 1e-9) < 1e-16, axis
+        assert room(ground, 0, roller._replace(centre=vec((1.0, 0.0, height + deep - 1e-9)))) == 0.0
 
 
 def test_a_roller_that_is_nowhere_has_no_contact():
