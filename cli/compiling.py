@@ -58,9 +58,9 @@ def compilation_noted(scenes: Iterable[Scene], quiet: bool = False) -> Iterator[
         noted, depth, bar = False, 0, None
 
         def on_start(self, _: event.Event) -> None:
-            if not self.depth:
-                self.begin()
             self.depth += 1
+            if self.depth == 1:  # to tell the kind of a scene may compile a kernel itself
+                self.begin()
 
         def on_end(self, _: event.Event) -> None:
             self.depth -= 1

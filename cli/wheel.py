@@ -58,6 +58,8 @@ def wheel(scene: str, name: str | None, output: str | None, part: str | None, pa
     if output is None:
         click.echo(about(name, kind))
     elif suffix in MODELS:
+        for each in loaded.config.wheel_types:
+            wheel_type(loaded, each)  # all of them can be drawn
         write_model(loaded, scene, output, package, force)
     else:
         from .output import output_path
@@ -78,7 +80,7 @@ def check_package(package: str, suffix: str) -> None:
 
 
 def wheel_type(scene: Scene, name: str | None) -> tuple[str, WheelType]:
-    """The type of this name, or the first one."""
+    """The type of this name, or the first one. Failure for one whose rollers are of another shape than is drawn."""
     from omnisim.scene.problems import did_you_mean
 
     kinds = scene.config.wheel_types
@@ -86,7 +88,12 @@ def wheel_type(scene: Scene, name: str | None) -> tuple[str, WheelType]:
     if name not in kinds:
         hint = did_you_mean(name, kinds) or "."
         raise Failure(f"--type {name}: no such wheel type{hint} The scene has: {', '.join(kinds)}", BAD_INPUT)
-    return name, kinds[name]
+    kind = kinds[name]
+    if kind.profile.kind != "exact" or len(kind.rows) > 1:
+        raise Failure(
+            f"wheel type '{name}': only wheels with one row of rollers of the exact profile are drawn", BAD_INPUT
+        )
+    return name, kind
 
 
 # --- text -----------------------------------------------------------------------------------------

@@ -114,6 +114,11 @@ def test_a_ride_of_a_machine_that_is_held_upright_is_refused(folder):
     refused(command("plot", "kiwi.h5", "--view", "ride", "-o", "picture.png"), "held upright", "free in space")
 
 
+def test_wheels_of_another_shape_are_not_drawn_as_exact_ones(folder):
+    refused(command("wheel", "kiwi_ramp", "-o", "wheel.png"), "wheel type 'omni'", "exact profile")
+    assert not list(folder.iterdir()) and command("wheel", "rocker").exit_code == 0
+
+
 def test_trackings_and_formulations_are_not_compared():
     refused(command("compare", "implicit", "explicit", "kiwi_ramp"), 'must be "explicit" with upright = "free"')
     refused(command("compare", "reduced", "multibody", "kiwi_ramp"), 'must be "reduced" with upright = "free"')
