@@ -14,7 +14,7 @@ from omnisim.scene.solids import outline, profile
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0)}
 POINTS = 17  # of a profile
-ABOVE = 1e-3  # m, of the path over the ground
+ABOVE = 2e-3  # m, of the path over the ground
 BODY = {"body/orientation": "float64", "body/angular_velocity": "float32"}
 WHEEL = {"suspension_travel": "float32", "suspension_rate": "float32", "contact_point": "float32"}
 
