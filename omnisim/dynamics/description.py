@@ -8,6 +8,7 @@ from omnisim.base.records import plain
 from omnisim.dynamics.parameters import CONTACTS, Parameters
 from omnisim.dynamics.parts import (
     Part,
+    bearing_loads,
     bearing_reason,
     command_reason,
     driven,
@@ -113,9 +114,7 @@ def algebraic(config: Config, parameters: Parameters) -> Iterator[Part]:
     )
     yield Part("heave, roll and pitch", False, 0, takes)
     yield Part("compliance", False, 0, "bodies and floor are rigid: no suspension, no rolling resistance")
-    loads = config.bearing_loads
-    why = "force and moment of every bearing, from the accelerations of a row"
-    yield Part("bearing loads", loads, 0, why if loads else "output.bearing_loads = true writes them")
+    yield bearing_loads(config)
     yield Part("contact torque", friction.contact_torque != "none", 0, patch_reason(friction))
     yield Part("bearing friction", bool(parameters.machine.bearing_friction), 0, bearing_reason(config))
 

@@ -22,6 +22,12 @@ class Part(NamedTuple):
     why: str
 
 
+def bearing_loads(config: Config) -> Part:
+    loads = config.bearing_loads
+    why = "force and moment of every bearing, from the accelerations of a row"
+    return Part("bearing loads", loads, 0, why if loads else "output.bearing_loads = true writes them")
+
+
 def driven(config: Config, parameters: Parameters) -> Iterator[Part]:
     """States of drives, works, and odometry."""
     machine = parameters.machine

@@ -67,9 +67,7 @@ def newton_workspace(parameters: Parameters, states: int) -> Newton:
     """Workspace for implicit steps: forces depend on yaw, spin angles and all rates; of a machine free in space on all
     of its positions but x and y, and on uneven ground on these."""
     at = places_in(parameters)
-    active = np.arange(
-        0 if parameters.space is not None and parameters.space.floor is not None else YAW, at.friction_loss
-    )
+    active = np.arange(0 if parameters.space is not None and parameters.space.body.uneven else YAW, at.friction_loss)
     count = len(active)
     return Newton(
         active=active,

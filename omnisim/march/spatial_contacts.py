@@ -24,7 +24,7 @@ FAR = 1.0  # m: a gap where no common normal is found, which events can still be
 @kernel
 def piece_count(space):
     """Of how many pieces the floor is."""
-    if space.floor is None:
+    if not space.body.uneven:
         return 1
     return pieces(space.floor)
 
@@ -39,7 +39,7 @@ def gap_of(parameters, y, w, i, piece):
 def gap_at(parameters, w, stand, i, piece):
     """The same of its Standing."""
     space = parameters.space
-    if space.floor is not None:
+    if space.body.uneven:
         centre, axis = in_world(stand, roller_on(parameters, w, i, stand))
         away = room(space.floor, piece, Roller(space.shapes[w], centre, axis))
         if away > 0.0:
@@ -68,7 +68,7 @@ def nothing_meets(parameters, mode, w, y):
     space = parameters.space
     stand = standing(parameters, w, body_of(parameters, y), y)
     free = True
-    if space.floor is not None:
+    if space.body.uneven:
         for piece in range(piece_count(space)):
             for i in range(wheel.rollers):
                 if not in_contact(mode, i, piece):

@@ -129,7 +129,7 @@ def clearance(parameters, y):
     for i in range(space.body.corners):
         corner = outward(body.rotation, vector(space.body.hull[i], 0))
         height = body.position.z + corner.z
-        if space.floor is not None:
+        if space.body.uneven:
             height -= surface(space.floor, body.position.x + corner.x, body.position.y + corner.y).height
         least = min(least, height)
     return least

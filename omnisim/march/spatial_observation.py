@@ -38,7 +38,7 @@ def observe_in_space(parameters, rows, times_, monitors, observed):
             if len(observed.bearing_loads):
                 recover_in_space(parameters, mode[w], w, y, slopes, rows.rates[row, w])
                 resolve_in_space(parameters, w, y, observed.bearing_loads[row, w])
-            if parameters.space.carriers is not None:
+            if len(parameters.space.carriers) > 0:
                 j = parameters.space.hubs[w].carrier
                 seen.travel = y[at.joint + j] if j >= 0 else 0.0
                 seen.travel_rate = y[at.joint_rate + j] if j >= 0 else 0.0

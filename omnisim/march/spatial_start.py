@@ -31,7 +31,7 @@ def pose_at_start(config: Config, parameters: Parameters) -> Pose:
     """As the scene says, or in static equilibrium. Raises ConfigError if there is none, or for a sunken wheel."""
     space = parameters.space
     assert space is not None
-    count = 0 if space.carriers is None else len(space.carriers)
+    count = len(space.carriers)
     initial = config.initial
     if initial.placed:
         pitch, roll = math.radians(initial.pitch_deg), math.radians(initial.roll_deg)
@@ -48,7 +48,7 @@ def standing_pose(config: Config, parameters: Parameters) -> tuple[Pose, np.ndar
     """
     space = parameters.space
     assert space is not None
-    count = 0 if space.carriers is None else len(space.carriers)
+    count = len(space.carriers)
 
     def state_at(x: np.ndarray) -> np.ndarray:
         return positions(config, parameters, Pose(x[0], x[1], x[2], x[3:]))

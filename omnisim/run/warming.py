@@ -28,8 +28,6 @@ from omnisim.scene.scene import Scene, SceneError, as_scene, load
 
 BRIEF = ("time.end=0.01", "time.step=0.001", "time.output_interval=0.01")
 SMALL, FREE = "six_rollers", "kiwi_ramp"  # scenes, made of any kind: one held upright, one free in space
-BUMP = "floor.bumps=[[9.0, 9.0, 0.01, 0.1]]"
-SPRING = "wheels.back.suspension={mass=0.1, inertia=1e-4, stiffness=1e4, damping=10.0}"
 FORMULATIONS, LAWS, METHODS = ("reduced", "multibody"), ("regularized", "coulomb"), ("rk4", "radau5")
 WORKER = "import sys; from omnisim.run.warming import compile_now; compile_now(sys.argv[1:])"
 
@@ -40,14 +38,12 @@ class Kind(NamedTuple):
     multibody: bool = False
     set_valued: bool = False  # friction
     implicit: bool = False  # steps, all or some
-    free: bool = False  # in space; and then
-    uneven: bool = False  # ground
-    carried: bool = False  # wheels, by suspensions or rockers
+    free: bool = False  # in space
 
     def __str__(self) -> str:
         what = "the multibody formulation" if self.multibody else "the reduced formulation"
         if self.free:
-            what = f"machines free in space{' on uneven ground' * self.uneven}{' on suspensions' * self.carried}"
+            what = "machines free in space"
         friction = "set-valued friction" if self.set_valued else "smooth friction"
         return f"{what} with {friction} and {'implicit' if self.implicit else 'explicit'} steps"
 
@@ -59,8 +55,6 @@ class Kind(NamedTuple):
             f"solver.formulation={FORMULATIONS[self.multibody]}",
             f"friction.law={LAWS[self.set_valued]}",
             f"solver.method={METHODS[self.implicit]}",
-            *[BUMP] * self.uneven,
-            *[SPRING] * self.carried,
         )
 
     @property
@@ -71,18 +65,14 @@ class Kind(NamedTuple):
 
 def kind_of(scene: Scene) -> Kind:
     parameters = pack(scene.config)
-    space = parameters.space
     there = parameters.workspace.articulated is not None, parameters.workspace.resting is not None
-    free = (False,) * 3 if space is None else (True, space.floor is not None, space.carriers is not None)
-    return Kind(*there, resolve(scene.config, parameters) != EXPLICIT, *free)
+    return Kind(*there, resolve(scene.config, parameters) != EXPLICIT, parameters.space is not None)
 
 
 def kinds() -> Iterator[Kind]:
     """All that a scene can be of."""
     for flags in product((False, True), repeat=len(Kind._fields)):
         kind = Kind(*flags)
-        if kind.free < max(kind.uneven, kind.carried):
-            continue
         try:
             kind.scene  # noqa: B018
         except SceneError:  # not every formulation has every method
@@ -137,7 +127,7 @@ def compile_now(flags: Iterable[str]) -> None:
 def kernels_of(kind: Kind) -> set[Kernel]:
     """About those that are compiled for a run of this kind: all that march and observation reach in their sources but
     for branches that ask for what is not there."""
-    there = dict(zip(("articulated", "resting", "newton", "space", "floor", "carriers"), kind, strict=True))
+    there = dict(zip(("articulated", "resting", "newton", "space"), kind, strict=True))
     found: set[Kernel] = set()
     waiting = [kernel for kernel in (march, observe) if isinstance(kernel, Kernel)]  # compilation may be switched off
     while waiting:

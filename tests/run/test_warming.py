@@ -46,15 +46,14 @@ def test_a_small_scene_is_of_the_kind_that_it_is_made_for():
     found = list(kinds())
     held = [kind for kind in found if not kind.free]
     assert len(held) == 6  # in the multibody formulation all steps are explicit
-    assert len(found) - len(held) == 8  # plane or uneven ground, suspensions or not, explicit or implicit steps
+    assert len(found) - len(held) == 4  # friction smooth or set-valued, steps explicit or implicit
     for kind in found:
         assert kind_of(kind.scene) == kind
 
 
 @pytest.mark.parametrize(("scene", "kind"), [
     ("kiwi_ramp", Kind(free=True)),
-    ("cable_duct", Kind(free=True, uneven=True, carried=True)),
-    ("rocker", Kind(free=True, uneven=True, carried=True)),
+    ("cable_duct", Kind(free=True)),
     ("six_rollers", Kind(False, False, False)),
     ("coulomb_wheel", Kind(False, True, False)),
     ("authors_vehicle", Kind(False, False, True)),
@@ -78,6 +77,8 @@ def test_kernels_of_a_kind_are_those_that_it_needs():
     assert {"turn_creep", "come_to_rest", "align_slip"} <= coulomb - smooth
     assert {"implicit_step", "factorize"} <= implicit - smooth
     assert "multibody_rhs" in multibody - smooth and "reduced_rhs" not in multibody
-    plane, uneven = ({kernel.__name__ for kernel in kernels_of(Kind(free=True, uneven=up))} for up in (False, True))
-    assert {"spatial_rhs", "add_contact"} <= plane - smooth and "reduced_rhs" not in plane
-    assert "quickly_clear" in uneven - plane and "touch_plane" in plane - uneven
+    free, gripping = (
+        {kernel.__name__ for kernel in kernels_of(Kind(free=True, set_valued=up))} for up in (False, True)
+    )
+    assert {"spatial_rhs", "add_contact", "quickly_clear"} <= free - smooth and "reduced_rhs" not in free
+    assert {"hold", "align_in_space"} <= gripping - free

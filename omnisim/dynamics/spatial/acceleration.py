@@ -24,7 +24,7 @@ def hub_acceleration(parameters, body, w, y, dy):
     hub = hub_of(parameters, body, w, y)
     swept = cross(body.rate, cross(body.rate, hub.centre))
     linear = plus(inward(body.rotation, vector(dy, at.velocity)), plus(cross(turning, hub.centre), swept))
-    if space.carriers is None or own.carrier < 0:
+    if own.carrier < 0:
         return linear, turning
     j = own.carrier
     carrier = space.carriers[j]
@@ -52,7 +52,7 @@ def slip_at(parameters, mode, w, c, y):
 @kernel
 def slip_change(parameters, mode, w, c, stand, y, dy):
     """v' (Slip, m/s^2) at contact c of wheel w by the derivative dy of the state, in axes h and k that do not turn."""
-    if parameters.space.floor is not None:
+    if parameters.space.body.uneven:
         return slip_change_on_ground(parameters, mode, w, c, stand, y, dy)
     return slip_change_on_plane(parameters, mode, w, c, stand, y, dy)
 

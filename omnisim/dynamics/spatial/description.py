@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.parts import (
     Part,
+    bearing_loads,
     bearing_reason,
     command_reason,
     driven,
@@ -34,7 +35,7 @@ def parts_in_space(config: Config, parameters: Parameters) -> Iterator[Part]:
     yield Part("chassis", True, 0, _chassis_reason(config))
     yield Part("products of inertia", False, 0, "of the chassis: taken as zero")
     yield Part("sideways rubber", False, 0, "rubber gives along the normal alone; no rolling resistance")
-    yield Part("bearing loads", False, 0, "only machines that are held upright have them so far")
+    yield bearing_loads(config)
     torque = config.friction.contact_torque != "none"
     yield Part("contact torque", torque, 0, patch_reason(config.friction))
     yield Part("bearing friction", bool(parameters.machine.bearing_friction), 0, bearing_reason(config))

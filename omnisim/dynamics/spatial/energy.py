@@ -23,7 +23,7 @@ def motion_energy(parameters, y, rates):
     double = own.base_mass * dot(body.velocity, body.velocity)
     double += dot(body.rate, product(own.inner_inertia, body.rate))
     double += 2.0 * dot(body.velocity, cross(body.rate, vector(own.moment, 0)))
-    if space.carriers is not None:
+    if len(space.carriers) > 0:
         for j in range(len(space.carriers)):
             double += carrier_energy(space, at, body, j, y)
     for w in range(len(parameters.wheels)):
@@ -61,7 +61,7 @@ def weight_energy(parameters, y):
     body = body_of(parameters, y)
     gravity = vector(space.body.gravity, 0)
     energy = -space.body.mass * dot(gravity, vector(y, POSITION))
-    if space.carriers is not None:
+    if len(space.carriers) > 0:
         down = Vec3(dot(body.rotation.x, gravity), dot(body.rotation.y, gravity), dot(body.rotation.z, gravity))
         energy -= dot(down, vector(space.body.moment, 0))
         for j in range(len(space.carriers)):
@@ -83,7 +83,7 @@ def spring_energy(parameters, mode, y):
         for c in range(mode[w].contacts):
             touched = touching_at(parameters, mode[w], w, c, stand)
             energy += 0.5 * space.hubs[w].stiffness * touched.depth * touched.depth
-    if space.carriers is not None:
+    if len(space.carriers) > 0:
         for j in range(len(space.carriers)):
             carrier, s = space.carriers[j], y[at.joint + j]
             energy += (carrier.preload + 0.5 * carrier.stiffness * s) * s

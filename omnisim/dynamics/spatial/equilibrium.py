@@ -58,14 +58,14 @@ def weigh(parameters, y, softness, loads):
         for i in range(6):
             space.pushes[j, i] = 0.0
     add_push(space.pushes[BASE], cross(vector(space.body.moment, 0), down), times(space.body.base_mass, down))
-    if space.carriers is not None:
+    if len(space.carriers) > 0:
         for j in range(len(space.carriers)):
             carrier = space.carriers[j]
             centre = place_carrier(carrier, space.motions[j], y[places(parameters).joint + j])
             weight = times(carrier.mass, down)
             add_push(space.pushes[1 + j], cross(centre, weight), weight)
     count = 1
-    if space.floor is not None:
+    if space.body.uneven:
         count = pieces(space.floor)
     for w in range(len(parameters.wheels)):
         loads[w] = 0.0
@@ -154,7 +154,7 @@ def unbalanced(parameters: Parameters, s: np.ndarray) -> np.ndarray:
     found = np.zeros(3 + len(s))
     found[0] = total[5]
     found[1], found[2] = total[1], total[0]  # pitch is about y, roll about x
-    for j, carrier in enumerate(space.carriers if space.carriers is not None else ()):
+    for j, carrier in enumerate(space.carriers):
         axis, push = np.asarray(carrier.axis), space.pushes[1 + j]
         if carrier.turns:
             about = push[:3] - np.cross(carrier.point, push[3:])
@@ -169,13 +169,13 @@ def lowest_touch(parameters: Parameters, state_at, softness: float, loads: np.nd
     """Height at which the ground carries the whole weight of a level machine, m."""
     space = parameters.space
     assert space is not None
-    carriers = 0 if space.carriers is None else len(space.carriers)
+    carriers = len(space.carriers)
 
     def carried(height: float) -> float:
         direct(weigh, parameters, state_at(np.array([height, *np.zeros(2 + carriers)])), softness, loads)
         return float(loads.sum())
 
-    top = 0.0 if space.floor is None else float(space.floor.highest)
+    top = float(space.floor.highest)
     step = float(min(parameters.wheels.radius))
     high = top + step
     low = high

@@ -102,7 +102,7 @@ def turned_faster(parameters, w, before, y):
     space, at = parameters.space, places(parameters)
     gained = minus(vector(y, at.rate), vector(before, at.rate))
     k, j = vector(space.hubs[w].k, 0), space.hubs[w].carrier
-    if space.carriers is not None and j >= 0 and space.carriers[j].turns:
+    if j >= 0 and space.carriers[j].turns:
         axis = vector(space.carriers[j].axis, 0)
         k = turned_about(k, axis, space.motions[j].cos, space.motions[j].sin)
         gained = plus(gained, times(y[at.joint_rate + j] - before[at.joint_rate + j], axis))
@@ -167,7 +167,7 @@ def feel(parameters, w, stand, touched, held, felt, directions):
         put_at(felt[e], 3, lever.force)
         for j in range(6, len(space.answer)):
             felt[e, j] = 0.0
-        if space.carriers is not None and space.hubs[w].carrier >= 0:
+        if space.hubs[w].carrier >= 0:
             j = space.hubs[w].carrier
             motion = space.motions[j]
             turning = dot(vector(motion.turning, 0), lever.moment)
@@ -184,7 +184,7 @@ def find_mobility(parameters, count):
             felt, given = holding.felt[m, e], holding.given[m, e]
             for i in range(len(felt)):
                 given[i] = felt[i]
-            if space.carriers is not None:
+            if len(space.carriers) > 0:
                 substitute(space.balance, given)
             else:
                 put(given, product(space.body.turning, vector(felt, 0)))

@@ -6,6 +6,7 @@ import numpy as np
 
 from omnisim.base.records import blank, records
 from omnisim.base.trigonometry import exact_cos_sin
+from omnisim.contact.floor import floor_of
 from omnisim.contact.support import PROFILES, SHAPE
 from omnisim.dynamics.ground import floor_of_scene
 from omnisim.dynamics.inertia import diameter_inertia
@@ -16,6 +17,7 @@ from omnisim.scene.solids import outline
 from omnisim.scene.solids import profile as generatrix
 
 Rigid = tuple[float, np.ndarray, np.ndarray, np.ndarray]  # mass, centre, inertia about it, what of it leans
+PLANE = floor_of(np.zeros((0, 4)), np.zeros((0, 6)), np.zeros((0, 0)), (0.0, 0.0), (1.0, 1.0))
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
@@ -37,7 +39,9 @@ def pack_space(config: Config, wheels: list[dict], machine: dict) -> Space:
     mass, moment, inner, whole = united([*fixed, chassis])
     counts = [kind.rollers for kind in types]
     mounted = zip(types, config.wheels, wheels, strict=True)
+    floor = floor_of_scene(config)
     body = {
+        "uneven": floor is not None,
         "mass": math.fsum(masses),
         "mobility": 1.0 / math.fsum(masses),
         "base_mass": mass,
@@ -57,8 +61,8 @@ def pack_space(config: Config, wheels: list[dict], machine: dict) -> Space:
         ),
         shapes=records(SHAPE, [shape_values(kind, wheel) for kind, wheel in zip(types, wheels, strict=True)]),
         disk=disk_places(types, config.wheels, max(counts)),
-        floor=floor_of_scene(config),
-        carriers=array_of(CARRIER, carriers) if carriers else None,
+        floor=floor or PLANE,
+        carriers=array_of(CARRIER, carriers),
         touches=blank(TOUCH, SLOTS * len(wheels)),
         motions=blank(MOTION, len(carriers)),
         pushes=np.zeros((1 + len(carriers), 6)),

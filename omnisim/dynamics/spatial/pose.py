@@ -100,7 +100,7 @@ def hub_of(parameters, body, w, y):
     h, k, up = vector(hub.h, 0), vector(hub.k, 0), Vec3(0.0, 0.0, 1.0)
     centre = vector(hub.centre, 0)
     velocity, rate = body.velocity, body.rate
-    if space.carriers is not None and hub.carrier >= 0:
+    if hub.carrier >= 0:
         j = hub.carrier
         carrier = space.carriers[j]
         s, s_rate = y[places(parameters).joint + j], y[places(parameters).joint_rate + j]

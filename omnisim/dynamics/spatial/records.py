@@ -39,6 +39,7 @@ BODY = np.dtype(
         ("origin", np.float64, (3,)),  # of the chassis from C, chassis axes, m
         ("hull", np.float64, (8, 3)),  # corners of the chassis from C, which must not touch the ground, m
         ("corners", np.int64),  # how many there are
+        ("uneven", np.int64),  # 1: the ground is no plane
     ]
 )
 HUB = np.dtype(
@@ -175,19 +176,19 @@ class Space(NamedTuple):
     """A machine free in space: W wheels of at most N rollers, C carriers.
 
     body: record BODY. hubs (W,): records HUB. shapes (W,): records SHAPE of their rollers. disk (W, N, 3): cosine and
-    sine of the angle of each roller on its disk, and its offset along the axle, m. floor: Floor, None if it is plane.
-    carriers (C,): records CARRIER, None if there are none. Then what is found at an instant: touches (W * SLOTS,):
-    records TOUCH; motions (C,): records MOTION; pushes (1 + C, 6): moment about C and force on chassis and carriers,
-    chassis axes; balance (6 + C, 6 + C) and answer (6 + C,): their equations; shifted (n,): a state
-    nearby. holding: Holding, None with a smooth law.
+    sine of the angle of each roller on its disk, and its offset along the axle, m. floor: Floor, a plane one without
+    any part. carriers (C,): records CARRIER. Then what is found at an instant: touches (W * SLOTS,): records TOUCH;
+    motions (C,): records MOTION; pushes (1 + C, 6): moment about C and force on chassis and carriers, chassis axes;
+    balance (6 + C, 6 + C) and answer (6 + C,): their equations; shifted (n,): a state nearby. holding: Holding, None
+    with a smooth law.
     """
 
     body: np.record
     hubs: np.recarray
     shapes: np.recarray
     disk: np.ndarray
-    floor: Floor | None
-    carriers: np.recarray | None
+    floor: Floor
+    carriers: np.recarray
     touches: np.recarray
     motions: np.recarray
     pushes: np.ndarray

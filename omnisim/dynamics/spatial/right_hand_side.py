@@ -45,7 +45,7 @@ def spatial_rhs(parameters, stage):
     for w in range(len(parameters.wheels)):
         friction, rubber, drive = push_wheel(parameters, stage, w, body)
         heat, loss, power = heat + friction, loss + rubber, power + drive
-    if space.carriers is None:
+    if len(space.carriers) == 0:
         linear, angular = accelerate(space.body, space.pushes[BASE])
     else:
         linear, angular = accelerate_carried(parameters, stage, body)
@@ -119,7 +119,7 @@ def turning_of(parameters, stage, w, body):
     space = parameters.space
     angular = vector(stage.dy, places(parameters).rate)
     k = vector(space.hubs[w].k, 0)
-    if space.carriers is not None and space.hubs[w].carrier >= 0:
+    if space.hubs[w].carrier >= 0:
         j = space.hubs[w].carrier
         carrier = space.carriers[j]
         if carrier.turns:

@@ -56,7 +56,7 @@ def matrices(parameters: Parameters, sharing: float) -> tuple[np.ndarray, np.nda
     """M, C, K (3 + carriers squared), SI, with so many contacts of each wheel."""
     space = parameters.space
     assert space is not None
-    carriers = [] if space.carriers is None else list(space.carriers)
+    carriers = list(space.carriers)
     count = 3 + len(carriers)
     mass, damping, stiffness = (np.zeros((count, count)) for _ in range(3))
     body = space.body

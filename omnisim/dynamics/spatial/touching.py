@@ -101,7 +101,7 @@ def roller_on(parameters, w, i, stand):
 def touching(parameters, w, stand, piece, region, i):
     """The Touching of roller i of wheel w on a piece of the ground, in a frozen region or ANY."""
     roller = roller_on(parameters, w, i, stand)
-    if parameters.space.floor is None:
+    if not parameters.space.body.uneven:
         return touch_plane(parameters.space.shapes[w], region, roller, stand.normal, stand.height)
     return touch_ground(parameters, w, stand, piece, region, roller)
 

@@ -76,7 +76,7 @@ def push_wheel(parameters, stage, w, body):
     force = outward(axes, pressed.force)
     moment = plus(outward(axes, combine(1.0, pressed.moment, -1.0, changing, 0.0, changing)), cross(hub.centre, force))
     push = space.pushes[BASE]
-    if space.carriers is not None:
+    if len(space.carriers) > 0:
         push = space.pushes[1 + own.carrier]
     add_push(push, moment, force)
     if stage.monitoring:
