@@ -77,8 +77,6 @@ def test_kernels_of_a_kind_are_those_that_it_needs():
     assert {"turn_creep", "come_to_rest", "align_slip"} <= coulomb - smooth
     assert {"implicit_step", "factorize"} <= implicit - smooth
     assert "multibody_rhs" in multibody - smooth and "reduced_rhs" not in multibody
-    free, gripping = (
-        {kernel.__name__ for kernel in kernels_of(Kind(free=True, set_valued=up))} for up in (False, True)
-    )
-    assert {"spatial_rhs", "add_contact", "quickly_clear"} <= free - smooth and "reduced_rhs" not in free
+    free, gripping = names(False, False, False, True), names(False, True, False, True)
+    assert {"spatial_rhs", "add_contact", "touch_ground"} <= free - smooth and "reduced_rhs" not in free
     assert {"hold", "align_in_space"} <= gripping - free
