@@ -141,7 +141,10 @@ def cut_at_event(parameters, method, run, t, h):
         for w in range(len(run.mode)):
             for side in range(guard_count(parameters, run, kind, w)):
                 value = guard(parameters, run, Guard(kind, w, side), True)
-                if value < 0.0 and (parameters.space is None or falls(parameters, run, kind, w, side, value)):
+                fires = value < 0.0
+                if parameters.space is not None:
+                    fires = fires and falls(parameters, run, kind, w, side, value)
+                if fires:
                     fired = Guard(kind, w, side)
                     h = locate(parameters, method, run, t, h, fired, value)
     return h, fired
