@@ -42,6 +42,7 @@ OURS = {
     "targets": Benchmark("bench.targets", "Steps picked for an error", 2, 1),
     "formulations": Benchmark("bench.formulations", "Every body against the reduced equations", 15, 2),
     "kernels": Benchmark("bench.kernels", "Kernels", 31, 5),
+    "spatial": Benchmark("bench.spatial", "Machines free in space", 3, 1),
     "scaling": Benchmark("bench.scaling", "64 rollers against 8", 31, 5),
     "startup": Benchmark("bench.startup", "Whole command", 5, 1),
     "memory": Benchmark("bench.memory", "Memory of the whole command", 3, 1),
@@ -57,11 +58,13 @@ PEERS = {
     "scipy_peer": Benchmark("bench.peers.scipy_peer", "Against SciPy's solvers at equal error", 3, 1),
     "mujoco_peer": Benchmark("bench.peers.mujoco_peer", "One wheel in MuJoCo", 5, 1),
     "mujoco_platform": Benchmark("bench.peers.mujoco_platform", "The mecanum platform in MuJoCo", 5, 1),
+    "mujoco_bumps": Benchmark("bench.peers.mujoco_bumps", "A free machine over bumps in MuJoCo", 5, 1),
     "drake_peer": Benchmark("bench.peers.drake_peer", "One wheel in Drake", 5, 1),
+    "drake_bumps": Benchmark("bench.peers.drake_bumps", "A free machine over bumps in Drake", 5, 1),
 }
 GROUPS = {"ours": OURS, "peers": PEERS}
 BENCHMARKS = OURS | PEERS
-CHECKED = ("precision", "hard_cases", "kernels", "scaling", "c_loop", "scipy_peer")
+CHECKED = ("precision", "hard_cases", "kernels", "scaling", "spatial", "c_loop", "scipy_peer")
 OPTIONAL = ("scipy", "mujoco", "pydrake", "gymnasium")  # packages that a benchmark may miss
 VERSIONS = ("omnisim-engine", "numba", "numpy", "scipy", "mujoco", "drake")
 

@@ -21,9 +21,12 @@ LONG = 12  # rows: longer tables are folded
 PAGES = {
     "precision": ("Speed against error", ("precision", "targets")),
     "peers": ("Against C and SciPy", ("c_loop", "limit", "scipy_peer")),
-    "engines": ("Against general engines", ("mujoco_peer", "mujoco_platform", "drake_peer")),
+    "engines": (
+        "Against general engines",
+        ("mujoco_peer", "mujoco_platform", "drake_peer", "mujoco_bumps", "drake_bumps"),
+    ),
     "laws": ("Laws and formulations", ("laws", "formulations")),
-    "cost": ("Machines, rollers, memory", ("whole_machines", "kernels", "scaling", "startup", "memory")),
+    "cost": ("Machines, rollers, memory", ("whole_machines", "spatial", "kernels", "scaling", "startup", "memory")),
     "many": ("Thousands of runs", ("studies", "gym")),
     "hard_cases": ("Hard cases", ("hard_cases",)),
 }

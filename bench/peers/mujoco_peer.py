@@ -121,13 +121,13 @@ def model(setup: Setup, friction: float | None = None):
     return mujoco.MjModel.from_xml_string(text)
 
 
-def roller_bodies(kind: WheelType, geom: str, mirrored: bool = False) -> str:
-    """The rollers of a wheel, bodies within that of its disk."""
+def roller_bodies(kind: WheelType, geom: str, mirrored: bool = False, phase: float = 0.0) -> str:
+    """The rollers of a wheel, bodies within that of its disk; phase: azimuth of the first, rad."""
     roller = kind.roller
     inertia = numbers(roller.inertia_transverse, roller.inertia_transverse, roller.inertia_axial)
     return "".join(
         ROLLER.format(pos=numbers(*centre), axis=numbers(*axis), mass=roller.mass, inertia=inertia, geom=geom)
-        for centre, axis in roller_frames(kind, mirrored)
+        for centre, axis in roller_frames(kind, mirrored, phase)
     )
 
 

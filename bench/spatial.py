@@ -1,0 +1,174 @@
+"""A machine free in space: what a step costs beside a plain C loop, by its rollers, and what methods make of bumps.
+
+The machine is that of bump_scene.py, four mecanum wheels of six rollers on rubber. For the cost of a step it coasts
+on a plane at 0.5 m/s without torque; contacts that begin and end are located. There slip_speed is 0.1 m/s: at the
+0.03 m/s of the reference a bounce lets rollers relax faster than RK4 at 1e-4 s can follow. A step costs the same.
+
+Rollers: each of 24 a wheel is as heavy as one of six, its axial inertia in proportion to the square of its radius, and
+the chassis lighter by what they weigh more. Rolling, more of them touch: neighbours share the rubber over 6 deg on
+either side of an exchange, and exchanges come every 60 or every 15 deg. Standing on the middle of a roller, one touches
+either way: what differs are those in the air. The rubber is damped more than in the reference, or the exchanges of 24
+rollers, at 40 Hz, make the machine hop.
+"""
+
+import math
+import statistics
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
+import omnisim
+from bench.bump_scene import STEM, bumps, end, outcome
+from bench.common import Claim, bare_wheel, interleaved, marching, ready, simulation, table
+from bench.peers import c_loop
+from omnisim.scene.scene import Scene
+
+STEP = 1e-4  # s
+COASTING = 0.2  # s, of a march on the plane: short enough to fit between the turns of neighbours
+MARCHES_PER_ROUND = 200
+QUIET = 0.1  # of them, those that count
+TARGET, ALARM = 10.0, 30.0  # steps of the C loop
+ROLLERS_TARGET, ROLLERS_ALARM = 1.1, 2.5  # times the machine with six
+COUNTS = {6: (), 24: (
+    "wheel_types.type0.roller_count=24",
+    "wheel_types.type0.roller_distance=0.0445",
+    "wheel_types.type0.roller={mass=0.05, inertia_axial=4.1e-7, inertia_transverse=1e-6}",
+    "chassis.mass=16.4",
+)}  # fmt: skip
+DAMPED = "wheel_types.type0.contact.damping=1500.0"
+LADDER = {"rk4": (2e-5, 1e-5), "dopri5": (2e-5,), "auto": (2e-3, 1e-3, 5e-4), "radau5": (1e-3, 5e-4)}
+SHORT = {"rk4": (2e-5,)}
+FULL_ROUNDS = 3  # fewer rounds are for the short ladder
+NOTES = """Errors at 1.6 s, of the position and of the orientation, against the reference, which is good to 1e-9 m. With
+larger steps than these rk4 and dopri5 stop: friction relaxes slip faster than they can follow."""
+
+
+def on_plane(*overrides: str) -> Scene:
+    """The machine on a plane, on rubber that carries it from the start."""
+    free = [f"wheels.{name}.drive.torque=[0.0, 0.0]" for name in ("fl", "fr", "rl", "rr")]
+    plane = ("floor={slope_deg=0.0}", "friction.slip_speed=0.1", "initial={velocity=[0.5, 0.0]}")
+    time = (f"time.step={STEP!r}", f"time.end={COASTING!r}", f"time.output_interval={COASTING / 2!r}")
+    return omnisim.load(STEM.with_suffix(".toml"), (*plane, *free, *time, *overrides))
+
+
+def still() -> list[str]:
+    """Overrides: at rest, every wheel on the middle of a roller."""
+    wheels = [f"wheels.{name}.{key}=0.0" for name in ("fl", "fr", "rl", "rr") for key in ("phase_deg", "spin_rate")]
+    return ["initial={velocity=[0.0, 0.0]}", *wheels]
+
+
+def measure(rounds: int) -> dict:
+    """Of a step on the plane, by rollers, and over the bumps."""
+    ladder = LADDER if rounds >= FULL_ROUNDS else SHORT
+    return {"step": beside_c(rounds), "rollers": by_rollers(rounds), "bumps": over_bumps(ladder, rounds)}
+
+
+def beside_c(rounds: int) -> dict:
+    """ns of a step of the machine and of the C loop of the bare wheel, in quiet rounds; empty without a compiler."""
+    library = c_loop.build(c_loop.WHEEL)
+    if library is None:
+        return {}
+    plane, wheel = on_plane(), bare_wheel(STEP, end=0.5)
+    contestants = {
+        "machine": partial(marching, plane),
+        "C": lambda: c_loop.prepare(c_loop.WHEEL, library, ready(wheel)),
+    }
+    seconds = quiet(interleaved(contestants, MARCHES_PER_ROUND * rounds))
+    ns = {"machine": seconds["machine"] / ready(plane).steps * 1e9, "C": seconds["C"] / ready(wheel).steps * 1e9}
+    return {"ns_per_step": ns, "ratio": ns["machine"] / ns["C"], **counted(plane)}
+
+
+def quiet(seconds: dict[str, list[float]]) -> dict[str, float]:
+    """Mean of each contestant over the tenth of the rounds that took least in all."""
+    rounds = np.array(list(seconds.values()))
+    least = np.argsort(rounds.sum(axis=0))[: math.ceil(QUIET * rounds.shape[1])]
+    return dict(zip(seconds, rounds[:, least].mean(axis=1).tolist(), strict=True))
+
+
+def counted(scene: Scene) -> dict[str, float]:
+    """Events and right-hand sides in a march, by the step."""
+    done = ready(scene).go()
+    return {"events": int(done.run.clock.events), "rhs_per_step": float(done.run.clock.rhs / done.steps)}
+
+
+def by_rollers(rounds: int) -> dict:
+    """ns of a step with each of COUNTS, rolling and standing, and the ratio of the two."""
+    result = {}
+    for name, overrides in {"rolling": [], "standing": still()}.items():
+        scenes = {count: on_plane(DAMPED, *rollers, *overrides) for count, rollers in COUNTS.items()}
+        contestants = {str(count): partial(marching, scene) for count, scene in scenes.items()}
+        seconds = quiet(interleaved(contestants, MARCHES_PER_ROUND * rounds))
+        rows = {
+            count: {"ns_per_step": seconds[count] / (COASTING / STEP) * 1e9, **counted(scenes[int(count)])}
+            for count in seconds
+        }
+        few, many = rows.values()
+        result[name] = {"rows": rows, "ratio": many["ns_per_step"] / few["ns_per_step"]}
+    return result
+
+
+def over_bumps(ladder: dict[str, tuple[float, ...]], rounds: int) -> list[dict]:
+    """Errors at the end, and seconds of march and simulate, of every method and step, in turn."""
+    settings = [(method, step) for method, steps in ladder.items() for step in steps]
+    rows = [{"method": method, "step": step} | outcome(bumps(method, step)) for method, step in settings]
+    whole = [(row["method"], row["step"]) for row in rows if row["position_error"] < math.inf]
+    contestants: dict[object, Callable] = {("march", *one): partial(marching, bumps(*one)) for one in whole}
+    contestants |= {("simulate", *one): partial(simulation, bumps(*one)) for one in whole}
+    seconds = interleaved(contestants, rounds)
+    for row in rows:
+        for what in ("march", "simulate"):
+            found = seconds.get((what, row["method"], row["step"]))
+            row[what] = statistics.median(found) if found else math.inf
+    return rows
+
+
+def report(result: dict) -> str:
+    step = result["step"]
+    said = "No gcc on this machine: a step is not measured beside the C loop."
+    if step:
+        said = (
+            f"On a plane a step of RK4 takes {step['ns_per_step']['machine']:.0f} ns, of the bare wheel in C "
+            f"{step['ns_per_step']['C']:.0f} ns: {step['ratio']:.1f} of them. {step['events']} events in "
+            f"{COASTING:g} s, {step['rhs_per_step']:.2f} right-hand sides a step."
+        )
+    rollers = [
+        [name, count, f"{row['ns_per_step']:.0f}", row["events"], f"{row['rhs_per_step']:.2f}"]
+        for name, of in result["rollers"].items()
+        for count, row in of["rows"].items()
+    ]
+    header = ["", "rollers a wheel", "ns per step", f"events in {COASTING:g} s", "right-hand sides a step"]
+    columns = ["method", "step, s", "position off by, mm", "turned off by, rad", "times real time, march", "simulate"]
+    return "\n\n".join(
+        [
+            said,
+            table(header, rollers),
+            "Over two bumps of 12 and 8 mm, up to its end:",
+            table(columns, [[row["method"], f"{row['step']:g}", *cells(row)] for row in result["bumps"]]),
+            NOTES,
+        ]
+    )
+
+
+def cells(row: dict) -> list[str]:
+    if row["position_error"] == math.inf:
+        return ["fails", "-", "-", "-"]
+    times = [f"{end() / row[what]:.2f}" for what in ("march", "simulate")]
+    return [f"{row['position_error'] * 1e3:.1e}", f"{row['turn_error']:.1e}", *times]
+
+
+def claims(result: dict) -> list[Claim]:
+    found = [
+        Claim(
+            f"a step of a free mecanum machine with 24 rollers a wheel, by that with 6, {name}",
+            of["ratio"],
+            "at most",
+            ROLLERS_TARGET,
+            ROLLERS_ALARM,
+        )
+        for name, of in result["rollers"].items()
+    ]
+    if not result["step"]:
+        return found
+    text = "a step of a free mecanum machine on a plane, events located, by that of the bare wheel's C loop"
+    return [Claim(text, result["step"]["ratio"], "at most", TARGET, ALARM), *found]
