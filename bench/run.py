@@ -60,7 +60,7 @@ PEERS = {
     "mujoco_platform": Benchmark("bench.peers.mujoco_platform", "The mecanum platform in MuJoCo", 5, 1),
     "mujoco_bumps": Benchmark("bench.peers.mujoco_bumps", "A free machine over bumps in MuJoCo", 5, 1),
     "drake_peer": Benchmark("bench.peers.drake_peer", "One wheel in Drake", 5, 1),
-    "drake_bumps": Benchmark("bench.peers.drake_bumps", "A free machine over bumps in Drake", 5, 1),
+    "drake_bumps": Benchmark("bench.peers.drake_bumps", "A free machine over bumps in Drake", 3, 1),
 }
 GROUPS = {"ours": OURS, "peers": PEERS}
 BENCHMARKS = OURS | PEERS

@@ -168,7 +168,7 @@ class Running:
 
 MODULI = (1e7, 1e8)  # Pa
 STEP = 1e-3  # s, of the survey
-FULL_ROUNDS = 5  # fewer rounds are for one run
+FULL_ROUNDS = 3  # fewer rounds are for one run
 
 
 def measure(rounds: int) -> dict:
