@@ -31,7 +31,6 @@ from omnisim.march.events import (
 from omnisim.march.friction_modes import creep_of, slip_of, slip_rate, stopped_speed
 from omnisim.march.radau5 import implicit_step
 from omnisim.march.runge_kutta import explicit_step
-from omnisim.march.spatial_events import falls
 from omnisim.march.substeps import outrun
 
 REACH = 0.02  # of a step, by which its end may be moved along a cubic; of an implicit one, whose states may have
@@ -130,7 +129,8 @@ def cut_at_event(parameters, method, run, t, h):
     """Shorten the trial step to its first event: its length, and the Guard that fired or NO_GUARD.
 
     Each violated guard is located on what is left of the step, TURN first, so EXIT sees a monotone spin angle and a
-    step that leaves a roller's end and comes back is cut at the turn before it is searched.
+    step that leaves a roller's end and comes back is cut at the turn before it is searched. In space many contacts may
+    change at one instant: each in its turn, as in no time the guard of one that has changed tells nothing but rounding.
     """
     fired, undisturbed = NO_GUARD, True
     for w in range(len(run.mode)):
@@ -141,12 +141,11 @@ def cut_at_event(parameters, method, run, t, h):
         for w in range(len(run.mode)):
             for side in range(guard_count(parameters, run, kind, w)):
                 value = guard(parameters, run, Guard(kind, w, side), True)
-                fires = value < 0.0
-                if parameters.space is not None:
-                    fires = fires and falls(parameters, run, kind, w, side, value)
-                if fires:
+                if value < 0.0:
                     fired = Guard(kind, w, side)
                     h = locate(parameters, method, run, t, h, fired, value)
+                    if parameters.space is not None and h <= GRID_ROUNDING * (t + run.clock.dt):
+                        return h, fired
     return h, fired
 
 

@@ -93,16 +93,6 @@ def spatial_guard(parameters, run, kind, w, side, at_end):
 
 
 @kernel
-def falls(parameters, run, kind, w, side, value):
-    """Whether a guard with a negative `value` at the end of a trial has fallen since its start.
-
-    Where an event has just happened a guard may begin below 0 by rounding, and rise. A trial that another event at the
-    same instant cuts short would see it fire again, and never come to the other.
-    """
-    return kind in (DOWN, LIMIT, GRIP, YOUNG) or value < spatial_guard(parameters, run, kind, w, side, False)
-
-
-@kernel
 def all_stay(parameters, run, w):
     """Whether every guard of wheel w holds at the end of a trial."""
     mode, monitors = run.mode[w], run.monitors_end[w]
