@@ -47,6 +47,7 @@ from bench.hard_claims import (
     turns_on_the_edge,
     wrench,
 )
+from bench.hard_spatial import SPATIAL_CASES
 from omnisim.results.comparison import energy_error
 
 PSI30 = str(Path(__file__).parents[1] / "tests/reference/testbench_psi30.toml")
@@ -194,6 +195,7 @@ CASES = (
         "too stiff for rk4", "relaxes 3000 times in a step", "authors_sliding",
         (*VISCOUS, "time.end=0.01", "time.output_interval=0.01"), names_the_step, stops="use time.step <",
     ),
+    *SPATIAL_CASES,
 )  # fmt: skip
 
 

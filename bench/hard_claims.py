@@ -100,13 +100,14 @@ def wrench(*forces: tuple[float, float, float], times: tuple[float, ...] = (0.0,
 
 
 def apart(a: Trajectory, b: Trajectory) -> float:
-    """Largest difference of position (m), yaw and spin angle (rad) in any row."""
+    """Largest difference of position (m), yaw and spin angles (rad) in any row."""
     return worst(motion(a), motion(b))
 
 
 def motion(run: Trajectory) -> np.ndarray:
-    """Position, yaw and spin angle in every row (T, 4)."""
-    return np.column_stack([run["body/position"][:, :2], run["body/yaw"], run["wheels/wheel/spin_angle"]])
+    """Position, yaw and spin angles in every row (T, 4 + W)."""
+    spins = [run[f"wheels/{wheel}/spin_angle"] for wheel in run.wheels]
+    return np.column_stack([run["body/position"], run["body/yaw"], *spins])
 
 
 def speeds(run: Trajectory) -> np.ndarray:
@@ -127,7 +128,8 @@ def times_of(run: Trajectory, kind: str) -> np.ndarray:
 
 def friction_power(run: Trajectory) -> float:
     """Largest power of friction in any row, W: never positive but for rounding."""
-    return float(np.sum(run["wheels/wheel/friction_force"] * run["wheels/wheel/slip_velocity"], axis=1).max())
+    paths = ((f"wheels/{wheel}/friction_force", f"wheels/{wheel}/slip_velocity") for wheel in run.wheels)
+    return max(float(np.sum(run[force] * run[slip], axis=1).max()) for force, slip in paths)
 
 
 def converged(bound: float, *overrides: str) -> Callable[[Case, Trajectory], Comparison]:

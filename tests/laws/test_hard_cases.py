@@ -7,9 +7,12 @@ import pytest
 from bench import hard_cases
 from bench.hard_cases import CASES
 
-LEAST = 24  # hard scenes
+LEAST = 41  # hard scenes
 
-LONG = ("coasting on two rollers", "psi = 80 deg", "pointed tips", "near the limit", "near the limit, regularized")
+LONG = (
+    "coasting on two rollers", "psi = 80 deg", "pointed tips", "near the limit", "near the limit, regularized", "kerb",
+    "pits", "ground of ridges", "standing on a slope",
+)  # fmt: skip
 
 parametrized = pytest.mark.parametrize(
     "case", [pytest.param(case, id=case.name, marks=[pytest.mark.long] * (case.name in LONG)) for case in CASES]
