@@ -8,7 +8,7 @@ from scenes import of_wheels, reference_scene
 
 TURN_DEG = 73.0
 TIME = {"end": 0.6, "step": 5e-5, "output_interval": 0.02}
-TILTED = {"height": 0.01, "roll_deg": 4.0, "pitch_deg": -3.0, "roll_rate": 0.5, "pitch_rate": 0.3}
+TILTED = {"height": 0.03, "roll_deg": 4.0, "pitch_deg": -3.0, "roll_rate": 0.5, "pitch_rate": 0.3}
 NAMES = ("kiwi_slope", "mecanum_springs", "double_row", "tumbling")
 
 
