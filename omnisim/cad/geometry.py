@@ -14,17 +14,18 @@ from typing import NamedTuple
 import numpy as np
 
 from omnisim.base.records import records
-from omnisim.contact.roller_profile import drop, length, profile_radius
+from omnisim.contact.roller_profile import length, profile_radius
 from omnisim.dynamics.packing import wheel_values
 from omnisim.dynamics.parameters import WHEEL
 from omnisim.scene.drives import drive_law
 from omnisim.scene.schema import Wheel, WheelType
-from omnisim.scene.solids import Solid, gap, hub_radius, profile, solid, support
+from omnisim.scene.solids import Outline, Shape, Solid, gap, hub_radius, outline, profile, solid, support
 
 __all__ = [
     "Ripple",
     "Solid",
     "gap",
+    "generator",
     "hub_radius",
     "of_type",
     "profile",
@@ -50,15 +51,27 @@ def of_type(kind: WheelType) -> np.record:
 
 
 def roller_frames(kind: WheelType, mirrored: bool = False, phase: float = 0.0) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Centre R1 d and axis a = c t + s k of every roller; phase: azimuth of roller 0, rad."""
-    azimuths = phase + 2.0 * np.pi * np.arange(kind.roller_count) / kind.roller_count
+    """Centre R1 d + offset k and axis a = c t + s k of every roller, rows in turn; phase: azimuth of roller 0, rad."""
+    turns = phase + 2.0 * np.pi * np.arange(kind.roller_count) / kind.roller_count
+    azimuths = np.add.outer(turns, np.radians([row.phase_deg for row in kind.rows])).ravel()
+    offsets = np.tile([row.offset for row in kind.rows], kind.roller_count)
     psi = math.radians(-kind.roller_angle_deg if mirrored else kind.roller_angle_deg)
     sine = np.sin(azimuths)
     cosine = np.cos(azimuths)
-    zero = np.zeros(kind.roller_count)
-    centres = kind.roller_distance * np.column_stack([sine, zero, -cosine])
+    zero = np.zeros(kind.rollers)
+    centres = kind.roller_distance * np.column_stack([sine, zero, -cosine]) + np.outer(offsets, [0.0, 1.0, 0.0])
     axes = np.column_stack([-math.cos(psi) * cosine, zero + math.sin(psi), -math.cos(psi) * sine])
     return list(zip(centres, axes, strict=True))
+
+
+def generator(kind: WheelType) -> Outline:
+    """The Outline whose exact profile a roller of this type has: an arc is that of a round wheel with psi = 0 and the
+    radius of its curvature."""
+    profile = kind.profile
+    if profile.kind != "arc":
+        return outline(kind)
+    rho = profile.curvature_radius
+    return Outline(rho, rho - profile.radius, math.asin(profile.half_length / rho), 1.0, 0.0)
 
 
 # --- rollers of another shape ---------------------------------------------------------------------
@@ -71,23 +84,25 @@ class Spheres(NamedTuple):
     radii: np.ndarray
 
 
-def row_of_spheres(wheel: np.record, count: int) -> Spheres:
+def row_of_spheres(wheel: Shape, count: int) -> Spheres:
     """`count` spheres that touch the profile from within, at parameters spread evenly.
 
     The profile is the envelope of spheres about the point of the axis above the contact, R1 tan q / c from the middle,
     with radius h_q: where the wheel stands on the one of q_i, its centre is low by R1 (1 - cos(q - q_i)) / cos q_i.
     """
     at = wheel.alpha * (2.0 * np.arange(count) + 1.0 - count) / count
-    return Spheres(wheel.roller_distance * np.tan(at) / wheel.cos_psi, np.array([drop(wheel, q) for q in at]))
+    return Spheres(
+        wheel.roller_distance * np.tan(at) / wheel.cos_psi, wheel.radius - wheel.roller_distance / np.cos(at)
+    )
 
 
-def shortfall(wheel: np.record, count: int) -> float:
+def shortfall(wheel: Shape, count: int) -> float:
     """How much lower than R a row of spheres carries the wheel, at most, m: at the edge of two rollers."""
     half = wheel.alpha / count
     return wheel.roller_distance * (1.0 - math.cos(half)) / math.cos(wheel.alpha - half)
 
 
-def few_spheres(wheel: np.record) -> Spheres:
+def few_spheres(wheel: Shape) -> Spheres:
     """As few as fall short of the wheel's radius by SHORTFALL of it at most."""
     counts = itertools.count(1)
     return row_of_spheres(wheel, next(n for n in counts if shortfall(wheel, n) <= SHORTFALL * wheel.radius))

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from omnisim.base.files import write_whole
-from omnisim.cad.geometry import hub_radius, of_type, profile, roller_frames
+from omnisim.cad.geometry import generator, hub_radius, of_type, profile, roller_frames
 from omnisim.scene.schema import WheelType
 from omnisim.scene.solids import half_width, outline
 
@@ -26,10 +26,10 @@ class Mesh(NamedTuple):
 
 
 def roller(kind: WheelType, rings: int = RINGS, corners: int = CORNERS) -> Mesh:
-    """The exact profile at `rings` stations about the axis z, each a polygon of `corners` on the surface."""
-    wheel = of_type(kind)
+    """The profile at `rings` stations about the axis z, each a polygon of `corners` on the surface."""
+    wheel = generator(kind)
     u, r = profile(wheel, np.linspace(-wheel.alpha, wheel.alpha, rings))
-    round_ = r > POINTED * wheel.radius
+    round_ = r > POINTED * kind.radius
     return revolved(u[round_], r[round_], u[[0, -1]], corners)
 
 

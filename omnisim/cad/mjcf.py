@@ -1,4 +1,8 @@
-"""A scene for MuJoCo. Rollers touch as convex hulls of fine meshes, which roll far better there than few spheres."""
+"""A scene for MuJoCo. Rollers touch as convex hulls of fine meshes, which roll far better there than few spheres.
+
+Contacts of a machine held upright are as rigid as the step allows, those of one free in space the rubber of the scene:
+see rubber.py.
+"""
 
 import math
 from collections.abc import Mapping
@@ -7,13 +11,20 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from omnisim.cad.robot_description import COLOURS, LAID, Body, bodies, headed, numbers
-from omnisim.dynamics.packing import gravity
+from omnisim.cad.rubber import SETTINGS, press, touching_name
+from omnisim.dynamics.packing import gravity, pack
+from omnisim.dynamics.state import places_in
+from omnisim.march.spatial_start import pose_at_start, state_in_space
+from omnisim.results.spatial import origin_in_space, rotations, unit_quaternions
 from omnisim.scene.schema import Config
 
 STEP = 1e-4  # s
 # As near to rigid as this step allows: less stiffness and damping by mass (1/s^2, 1/s), critically damped.
 CONTACT = {"solref": "-1e6 -2e3", "solimp": "0.999 0.9999 0.0001", "condim": "3"}
+PLANE = {"type": "plane"}
+BLOCK = {"type": "box", "pos": "0 0 -1"}  # touches a hull at one point, a plane at up to four with a spring each
 UNTOUCHED = {"contype": "0", "conaffinity": "0"}
+Start = tuple[list[float], list[float], dict[str, tuple[float, float]]]  # qpos and qvel of the base; of some joints
 # Touches what touches all, but no other roller. Geoms of group 3 are hidden until asked for.
 TOUCHING = {"contype": "0", "conaffinity": "1", "group": "3"}
 
@@ -28,38 +39,44 @@ def mjcf(config: Config, name: str, meshes: Mapping[str, str], contacts: Mapping
     root = headed(Element("mujoco", model=name), config)
     SubElement(root, "compiler", angle="radian", eulerseq="XYZ")
     along, normal = gravity(config)
+    free = config.upright == "free"
     option = {"timestep": numbers(STEP), "integrator": "implicitfast", "cone": "elliptic"}
-    SubElement(root, "option", option, gravity=numbers(*along, -normal))
+    settings = SubElement(root, "option", option | (SETTINGS if free else {}), gravity=numbers(*along, -normal))
+    if free:
+        SubElement(settings, "flag", multiccd="disable")  # one point of contact of two shapes
     friction = numbers(config.friction.coefficient, 0.0, 0.0)
     SubElement(SubElement(root, "default"), "geom", CONTACT | {"friction": friction})
     asset, world = SubElement(root, "asset"), SubElement(root, "worldbody")
     SubElement(world, "light", pos="0 0 3", directional="true")
-    SubElement(world, "geom", name="floor", type="plane", size="10 10 1", rgba="0.85 0.85 0.85 1")
+    SubElement(world, "geom", BLOCK if free else PLANE, name="floor", size="10 10 1", rgba="0.85 0.85 0.85 1")
     for file in (*meshes.values(), *contacts.values()):
         SubElement(asset, "mesh", name=file, file=file)
     elements: dict[str | None, Element] = {}
-    for body in bodies(config):
+    everything = list(bodies(config))
+    for body in everything:
         element = SubElement(elements.get(body.parent, world), "body", name=body.name)
         element.attrib |= {"pos": numbers(*body.place), "euler": numbers(*body.angles)}
         if body.parent is None:
             base_joints(element, config)
-        hinge_and_inertia(element, body)
+        joint_and_inertia(element, body)
         kind, size = body.shape
         if kind == "roller":
             drawn, touching = meshes[size], contacts[size]
             SubElement(element, "geom", UNTOUCHED, type="mesh", mesh=drawn, rgba=COLOURS["rubber"])
-            SubElement(element, "geom", TOUCHING, type="mesh", mesh=touching)
+            SubElement(element, "geom", TOUCHING, name=touching_name(body), type="mesh", mesh=touching)
         elif size[0] > 0.0:
             stand_in(element, body)
         elements[body.name] = element
+    if free:
+        press(SubElement(root, "contact"), config, everything)
     actuators(SubElement(root, "actuator"), config)
-    start(SubElement(SubElement(root, "keyframe"), "key", name="start"), config)
+    start(SubElement(SubElement(root, "keyframe"), "key", name="start"), config, everything)
     return root
 
 
 def base_joints(element: Element, config: Config) -> None:
     """All six motions, or those of a body that is held upright."""
-    if config.upright == "contacts":
+    if config.upright != "servo":
         SubElement(element, "freejoint", name="base")
         return
     for axis, direction in (("x", "1 0 0"), ("y", "0 1 0"), ("z", "0 0 1")):
@@ -67,11 +84,16 @@ def base_joints(element: Element, config: Config) -> None:
     SubElement(element, "joint", name="yaw", type="hinge", axis="0 0 1")
 
 
-def hinge_and_inertia(element: Element, body: Body) -> None:
-    if body.hinge:
-        friction = {"damping": body.damping, "frictionloss": body.friction, "armature": body.armature}
-        shown = {key: numbers(value) for key, value in friction.items() if value > 0.0}
-        SubElement(element, "joint", shown, name=body.joint, axis=body.hinge)
+def joint_and_inertia(element: Element, body: Body) -> None:
+    if body.axis:
+        given = {"damping": body.damping, "frictionloss": body.friction, "armature": body.armature}
+        given["stiffness"] = body.stiffness
+        shown = {key: numbers(value) for key, value in given.items() if value > 0.0}
+        if body.slides:
+            shown["type"] = "slide"
+        if body.stiffness > 0.0:
+            shown["springref"] = numbers(-body.preload / body.stiffness)
+        SubElement(element, "joint", shown, name=body.joint, axis=body.axis)
     inertia = numbers(*body.inertia)
     SubElement(element, "inertial", pos=numbers(*body.centre), mass=numbers(body.mass), diaginertia=inertia)
 
@@ -96,19 +118,41 @@ def actuators(element: Element, config: Config) -> None:
             velocity.set("forcerange", numbers(-wheel.drive.torque_limit, wheel.drive.torque_limit))
 
 
-def start(key: Element, config: Config) -> None:
+def start(key: Element, config: Config, everything: list[Body]) -> None:
     """Pose and velocities in the order of the joints."""
+    place, speed, joints = start_in_space(config) if config.upright == "free" else start_on_plane(config)
+    for wheel in config.wheels:
+        joints[f"{wheel.name}_wheel_joint"] = wheel.spin_angle, wheel.spin_rate
+        count = config.type_of(wheel).rollers
+        for number, rate in enumerate(np.broadcast_to(wheel.roller_rates, count)):
+            joints[f"{wheel.name}_roller_{number}_joint"] = 0.0, float(rate)
+    for body in everything:
+        if body.axis:
+            place.append(joints[body.joint][0])
+            speed.append(joints[body.joint][1])
+    key.attrib |= {"qpos": numbers(*place), "qvel": numbers(*speed)}
+
+
+def start_on_plane(config: Config) -> Start:
+    """Of the base, held upright or carried by its contacts."""
     initial = config.initial
     half = 0.5 * math.radians(config.initial.yaw_deg)
     place, speed = [*initial.position, 0.0], [*initial.velocity, 0.0]
     if config.upright == "contacts":
-        place += [math.cos(half), 0.0, 0.0, math.sin(half)]
-        speed += [0.0, 0.0, initial.yaw_rate]
-    else:
-        place.append(2.0 * half)
-        speed.append(initial.yaw_rate)
-    for wheel in config.wheels:
-        count = config.type_of(wheel).roller_count
-        place += [wheel.spin_angle, *[0.0] * count]
-        speed += [wheel.spin_rate, *np.broadcast_to(wheel.roller_rates, count)]
-    key.attrib |= {"qpos": numbers(*place), "qvel": numbers(*speed)}
+        return [*place, math.cos(half), 0.0, 0.0, math.sin(half)], [*speed, 0.0, 0.0, initial.yaw_rate], {}
+    return [*place, 2.0 * half], [*speed, initial.yaw_rate], {}
+
+
+def start_in_space(config: Config) -> Start:
+    """Of a free machine, at rest on its rubber if the scene does not place it. Raises NoEquilibriumError."""
+    parameters = pack(config)
+    pose = pose_at_start(config, parameters)
+    y, _ = state_in_space(config, parameters, pose)
+    at = places_in(parameters)
+    origin, arm = origin_in_space(parameters, y[None])
+    rotation, rate = rotations(y[None])[0], y[at.rate : at.rate + 3]
+    velocity = y[at.velocity : at.velocity + 3] + np.cross(rotation @ rate, arm[0])
+    names = [f"{wheel.name}_hub_joint" for wheel in config.wheels if wheel.suspension is not None]
+    names += [f"{rocker.name}_rocker_joint" for rocker in config.axles]
+    joints = {name: (float(s), 0.0) for name, s in zip(names, pose.carriers, strict=True)}
+    return [*origin[0], *unit_quaternions(y[None])[0]], [*velocity, *rate], joints

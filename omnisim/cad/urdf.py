@@ -1,14 +1,17 @@
 """A scene as a URDF: what it leaves out (floor, drives, rotors) is the business of who reads it.
 
 URDF has no shape that is round both ways but the sphere: a roller touches as a row of them, which its profile holds.
+Nor has it springs: a suspension slides between limits that nothing reaches, with its damping.
 """
 
 from collections.abc import Mapping
 from xml.etree.ElementTree import Element, SubElement
 
-from omnisim.cad.geometry import Spheres, few_spheres, of_type
+from omnisim.cad.geometry import Spheres, few_spheres, generator
 from omnisim.cad.robot_description import COLOURS, LAID, Body, bodies, headed, numbers
 from omnisim.scene.schema import Config
+
+LIMITS = {"lower": "-1", "upper": "1", "effort": "1e6", "velocity": "1e3"}  # m, N, m/s: a slide has to have some
 
 
 def urdf(config: Config, name: str, meshes: Mapping[str, str]) -> Element:
@@ -16,7 +19,7 @@ def urdf(config: Config, name: str, meshes: Mapping[str, str]) -> Element:
     root = headed(Element("robot", name=name), config)
     for colour, rgba in COLOURS.items():
         SubElement(SubElement(root, "material", name=colour), "color", rgba=rgba)
-    spheres = {used: few_spheres(of_type(config.wheel_types[used])) for used in meshes}
+    spheres = {used: few_spheres(generator(config.wheel_types[used])) for used in meshes}
     for body in bodies(config):
         link = SubElement(root, "link", name=body.name)
         inertial(link, body)
@@ -61,9 +64,11 @@ def stand_in(link: Element, body: Body) -> None:
 
 
 def joint(root: Element, body: Body) -> None:
-    element = SubElement(root, "joint", name=body.joint, type="continuous")
+    element = SubElement(root, "joint", name=body.joint, type="prismatic" if body.slides else "continuous")
     SubElement(element, "origin", xyz=numbers(*body.place), rpy=numbers(*body.angles))
     SubElement(element, "parent", link=str(body.parent))
     SubElement(element, "child", link=body.name)
-    SubElement(element, "axis", xyz=body.hinge)
+    SubElement(element, "axis", xyz=body.axis)
+    if body.slides:
+        SubElement(element, "limit", LIMITS)
     SubElement(element, "dynamics", damping=numbers(body.damping), friction=numbers(body.friction))

@@ -5,8 +5,10 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+import tomlkit
 from commands import command
 from machines import mirrored, scene, tables
+from oracle.spatial.states import SCENES as FREE_SCENES
 from robot_readers import by_urdf_parser_py, by_xml, by_yourdfpy, poses, yourdfpy_robot
 from scipy.spatial.transform import Rotation
 
@@ -14,9 +16,11 @@ import omnisim
 from omnisim.base.files import write_whole
 from omnisim.cad.geometry import few_spheres, of_type
 from omnisim.cad.robot_files import robot_files
+from omnisim.scene.scene import parse
 
 READERS = (by_yourdfpy, by_urdf_parser_py)
 SCENES = ("skew", "youbot", "kiwi", "six_rollers")
+FREE = ("unlike wheels", "rockers")  # in space: springs, rows and barrels; rockers
 
 
 def skew():
@@ -33,6 +37,8 @@ def skew():
 
 
 def machine(name):
+    if name in FREE:
+        return parse(tomlkit.dumps(FREE_SCENES[name]))
     return skew() if name == "skew" else omnisim.load(name)
 
 
@@ -72,7 +78,7 @@ def test_a_urdf_reader_finds_every_mass_inertia_and_joint_of_the_scene(tmp_path,
     assert not links
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", [*SCENES, *FREE])
 def test_mjcf_and_urdf_of_a_machine_agree_body_by_body(tmp_path, name):
     config = machine(name).config
     bodies = by_xml(exported(tmp_path, config, ".xml"))
@@ -90,7 +96,7 @@ def test_mjcf_and_urdf_of_a_machine_agree_body_by_body(tmp_path, name):
             np.testing.assert_allclose(found[body], expected[body], atol=1e-14)  # measured 3e-16 and 0
 
 
-@pytest.mark.parametrize("name", ["skew", "six_rollers"])
+@pytest.mark.parametrize("name", ["skew", "six_rollers", *FREE])
 def test_mujoco_finds_the_same_machine_in_both_files(tmp_path, name):
     """Told to keep bodies that do not move, as it does by itself in an MJCF."""
     mujoco, config = pytest.importorskip("mujoco", reason="needs MuJoCo"), machine(name).config
@@ -200,7 +206,7 @@ def test_a_chassis_of_known_size_is_drawn_as_its_box_at_its_centre_of_mass(tmp_p
     assert box.get("size") == "0.2 0.15 0.05"
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", [*SCENES, *FREE])
 def test_names_in_a_urdf_are_met_once_and_nothing_in_it_is_unknown(tmp_path, name, capsys):
     """urdf_parser_py says on stderr what it does not know; a link and a joint of one name are an error in SDF."""
     path = exported(tmp_path, machine(name).config, ".urdf")
