@@ -206,13 +206,18 @@ def write_model(scene: Scene, source: str, output: str, package: str | None, for
     A mesh that is there already, just as it would be written, stays: that of a model in the other format.
     """
     from omnisim.cad.robot_files import robot_files
+    from omnisim.scene.problems import ConfigError
+    from omnisim.scene.scene import SceneError
 
     from .output import deliver, output_path
 
     path = output_path(output, source, force)
     if not path.stem.isprintable():
         raise Failure(f"{path.stem!r}: the name of a model must be printable", BAD_INPUT)
-    images = robot_files(scene.config, path, package_prefix(path, package) if package else "")
+    try:
+        images = robot_files(scene.config, path, package_prefix(path, package) if package else "")
+    except ConfigError as error:  # a machine free in space that cannot begin where it is put
+        raise SceneError(scene.document.told(error.problems)) from None
     missing = {file: image for file, image in images.items() if file == path or not holds(file, image)}
     for file in missing:
         output_path(str(file), source, force)

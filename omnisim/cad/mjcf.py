@@ -14,8 +14,7 @@ from omnisim.cad.robot_description import COLOURS, LAID, Body, bodies, headed, n
 from omnisim.cad.rubber import SETTINGS, press, touching_name
 from omnisim.dynamics.packing import gravity, pack
 from omnisim.dynamics.state import places_in
-from omnisim.march.spatial_start import pose_at_start, state_in_space
-from omnisim.results.spatial import origin_in_space, rotations, unit_quaternions
+from omnisim.march.spatial_start import pose_at_start, quaternion, state_in_space
 from omnisim.scene.schema import Config
 
 STEP = 1e-4  # s
@@ -144,15 +143,13 @@ def start_on_plane(config: Config) -> Start:
 
 
 def start_in_space(config: Config) -> Start:
-    """Of a free machine, at rest on its rubber if the scene does not place it. Raises NoEquilibriumError."""
-    parameters = pack(config)
+    """Of a free machine, at rest on its rubber if the scene does not place it. Raises ConfigError."""
+    parameters, initial = pack(config), config.initial
     pose = pose_at_start(config, parameters)
     y, _ = state_in_space(config, parameters, pose)
     at = places_in(parameters)
-    origin, arm = origin_in_space(parameters, y[None])
-    rotation, rate = rotations(y[None])[0], y[at.rate : at.rate + 3]
-    velocity = y[at.velocity : at.velocity + 3] + np.cross(rotation @ rate, arm[0])
+    place = [*initial.position, pose.height, *quaternion(math.radians(initial.yaw_deg), pose.pitch, pose.roll)]
+    speed = [*initial.velocity, initial.vertical_velocity, *y[at.rate : at.rate + 3]]
     names = [f"{wheel.name}_hub_joint" for wheel in config.wheels if wheel.suspension is not None]
     names += [f"{rocker.name}_rocker_joint" for rocker in config.axles]
-    joints = {name: (float(s), 0.0) for name, s in zip(names, pose.carriers, strict=True)}
-    return [*origin[0], *unit_quaternions(y[None])[0]], [*velocity, *rate], joints
+    return place, speed, {name: (float(s), 0.0) for name, s in zip(names, pose.carriers, strict=True)}

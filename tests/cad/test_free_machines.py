@@ -3,13 +3,16 @@
 Measured values stand beside the bounds.
 """
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import tomlkit
+from commands import command
 from free_machines import STIFFNESS, free, whole_mass
 from machines import machine, scene
 from oracle.spatial.states import SCENES
-from scenes import of_wheels
+from scenes import REFERENCE, of_wheels
 
 import omnisim
 from omnisim.cad import mesh
@@ -84,6 +87,14 @@ def test_inverse_masses_are_those_by_which_mujoco_scales_contacts(mujoco, tmp_pa
     model, _ = started(mujoco, tmp_path, config)
     for body, expected in inverse_masses(list(bodies(config))).items():
         assert abs(model.body(body).invweight0[0] / expected - 1.0) < 1e-10  # measured 2e-14
+
+
+def test_a_machine_that_cannot_begin_there_is_one_line(folder):
+    text = (REFERENCE / "spatial_mecanum_springs.toml").read_text()
+    Path("low.toml").write_text(text.replace("height = -0.00024", "height = -0.5"))
+    result = command("wheel", "low.toml", "-o", "low.xml")
+    assert result.exit_code == 2 and result.stderr.count("\n") == 1 and not Path("low.xml").exists()
+    assert "initial.height = -0.5: wheel 'fl' begins below the ground" in result.stderr
 
 
 def test_rubber_presses_as_the_scene_says(mujoco, tmp_path):

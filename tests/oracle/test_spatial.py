@@ -205,7 +205,7 @@ def pairs(request, count, tmp_path_factory):
     np.save(folder / GRID["file"], heights())
     (folder / "scene.toml").write_text(tomlkit.dumps(SCENES[request.param]))
     machine = Machine(SCENES[request.param], folder)
-    engine = Engine(omnisim.load(folder / "scene.toml"), machine.layout)
+    engine = Engine(omnisim.load(folder / "scene.toml", ["initial.height=0.1"]), machine.layout)  # above the ground
     for now in states(machine, count, count):
         if carried(machine, now):
             compare(pairs, machine, engine, now)
