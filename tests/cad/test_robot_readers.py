@@ -38,7 +38,7 @@ def skew():
 
 def machine(name):
     if name in FREE:
-        return parse(tomlkit.dumps(FREE_SCENES[name]))
+        return parse(tomlkit.dumps(FREE_SCENES[name]), overrides=["initial.height=0.1"])
     return skew() if name == "skew" else omnisim.load(name)
 
 
