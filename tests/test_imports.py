@@ -21,6 +21,7 @@ ONLY = {
     "h5py": {"results.hdf5", "base.trajectory_file", "studies.result"},
     "pydantic": {
         "scene.schema",
+        "scene.ground_schema",
         "scene.problems",
         "scene.validation",
         "scene.values",

@@ -16,7 +16,8 @@ from xml.etree.ElementTree import Comment, Element
 from omnisim.cad.geometry import hub_radius, of_type, roller_frames
 from omnisim.cad.mesh import hub_half_width
 from omnisim.scene.drives import drive_law
-from omnisim.scene.schema import Config, Rocker, Wheel
+from omnisim.scene.ground_schema import Rocker
+from omnisim.scene.schema import Config, Wheel
 
 LAID = (-0.5 * math.pi, 0.0, 0.0)  # roll, pitch, yaw of a cylinder along the axle
 ORIGIN = (0.0, 0.0, 0.0)

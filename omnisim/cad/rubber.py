@@ -16,7 +16,8 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from omnisim.cad.robot_description import Body, numbers
-from omnisim.scene.schema import Config, Contact
+from omnisim.scene.ground_schema import Contact
+from omnisim.scene.schema import Config
 
 IMPEDANCE = 1e-4  # the smallest that MuJoCo takes
 SLIP_RATE = 2e3  # 1/s

@@ -9,7 +9,8 @@ from omnisim.dynamics.ground import floor_of_scene
 from omnisim.pictures import ground as uneven
 from omnisim.results.spatial import attitude, matrices
 from omnisim.results.trajectory import Trajectory
-from omnisim.scene.schema import Config, Rocker, WheelType
+from omnisim.scene.ground_schema import Rocker
+from omnisim.scene.schema import Config, WheelType
 from omnisim.scene.solids import outline, profile
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0)}

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import Field, model_validator
 
 from omnisim.scene.drive_schema import Drive
+from omnisim.scene.ground_schema import Contact, Floor, Profile, Rocker, Row, Suspension
 from omnisim.scene.values import (
     Boolean,
-    Bumps,
     Count,
     Inertia,
     Name,
@@ -27,8 +27,6 @@ from omnisim.scene.values import (
     RealOrNone,
     Reals,
     Size,
-    Slope,
-    Spacing,
     Table,
     Twists,
     Vectors,
@@ -51,29 +49,22 @@ FRICTION_KEYS = {
 FRICTION_DEFAULTS = {"saturated": {"slip_speed": 1e-6}}
 
 
-PROFILE_KEYS = {"exact": (), "arc": ("radius", "curvature_radius", "half_length")}
-
-
 if TYPE_CHECKING:  # to a type checker a word is a word
     Upright = str
     Method = str
     Tracking = str
     Formulation = str
     Law = str
-    ProfileKind = str
     ContactTorque = str
     Frame = str
-    About = str
 else:
     Upright = choice("servo", "contacts", "free")
     Method = choice("heun", "rk4", "dopri5", "radau5", "auto")
     Tracking = choice("explicit", "implicit")
     Formulation = choice("reduced", "multibody")
     Law = choice(*FRICTION_KEYS)
-    ProfileKind = choice(*PROFILE_KEYS)
     ContactTorque = choice("none", "contensou")
     Frame = choice("world", "body")
-    About = choice("x", "y")
 
 
 class World(Table):
@@ -81,50 +72,6 @@ class World(Table):
 
     gravity: NonNegative = 9.81
     upright: Upright = None  # type: ignore[assignment]  # see Config.upright
-
-
-class Grid(Table):
-    """Heights (m) at nodes, in a CSV or .npy file beside the scene: rows along x, the first from `origin` [x, y] (m),
-    nodes `spacing` [dx, dy] (m) apart. Between them lies a bicubic spline; beyond them the floor is level.
-
-    A scene that is loaded keeps the heights themselves in the place of the file's name.
-    """
-
-    file: Annotated[str, Field(min_length=1, description="the name of a file of heights, CSV or .npy")]
-    origin: Planar = (0.0, 0.0)
-    spacing: Spacing
-
-
-class Step(Table):
-    """Up by `height` (m) across the line through `point` (m), towards direction_deg; the upper edge is rounded.
-
-    height < 0: down. The line is always the foot of the step's face.
-    """
-
-    point: Planar
-    direction_deg: Real
-    height: Real
-    edge_radius: Positive
-
-
-class Floor(Table):
-    """[floor]: a plane that rises by slope_deg (S) towards uphill_deg (U), the direction from the x axis of the floor;
-    and what stands on it, for machines free in space: all of it adds up.
-
-    The axes of the world are those of the floor, x and y in it, z normal to it: gravity is
-    g (-sin S cos U, -sin S sin U, -cos S). A bump is height exp(-distance^2 / radius^2), a pit if height < 0 (m).
-    """
-
-    slope_deg: Slope = 0.0
-    uphill_deg: Real = 0.0
-    bumps: Bumps = ()
-    grid: Grid | None = None
-    steps: tuple[Step, ...] = ()
-
-    @property
-    def is_plane(self) -> bool:
-        """Whether nothing stands on it."""
-        return not self.bumps and self.grid is None and not self.steps
 
 
 class Time(Table):
@@ -244,33 +191,6 @@ class Roller(Table):
         return self.bearing_viscosity > 0.0 or self.bearing_torque > 0.0
 
 
-class Contact(Table):
-    """Rubber between a roller and the floor: stiffness (N/m) and damping (N s/m). A machine free in space needs it."""
-
-    stiffness: Positive
-    damping: NonNegative = 0.0
-
-
-class Row(Table):
-    """A ring of roller_count rollers: its offset along the axle (m), and the turn of its roller 0 (deg)."""
-
-    offset: Real = 0.0
-    phase_deg: Real = 0.0
-
-
-class Profile(Table):
-    """The generatrix of a roller, |u| <= half_length (m) along its axis.
-
-    exact: the envelope that keeps an upright wheel round. arc, a barrel: r = radius - curvature_radius +
-    sqrt(curvature_radius^2 - u^2), m.
-    """
-
-    kind: ProfileKind = "exact"
-    radius: Positive = 0.0
-    curvature_radius: Positive = 0.0
-    half_length: Positive = 0.0
-
-
 class WheelType(Table):
     """[wheel_types.NAME]: radius R and roller distance R1 (m), N_r, psi (deg), disk and roller.
 
@@ -321,27 +241,6 @@ class Chassis(Table):
     inertia: Inertia = (0.0, 0.0, 0.0)
     size: Size = (0.0, 0.0, 0.0)
     ground_clearance: NonNegative = 0.0
-
-
-class Suspension(Table):
-    """A hub that slides along chassis z by s, up: its mass (kg), isotropic inertia (kg m^2), and the spring on it,
-    -(preload + stiffness s + damping s') in N, N/m and N s/m."""
-
-    mass: Positive
-    inertia: Positive
-    stiffness: NonNegative
-    damping: NonNegative = 0.0
-    preload: Real = 0.0
-
-
-class Rocker(Table):
-    """[[axles]]: two wheels on one body that turns freely about a line of the chassis through `point` (m), along x or
-    y."""
-
-    name: Name
-    wheels: Annotated[tuple[str, str], Field(description="the names of two wheels")]
-    about: About
-    point: Annotated[tuple[Real, Real, Real], Field(description="three finite numbers [x, y, z]")]
 
 
 class Wheel(Table):

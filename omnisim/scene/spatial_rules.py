@@ -2,8 +2,9 @@
 
 from collections.abc import Iterator
 
+from omnisim.scene.ground_schema import PROFILE_KEYS
 from omnisim.scene.problems import Problem, allowed_at, did_you_mean
-from omnisim.scene.schema import PROFILE_KEYS, Config
+from omnisim.scene.schema import Config
 
 POSE = ("height", "pitch_deg", "roll_deg", "vertical_velocity", "pitch_rate", "roll_rate")
 OF_TYPES = ("contact", "rows", "profile", "covered_deg")

@@ -18,9 +18,10 @@ from omnisim.dynamics.parts import (
 )
 from omnisim.dynamics.spatial.records import SLOTS
 from omnisim.dynamics.state import places_in
+from omnisim.scene.ground_schema import Floor
 from omnisim.scene.heights import heights_of
 from omnisim.scene.masses import chassis_box
-from omnisim.scene.schema import Config, Floor, WheelType
+from omnisim.scene.schema import Config, WheelType
 
 
 def parts_in_space(config: Config, parameters: Parameters) -> Iterator[Part]:

@@ -11,8 +11,9 @@ from omnisim.contact.support import PROFILES, SHAPE
 from omnisim.dynamics.ground import floor_of_scene
 from omnisim.dynamics.inertia import diameter_inertia
 from omnisim.dynamics.spatial.records import BODY, CARRIER, HELD, HUB, MOTION, SLOTS, TOUCH, Holding, Space
+from omnisim.scene.ground_schema import Rocker
 from omnisim.scene.masses import chassis_box, common_centre, point_masses, row_shift
-from omnisim.scene.schema import Config, Rocker, Wheel, WheelType
+from omnisim.scene.schema import Config, Wheel, WheelType
 from omnisim.scene.solids import outline
 from omnisim.scene.solids import profile as generatrix
 
