@@ -126,9 +126,9 @@ def _type(kind: WheelType) -> dict[str, Any]:
 
 def _wheel(config: Config, wheel: Wheel) -> dict[str, Any]:
     psi = math.radians(config.type_of(wheel).roller_angle_deg)
-    rockers = [axle for axle in config.axles if wheel.name in axle.wheels]
+    rocker = config.rocker_of(wheel)
     return {
-        **({"rocker": {"axis": AXES[rockers[0].about], "point": rockers[0].point}} if rockers else {}),
+        **({"rocker": {"axis": AXES[rocker.about], "point": rocker.point}} if rocker is not None else {}),
         "name": wheel.name,
         "type": wheel.type,
         "position": wheel.position,

@@ -7,9 +7,8 @@ import numpy as np
 
 from omnisim.dynamics.ground import floor_of_scene
 from omnisim.pictures import ground as uneven
-from omnisim.results.spatial import attitude, matrices
+from omnisim.results.spatial import attitude
 from omnisim.results.trajectory import Trajectory
-from omnisim.scene.ground_schema import Rocker
 from omnisim.scene.schema import Config, WheelType
 from omnisim.scene.solids import outline, profile
 
@@ -17,7 +16,9 @@ AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0)}
 POINTS = 17  # of a profile
 ABOVE = 2e-3  # m, of the path over the ground
 BODY = {"body/orientation": "float64", "body/angular_velocity": "float32"}
-WHEEL = {"suspension_travel": "float32", "suspension_rate": "float32", "contact_point": "float32"}
+WHEEL = dict.fromkeys(
+    ("suspension_travel", "suspension_rate", "rocker_angle", "rocker_rate", "contact_point"), "float32"
+)
 
 
 def type_in_space(kind: WheelType) -> dict[str, Any]:
@@ -39,16 +40,13 @@ def type_in_space(kind: WheelType) -> dict[str, Any]:
 
 def motion_in_space(trajectory: Trajectory, config: Config, rows: np.ndarray) -> dict[str, np.ndarray]:
     """Datasets of BODY and WHEEL in these rows; roll and pitch, rad; the height of the path, m; normals of uneven
-    ground at the contact points; angles of rockers, rad."""
+    ground at the contact points."""
     arrays = {path: trajectory[path][rows].astype(dtype) for path, dtype in BODY.items()}
     for wheel in trajectory.wheels:
         paths = {f"wheels/{wheel}/{name}": dtype for name, dtype in WHEEL.items()}
         arrays |= {path: trajectory[path][rows].astype(kind) for path, kind in paths.items() if path in trajectory}
     angles = attitude(trajectory["body/orientation"][rows])
     arrays |= {f"body/{name}": angle.astype(np.float32) for name, angle in zip(("roll", "pitch"), angles, strict=True)}
-    for axle in config.axles:
-        angle = rocking(trajectory, config, axle, rows).astype(np.float32)
-        arrays |= {f"wheels/{wheel}/rocking": angle for wheel in axle.wheels}
     floor = floor_of_scene(config)
     if floor is not None:
         x, y, _ = trajectory["body/position"][rows].T
@@ -57,22 +55,6 @@ def motion_in_space(trajectory: Trajectory, config: Config, rows: np.ndarray) ->
             x, y, _ = trajectory[f"wheels/{wheel}/contact_point"][rows].T
             arrays[f"wheels/{wheel}/contact_normal"] = uneven.normals(floor, x, y).astype(np.float32)
     return arrays
-
-
-def rocking(trajectory: Trajectory, config: Config, axle: Rocker, rows: np.ndarray) -> np.ndarray:
-    """Angle of a rocker (K,), rad: from where the rollers of one of its wheels are, whose mean turns with it."""
-    name = axle.wheels[0]
-    wheel = next(wheel for wheel in config.wheels if wheel.name == name)
-    kind = config.type_of(wheel)
-    middle = trajectory[f"wheels/{name}/rollers/center_position"][rows].mean(axis=1)
-    turned = matrices(trajectory["body/orientation"][rows])
-    now = np.einsum("tij,ti->tj", turned, middle - trajectory["body/position"][rows]) - axle.point
-    aside = np.mean([row.offset for row in kind.rows])
-    heading = math.radians(wheel.heading_deg)
-    x, y = wheel.position
-    still = np.array([x - aside * math.sin(heading), y + aside * math.cos(heading), kind.radius]) - axle.point
-    axis = np.array(AXES[axle.about])
-    return np.arctan2(np.cross(still, now) @ axis, now @ still - (now @ axis) * (still @ axis))
 
 
 def up(config: Config) -> list[float]:

@@ -107,9 +107,11 @@ class Observables:
             group["target_rate"] = targets(self.parameters, w, self.rows.piece, self.times)
         if motor:
             group |= motor_datasets(self.observed.wheels[:, w], self.parameters.wheels[w].resistance)
+        seen = np.asarray(self.observed.wheels)[:, w]
         if config.wheels[w].suspension is not None:
-            seen = np.asarray(self.observed.wheels)[:, w]
             group |= {"suspension_travel": seen["travel"], "suspension_rate": seen["travel_rate"]}
+        if config.rocker_of(config.wheels[w]) is not None:
+            group |= {"rocker_angle": seen["travel"], "rocker_rate": seen["travel_rate"]}
         if not chassis:
             group["servo_torque"] = self.observed.servo[:, 0]
         if config.bearing_loads:

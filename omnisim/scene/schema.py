@@ -356,6 +356,10 @@ class Config(Table):
     def type_of(self, wheel: Wheel) -> WheelType:
         return self.wheel_types[wheel.type]
 
+    def rocker_of(self, wheel: Wheel) -> Rocker | None:
+        """The rocker on which a wheel stands."""
+        return next((axle for axle in self.axles if wheel.name in axle.wheels), None)
+
     @property
     def sample_times(self) -> tuple[float, ...]:
         """Of the controllers that have one, s."""

@@ -100,8 +100,7 @@ def share_of_weight(config: Config) -> float:
 def carried_mass(config: Config, wheel: Wheel) -> float:
     """What moves on the rubber of a wheel, kg: with its hub, or its share of the machine."""
     masses = point_masses(config)[0]
-    rocking = any(wheel.name in axle.wheels for axle in config.axles)
-    if wheel.suspension is not None or rocking:
+    if wheel.suspension is not None or config.rocker_of(wheel) is not None:
         return masses[config.wheels.index(wheel)]
     return math.fsum(masses) / len(config.wheels)
 

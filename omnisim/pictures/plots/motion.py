@@ -67,6 +67,7 @@ def inclination(run: Trajectory) -> dict[str, np.ndarray]:
 HEIGHT = Panel("height, mm", above_ground)
 INCLINATION = Panel("roll, pitch, deg", inclination)
 TRAVEL = Panel("travel of springs, mm", of_wheels("suspension_travel", lambda travel: 1e3 * travel))
+ROCKER = Panel("angle of rockers, deg", of_wheels("rocker_angle", np.degrees))
 SPEED = Panel("speed, m/s", of_body("body/velocity", lambda velocity: size(velocity[:, :2])))
 YAW_RATE = Panel("yaw rate, rad/s", of_body("body/yaw_rate"))
 NORMAL_FORCE = Panel("normal force, N", of_wheels("normal_force"), bands_of_wheels("normal_force"))
@@ -88,13 +89,13 @@ def contact(runs: Runs) -> Figure:
 
 @view
 def ride(runs: Runs) -> Figure:
-    """Height, roll and pitch of machines free in space, travel of their springs, normal forces. Raises PlotError for a
-    machine that is held upright."""
+    """Height, roll and pitch of machines free in space, travel of springs, angles of rockers, normal forces. Raises
+    PlotError for a machine that is held upright."""
     for name, run in runs.items():
         if not is_free(run):
             raise PlotError(f"{name}: it is held upright; only machines free in space have a ride")
-    sprung = any(TRAVEL.curves(run) for run in runs.values())
-    return over_time(runs, [HEIGHT, INCLINATION, *([TRAVEL] if sprung else []), NORMAL_FORCE])
+    carried = [panel for panel in (TRAVEL, ROCKER) if any(panel.curves(run) for run in runs.values())]
+    return over_time(runs, [HEIGHT, INCLINATION, *carried, NORMAL_FORCE])
 
 
 def is_free(run: Trajectory) -> bool:

@@ -95,12 +95,12 @@ class Wheel {
 
   // How its suspension or its rocker has moved it in the chassis.
   carried() {
-    const [travel, rocking] = [`${this.path}/suspension_travel`, `${this.path}/rocking`];
+    const [travel, angle] = [`${this.path}/suspension_travel`, `${this.path}/rocker_angle`];
     if (this.motion.has(travel))
       return new Matrix4().setPosition(0, 0, this.motion.smooth(travel, `${this.path}/suspension_rate`));
-    if (!this.motion.has(rocking)) return new Matrix4();
+    if (!this.motion.has(angle)) return new Matrix4();
     const [axis, point] = [this.wheel.rocker.axis, this.wheel.rocker.point].map((one) => new Vector3(...one));
-    const turn = new Matrix4().makeRotationAxis(axis, this.motion.linear(rocking));
+    const turn = new Matrix4().makeRotationAxis(axis, this.motion.smooth(angle, `${this.path}/rocker_rate`));
     return turn.setPosition(point.clone().sub(point.clone().applyMatrix4(turn)));
   }
 

@@ -39,6 +39,7 @@ export function quantities(motion, wheels) {
     "electrical power, W": each("electrical_power"),
     "slip, m/s": each("slip_velocity", size),
     "suspension travel, m": each("suspension_travel"),
+    "angle of the rocker, rad": each("rocker_angle"),
     "normal force, N": each("normal_force"),
     "friction force, N": each("friction_force", size),
     "odometry error, m": has("odometry/position_error")
