@@ -26,25 +26,51 @@ MODELS = (".xml", ".urdf")
 
 
 @click.command()
-@click.argument("scene")
+@click.argument("scenes", metavar="SCENE...", nargs=-1, required=True)
 @click.option("--type", "name", metavar="NAME", help="A wheel type of the scene; else its first.")
 @click.option("-o", "output", metavar="FILE", help="Output file; its suffix says what it holds.")
 @click.option("--part", type=click.Choice(("wheel", "roller")), help="What a mesh holds; else the wheel.")
 @click.option("--package", metavar="NAME", help="ROS package of a .urdf: its meshes are package://NAME/...")
+@click.option("--mass", type=click.FloatRange(0, min_open=True), metavar="KG", help="Of the platform, of several.")
+@click.option("--speed", type=click.FloatRange(0, min_open=True), metavar="M/S", help="Of the same.")
 @click.option("--force", is_flag=True, help="Replace output files that exist.")
-def wheel(scene: str, name: str | None, output: str | None, part: str | None, package: str | None, force: bool) -> None:
+def wheel(
+    scenes: tuple[str, ...],
+    name: str | None,
+    output: str | None,
+    part: str | None,
+    package: str | None,
+    mass: float | None,
+    speed: float | None,
+    force: bool,
+) -> None:
     """Dimensions, room and ripple of a wheel of SCENE; its drawing, its mesh, or a model for other simulators.
+
+    Of several scenes all wheels side by side: four of each carry one platform through the same motions.
 
     \b
     omnisim wheel youbot                             dimensions for the workshop
     omnisim wheel mixed --type omni -o omni.png      drawing: .png, .svg, .pdf
     omnisim wheel youbot --part roller -o roller.stl mesh in metres: .stl, .obj
     omnisim wheel youbot -o youbot.xml               the whole machine: .xml (MuJoCo), .urdf, meshes beside it
+    omnisim wheel youbot kiwi -o both.png            speed, ripple, drag, energy, peak loads: a table and a picture
     """
+    suffix = Path(output or "").suffix.lower()
+    if len(scenes) > 1:
+        from .wheel_cycle import compare
+
+        if given := [option for option, value in (("--type", name), ("--part", part), ("--package", package)) if value]:
+            raise Failure(f"{given[0]} is for the wheels of one scene", BAD_INPUT)
+        if output is not None and suffix not in DRAWINGS:
+            raise Failure(f"{output}: a picture of several wheels is one of {', '.join(DRAWINGS)}", BAD_INPUT)
+        compare(scenes, mass, speed, output, force)
+        return
+    (scene,) = scenes
+    if mass or speed:
+        raise Failure("--mass and --speed are for several scenes, whose wheels carry a platform", BAD_INPUT)
     from omnisim.scene.scene import load
 
     loaded = load(scene)
-    suffix = Path(output or "").suffix.lower()
     if output is not None and suffix not in (*DRAWINGS, *MESHES, *MODELS):
         known = ", ".join((*DRAWINGS, *MESHES, *MODELS))
         raise Failure(f"{output}: the suffix says what to write, one of {known}", BAD_INPUT)

@@ -53,6 +53,7 @@ ONLY = {
             "bearing_loads",
             "roller_maps",
             "spectra",
+            "wheels",
             "paper",
             "overview",
             "studies",

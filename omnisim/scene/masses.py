@@ -18,7 +18,7 @@ def point_masses(config: Config) -> tuple[list[float], list[tuple[float, float, 
     types = [config.type_of(wheel) for wheel in config.wheels]
     masses, points = [], []
     for wheel, kind in zip(config.wheels, types, strict=True):
-        rolling = kind.disk.mass + kind.rollers * kind.roller.mass
+        rolling = wheel_mass(kind)
         mass = rolling + (wheel.suspension.mass if wheel.suspension else 0.0)
         shift = row_shift(kind)
         x, y = wheel.position
@@ -33,10 +33,15 @@ def point_masses(config: Config) -> tuple[list[float], list[tuple[float, float, 
     return masses, points
 
 
+def wheel_mass(kind: WheelType) -> float:
+    """Of a wheel with its rollers, kg."""
+    return kind.disk.mass + kind.rollers * kind.roller.mass
+
+
 def row_shift(kind: WheelType) -> float:
     """Of the centre of mass of a wheel from its middle along the axle, m."""
     moment = kind.roller_count * kind.roller.mass * math.fsum(row.offset for row in kind.rows)
-    return moment / (kind.disk.mass + kind.rollers * kind.roller.mass) if moment else 0.0
+    return moment / wheel_mass(kind) if moment else 0.0
 
 
 def chassis_box(config: Config) -> tuple[tuple[float, ...], tuple[float, ...]] | None:

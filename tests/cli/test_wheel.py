@@ -139,3 +139,43 @@ def test_a_wrong_argument_is_told_and_nothing_is_written(folder, arguments, mess
     result = command("wheel", *arguments)
     assert (result.exit_code, os.listdir(folder)) == (2, [])
     assert message in result.stderr.replace("\n       ", " ")
+
+
+# --- several wheels -------------------------------------------------------------------------------
+
+
+def test_several_wheels_are_told_side_by_side_and_drawn(folder):
+    pytest.importorskip("matplotlib")
+    result = command("wheel", "youbot", "kiwi", "--mass", "15", "-o", "both.png")
+    assert result.exit_code == 0, result.stderr
+    assert result.stdout.startswith("four wheels each under a platform of 15 kg, their centres at 0.5 m/s\n")
+    lines = result.stdout.splitlines()
+    assert [line for line in lines if line in ("forward", "sideways", "diagonal", "turning")] == [
+        "forward", "sideways", "diagonal", "turning",
+    ]  # fmt: skip
+    youbot = [line.split() for line in lines if line.startswith("  youbot")]
+    assert float(youbot[0][1]) == 0.0 and float(youbot[1][1]) == pytest.approx(-4.51, abs=0.05)  # sin alpha / alpha
+    assert lines[-1] == "both.png" and (folder / "both.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+
+
+def test_a_wheel_whose_run_stops_says_why_below_its_line():
+    result = command("wheel", "kiwi", "kiwi_ramp", "--mass", "200")
+    assert result.exit_code == 0
+    assert "  kiwi_ramp: unstable at t = " in result.stdout
+    assert any(line.split() == ["kiwi_ramp", *"------"] for line in result.stdout.splitlines())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("youbot", "--mass", "15"), "--mass and --speed are for several scenes, whose wheels carry a platform"),
+        (("youbot", "kiwi", "--type", "omni"), "--type is for the wheels of one scene"),
+        (("youbot", "kiwi", "-o", "both.stl"), "both.stl: a picture of several wheels is one of .png, .svg, .pdf"),
+        (("youbot", "kiwi", "--mass", "1"), "four wheels of youbot weigh more than the platform of 1 kg; see --mass"),
+        (("youbot", "kiwy"), "kiwy: no file and no packaged scene has this name; did you mean 'kiwi'?"),
+    ],
+)
+def test_what_several_wheels_cannot_be_asked_is_told_in_one_line(folder, arguments, told):
+    result = command("wheel", *arguments)
+    assert (result.exit_code, result.stdout, os.listdir(folder)) == (2, "", [])
+    assert result.stderr.startswith(f"Error: {told}") and result.stderr.count("\n") == 1

@@ -36,11 +36,6 @@ def study(found: StudyResult) -> Figure:
         figure = matrix(found, names[:MOST_KEYS], measures[:MOST_MEASURES])
         told = TOLD
     a = found.attributes
-    told = (
-        "; line and band: median, 10 to 90 %; explains: share of the variance ± two deviations"
-        if len(names) > 2
-        else ""
-    )
     figure.suptitle(f"{a['finished']} of {a['runs']} runs, {a['design']}{told}", fontsize=10, parse_math=False)
     return figure
 
