@@ -84,8 +84,9 @@ RULES = """## Rules across keys
 - `roller_distance` is at most `radius cos(pi / roller_count)`, where the tips of the rollers are points.
 - Masses and inertias may be left out where shapes give them: a roller has a `mass` or a `density`; a disk has
   `inertia_axle` or `hub_radius`, and `inertia_diameter` or `width`; a chassis has a `size`, or both `center_of_mass`
-  and `inertia`. Given numbers win; `omnisim info` lists the estimates. `bore_radius` is less than
-  `radius - roller_distance`.
+  and `inertia`. Given numbers win; `omnisim info` lists the estimates, and what each does to the motion. The
+  `bore_radius` of a roller is less than its radius amid, that of a disk less than `hub_radius`; plates have both their keys,
+  and a hub to stand on: `plate_radius` is more than `hub_radius`, `plate_thickness` at most half the `width`.
 - Moments of inertia are those that a body can have: `inertia_axial` at most twice `inertia_transverse`; each of a
   chassis at most the sum of the other two.
 - A scene without `[chassis]` has one wheel, and `[initial]` places it. With one, every wheel has a position; names are
@@ -111,6 +112,8 @@ DERIVED = {
     "[wheel_types.NAME] disk inertia_diameter": "that of a cylinder, by `width`",
     "[wheel_types.NAME] disk hub_radius": "absent: not known",
     "[wheel_types.NAME] disk width": "absent: not known",
+    "[wheel_types.NAME] disk plate_radius": "absent: no plates",
+    "[wheel_types.NAME] disk plate_thickness": "absent: no plates",
     "[wheel_types.NAME] roller mass": "that of the profile's solid, by `density`",
     "[wheel_types.NAME] roller density": "absent: not known",
     "[wheel_types.NAME] roller inertia_axial": "that of the profile's solid",

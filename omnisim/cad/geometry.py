@@ -19,7 +19,7 @@ from omnisim.dynamics.packing import wheel_values
 from omnisim.dynamics.parameters import WHEEL
 from omnisim.scene.drives import drive_law
 from omnisim.scene.schema import Wheel, WheelType
-from omnisim.scene.solids import Outline, Shape, Solid, gap, hub_radius, outline, profile, solid, support
+from omnisim.scene.solids import Shape, Solid, gap, generator, hub_radius, profile, solid, support
 
 __all__ = [
     "Ripple",
@@ -62,16 +62,6 @@ def roller_frames(kind: WheelType, mirrored: bool = False, phase: float = 0.0) -
     centres = kind.roller_distance * np.column_stack([sine, zero, -cosine]) + np.outer(offsets, [0.0, 1.0, 0.0])
     axes = np.column_stack([-math.cos(psi) * cosine, zero + math.sin(psi), -math.cos(psi) * sine])
     return list(zip(centres, axes, strict=True))
-
-
-def generator(kind: WheelType) -> Outline:
-    """The Outline whose exact profile a roller of this type has: an arc is that of a round wheel with psi = 0 and the
-    radius of its curvature."""
-    profile = kind.profile
-    if profile.kind != "arc":
-        return outline(kind)
-    rho = profile.curvature_radius
-    return Outline(rho, rho - profile.radius, math.asin(profile.half_length / rho), 1.0, 0.0)
 
 
 # --- rollers of another shape ---------------------------------------------------------------------

@@ -17,7 +17,7 @@ from omnisim.scene.floor_rules import hollow_ground
 from omnisim.scene.ideal_kinematics import MOTIONS, handedness, rms_distance, undetermined, wheel_rows
 from omnisim.scene.problems import Problem
 from omnisim.scene.schema import Config, Wheel, WheelType
-from omnisim.scene.solids import gap, half_width, hub_radius, outline, profile, solid
+from omnisim.scene.solids import disk_solid, gap, half_width, hub_radius, outline, profile, roller_solid
 from omnisim.scene.spatial_doubts import fast_rubber, high_start, soft_rubber, soft_springs
 from omnisim.scene.toml_text import KeyPath
 
@@ -107,12 +107,13 @@ def densities(config: Config) -> Iterator[Problem]:
         path = ("wheel_types", name)
         shape = outline(kind)
         disk = kind.disk
-        volume = solid(shape, kind.roller.bore_radius).volume
+        volume = roller_solid(kind).volume
         key = "mass" if "mass" in kind.roller.model_fields_set else "density"
         yield from _density((*path, "roller", key), kind.roller.mass, volume, "the profile", (foam, osmium))
         if disk.hub_radius and disk.width:
-            volume = math.pi * disk.hub_radius**2 * disk.width
-            yield from _density((*path, "disk", "mass"), disk.mass, volume, "the hub", (foam, osmium))
+            volume = disk_solid(disk).volume
+            what = "hub and plates" if disk.plate_radius else "the hub"
+            yield from _density((*path, "disk", "mass"), disk.mass, volume, what, (foam, osmium))
         else:
             volume = 2.0 * math.pi * kind.radius**2 * half_width(shape)
             yield from _density((*path, "disk", "mass"), disk.mass, volume, "the whole wheel", (0.0, osmium))

@@ -158,7 +158,8 @@ class Disk(Table):
     """A wheel without its rollers: mass (kg), moments of inertia (kg m^2) about axle and diameter.
 
     Inertias that are left out are those of a cylinder about the axle: hub_radius (m) gives that about the axle, width
-    (m) that about a diameter, which is half the other plus mass width^2 / 12.
+    (m) that about a diameter, which is half the other plus mass width^2 / 12. It may have a bore of bore_radius (m),
+    and around each of its ends a plate of the same material, of plate_radius and plate_thickness (m).
     """
 
     mass: Positive
@@ -166,12 +167,15 @@ class Disk(Table):
     inertia_diameter: Positive = 0.0
     hub_radius: Positive = 0.0
     width: Positive = 0.0
+    bore_radius: NonNegative = 0.0
+    plate_radius: Positive = 0.0
+    plate_thickness: Positive = 0.0
 
 
 class Roller(Table):
     """One roller: mass (kg), moments of inertia (kg m^2) about its axis and across it.
 
-    What is left out is that of a solid of the exact profile with a bore of bore_radius (m): mass, if there is a density
+    What is left out is that of a solid of its profile with a bore of bore_radius (m): mass, if there is a density
     (kg/m^3), and inertias.
 
     Friction of its bearing: viscosity (N m s), and a Coulomb torque (N m) that changes its sign over a rate (rad/s).

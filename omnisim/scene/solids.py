@@ -1,4 +1,4 @@
-"""Solids of known shape, without kernels: the roller by its exact profile, with a bore; the cylinder; the box.
+"""Solids of known shape, without kernels: the roller by its profile, with a bore; the disk of a wheel.
 
 Vectors are in the frame of the wheel at spin angle 0: x along h (heading), y along k (axle, left), z up; m.
 `wheel` is an Outline, or a row of `Parameters.wheels`, which has the same names.
@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from omnisim.scene.schema import WheelType
+from omnisim.scene.schema import Disk, WheelType
 
 NODES = 40  # of Gauss and Legendre: integrals of a profile are exact to rounding
 HALVINGS = 60  # of the interval that holds the end of a bore: to rounding
@@ -34,6 +34,16 @@ def outline(kind: WheelType) -> Outline:
     return Outline(kind.radius, kind.roller_distance, kind.covered, math.cos(psi), math.sin(psi))
 
 
+def generator(kind: WheelType) -> Outline:
+    """The Outline whose exact profile a roller of this type has: an arc is that of a round wheel with psi = 0 and the
+    radius of its curvature."""
+    profile = kind.profile
+    if profile.kind != "arc":
+        return outline(kind)
+    rho = profile.curvature_radius
+    return Outline(rho, rho - profile.radius, math.asin(profile.half_length / rho), 1.0, 0.0)
+
+
 # --- the roller -----------------------------------------------------------------------------------
 
 
@@ -53,8 +63,13 @@ class Solid(NamedTuple):
     transverse: float
 
 
+def roller_solid(kind: WheelType) -> Solid:
+    """A roller of this type, by its own profile and with its bore."""
+    return solid(generator(kind), kind.roller.bore_radius)
+
+
 def solid(wheel: Shape, bore: float = 0.0) -> Solid:
-    """The profile less a cylindrical bore of radius b (m) from end to end. Where r < b nothing is left.
+    """The exact profile less a cylindrical bore of radius b (m) from end to end. Where r < b nothing is left.
 
         V = int pi (r^2 - b^2) du                         axial = int pi/2 (r^4 - b^4) du
         transverse = int pi ((r^4 - b^4) / 4 + (r^2 - b^2) u^2) du
@@ -89,6 +104,24 @@ def support(wheel: Shape, sine: np.ndarray) -> np.ndarray:
     q = np.clip(np.arcsin(np.clip(sine / wheel.cos_psi, -1.0, 1.0)), -wheel.alpha, wheel.alpha)
     u, r = profile(wheel, q)
     return u * sine + r * np.sqrt(1.0 - sine * sine)
+
+
+# --- the disk -------------------------------------------------------------------------------------
+
+
+def disk_solid(disk: Disk) -> Solid:
+    """The hub, a cylinder with a bore, and a plate around each of its ends: rings of radii b < a, length l, middle z.
+
+    V = sum pi (a^2 - b^2) l                          axle = sum pi/2 (a^4 - b^4) l
+    diameter = axle / 2 + sum pi (a^2 - b^2) l (l^2 / 12 + z^2)
+    """
+    aside = 0.5 * (disk.width - disk.plate_thickness)
+    rings = [(disk.hub_radius, disk.bore_radius, disk.width, 0.0)]
+    rings += [(disk.plate_radius, disk.hub_radius, disk.plate_thickness, z) for z in (-aside, aside)]
+    volumes = [math.pi * (a * a - b * b) * l for a, b, l, _ in rings]
+    axle = sum(0.5 * volume * (a * a + b * b) for volume, (a, b, _, _) in zip(volumes, rings, strict=True))
+    spread = sum(volume * (l * l / 12.0 + z * z) for volume, (_, _, l, z) in zip(volumes, rings, strict=True))
+    return Solid(sum(volumes), axle, 0.5 * axle + spread)
 
 
 # --- rollers on their wheel -----------------------------------------------------------------------
