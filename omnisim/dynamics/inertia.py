@@ -2,6 +2,7 @@
 
 import math
 
+from omnisim.scene.masses import row_shift, wheel_mass
 from omnisim.scene.schema import WheelType
 
 
@@ -19,3 +20,8 @@ def diameter_inertia(kind: WheelType) -> float:
     across = roller.inertia_transverse * (1.0 - 0.5 * cos_psi**2)
     inertia = kind.disk.inertia_diameter + count * (0.5 * roller.mass * kind.roller_distance**2 + across)
     return inertia + kind.roller_count * roller.mass * math.fsum(row.offset**2 for row in kind.rows)
+
+
+def central_inertia(kind: WheelType) -> float:
+    """J_t - m_w o^2: the same about the diameter through its centre of mass, which rows may put aside by o."""
+    return diameter_inertia(kind) - wheel_mass(kind) * row_shift(kind) ** 2

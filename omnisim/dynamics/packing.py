@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,7 +11,7 @@ from omnisim.base.records import blank, records
 from omnisim.base.trigonometry import exact_cos_sin
 from omnisim.contact.friction import LAWS
 from omnisim.contact.mobility import HEAVY
-from omnisim.dynamics.inertia import axle_inertia, diameter_inertia
+from omnisim.dynamics.inertia import axle_inertia, central_inertia
 from omnisim.dynamics.parameters import (
     ARTICULATED,
     CONTACT,
@@ -80,19 +80,23 @@ def pack(config: Config) -> Parameters:
         )
     )
     rates = machine["places"].roller_rate
+    firsts = np.cumsum([0, *(len(kind.rows) for kind in types)]).tolist()
     starts = [
-        {"rates": rates + machine["slots"] * w, "contacts": TOUCHING * w, "row": w, "rows": 1}
-        for w in range(len(wheels))
+        {"rates": rates + machine["slots"] * w, "contacts": TOUCHING * w, "row": firsts[w], "rows": len(kind.rows)}
+        for w, kind in enumerate(types)
     ]
     wheels = [wheel | start for wheel, start in zip(wheels, starts, strict=True)]
     for wheel in wheels:
         heavy = 1.0 / (HEAVY * machine["mass"] * wheel["radius"] ** 2)
         wheel["holding_mobility"] = heavy if wheel["follows"] else wheel["spin_mobility"]
     space = pack_space(config, wheels, machine) if free else None
-    bound = partial(slip_mobility_bound, machine) if space is None else partial(mobility_bound, space)
-    machine["slip_mobility"] = max(map(bound, wheels))
+    if space is None:
+        bounds = [slip_mobility_bound(machine, wheel, kind) for wheel, kind in zip(wheels, types, strict=True)]
+    else:
+        bounds = [mobility_bound(space, wheel) for wheel in wheels]
+    machine["slip_mobility"] = max(bounds)
     counts = tuple(kind.rollers for kind in types)
-    constants = records(MACHINE, [machine])[0], records(WHEEL, wheels), rows_of(wheels), sectors(counts).copy()
+    constants = records(MACHINE, [machine])[0], records(WHEEL, wheels), rows_of(wheels, types), sectors(counts).copy()
     return Parameters(*constants, *merge_tables(config, rows), workspace(config, wheels, most), space)
 
 
@@ -121,9 +125,9 @@ class Bodies(NamedTuple):
 
 
 def bodies(config: Config) -> Bodies:
-    """The chassis, and each wheel with its rollers as one body at the wheel centre; chassis axes."""
+    """The chassis, and each wheel with its rollers as one body; chassis axes."""
     masses, points = point_masses(config)
-    inertias = [diameter_inertia(config.type_of(wheel)) for wheel in config.wheels]
+    inertias = [central_inertia(config.type_of(wheel)) for wheel in config.wheels]
     if config.chassis is not None:
         inertias.append(config.chassis.inertia[2])
     x_centre, y_centre, height = common_centre(masses, points)
@@ -142,7 +146,8 @@ def machine_values(config: Config, types: list[WheelType], laws: list[DriveLaw])
     every_rate = bearing_friction or config.solver.formulation == "multibody"
     along, normal = gravity(config)
     motors = [law.motor for law in laws if law.motor]
-    pushed = whole.centre if config.chassis is None else np.array(config.chassis.center_of_mass)
+    at_centre = np.array([0.0, 0.0, whole.centre[2]])  # of a bare wheel
+    pushed = at_centre if config.chassis is None else np.array(config.chassis.center_of_mass)
     return {
         "gravity": normal,
         "downhill": along,
@@ -214,7 +219,7 @@ def wheel_values(
     """Values of a WHEEL record; centre: of the machine's mass, chassis axes, m; step: s, None where nothing marches."""
     cos, sin = exact_cos_sin(wheel.heading_deg)
     psi = math.radians(-kind.roller_angle_deg if wheel.mirrored else kind.roller_angle_deg)
-    alpha = math.pi / kind.roller_count
+    alpha = kind.covered
     axle = axle_inertia(kind, math.sin(psi))
     x, y = wheel.position[0] - centre[0], wheel.position[1] - centre[1]
     return {
@@ -230,7 +235,7 @@ def wheel_values(
         "cos_psi": math.cos(psi),
         "sin_psi": math.sin(psi),
         "tan_psi": math.tan(psi),
-        "phase": math.radians(wheel.phase_deg),
+        "phase": math.radians(wheel.phase_deg + kind.rows[0].phase_deg),
         "axle_inertia": axle,
         "rotor_inertia": law.rotor_inertia,
         "disk_mass": kind.disk.mass,
@@ -272,8 +277,8 @@ def drive_values(law: DriveLaw, step: float | None) -> dict:
     }
 
 
-def slip_mobility_bound(machine: dict, wheel: dict) -> float:
-    """Upper bound of the trace of `mobility.inverse_mass` over the whole roller, 1/kg.
+def slip_mobility_bound(machine: dict, wheel: dict, kind: WheelType) -> float:
+    """Upper bound of the trace of `mobility.inverse_mass` over the whole roller, on any row, 1/kg.
 
     Each entry of the Jacobian is bounded by its largest magnitude on [-alpha, alpha].
     """
@@ -281,7 +286,7 @@ def slip_mobility_bound(machine: dict, wheel: dict) -> float:
     h_0 = radius - distance
     c = wheel["cos_psi"]
     s = abs(wheel["sin_psi"])
-    l = distance * math.tan(wheel["alpha"]) * abs(wheel["tan_psi"])
+    l = distance * math.tan(wheel["alpha"]) * abs(wheel["tan_psi"]) + max(abs(row.offset) for row in kind.rows)
     spin = (radius + s * s * h_0) ** 2 + (s * c * h_0) ** 2
     e_h, e_k = map(abs, wheel["offset"])
     yaw = (e_k + l + c * wheel["sin_alpha"] * s * h_0) ** 2 + (e_h + c * c * wheel["sin_alpha"] * h_0) ** 2
@@ -289,9 +294,14 @@ def slip_mobility_bound(machine: dict, wheel: dict) -> float:
     return 2.0 / machine["mass"] + spin * wheel["spin_mobility"] + yaw / machine["yaw_inertia"] + roller
 
 
-def rows_of(wheels: list[dict]) -> np.recarray:
-    """The rows of rollers of wheels with these values, records ROLLER_ROW: each has one, in its middle."""
-    return records(ROLLER_ROW, [{"phase": wheel["phase"], "offset": 0.0} for wheel in wheels])
+def rows_of(wheels: list[dict], types: list[WheelType]) -> np.recarray:
+    """The rows of rollers of wheels with these values, records ROLLER_ROW."""
+    rows = [
+        {"phase": wheel["phase"], "offset": row.offset}
+        for wheel, kind in zip(wheels, types, strict=True)
+        for row in kind.rings
+    ]
+    return records(ROLLER_ROW, rows)
 
 
 @lru_cache

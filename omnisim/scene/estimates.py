@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from omnisim.scene.masses import clearance
 from omnisim.scene.problems import Problem, allowed_at
-from omnisim.scene.rules import DECIMAL_TOLERANCE
+from omnisim.scene.roller_rules import DECIMAL_TOLERANCE
 from omnisim.scene.schema import Chassis, Config, Disk, Roller, WheelType
 from omnisim.scene.toml_text import KeyPath
 from omnisim.scene.values import Table

@@ -10,7 +10,7 @@ from itertools import pairwise
 
 from omnisim.scene.masses import common_centre, point_masses
 from omnisim.scene.problems import Problem
-from omnisim.scene.rules import DECIMAL_TOLERANCE
+from omnisim.scene.roller_rules import DECIMAL_TOLERANCE
 from omnisim.scene.schema import Config
 
 LINE_TOLERANCE = 1e-6  # area of a hull / (its longest distance)^2: below, its points lie on a line

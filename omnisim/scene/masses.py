@@ -39,7 +39,7 @@ def wheel_mass(kind: WheelType) -> float:
 
 
 def row_shift(kind: WheelType) -> float:
-    """Of the centre of mass of a wheel from its middle along the axle, m."""
+    """o: of the centre of mass of a wheel from its middle along the axle, m."""
     moment = kind.roller_count * kind.roller.mass * math.fsum(row.offset for row in kind.rows)
     return moment / wheel_mass(kind) if moment else 0.0
 

@@ -9,12 +9,12 @@ from omnisim.scene.drive_schema import CONTROLLER, DATA_SHEET, DRIVE_KEYS, MOTOR
 from omnisim.scene.drives import SHEET_TOLERANCE, data_sheet, sheet_constants
 from omnisim.scene.problems import Problem, allowed_at, did_you_mean
 from omnisim.scene.schema import FRICTION_KEYS, GRID_TOLERANCE, Config, Wheel, is_whole
+from omnisim.scene.roller_rules import row_rules, wheel_type_rules
 from omnisim.scene.toml_text import KeyPath
 
 KEYS_OF_DRIVES = {kind: keys.all for kind, keys in DRIVE_KEYS.items()}
 MAX_STEPS = 10**10
 SAME_ANGLE = 1e-9  # rad
-DECIMAL_TOLERANCE = 1e-12  # relative, for limits that a scene reaches exactly but types in decimals
 
 
 def _time_rules(config: Config) -> Iterator[Problem]:
@@ -67,18 +67,6 @@ def _contact_torque_rules(config: Config) -> Iterator[Problem]:
         yield Problem(("friction", "patch_radius"), f"missing; contact_torque = 'contensou' needs {allowed}")
 
 
-def _wheel_type_rules(config: Config) -> Iterator[Problem]:
-    """Tips with r(alpha) >= 0."""
-    for name, wheel_type in config.wheel_types.items():
-        path = ("wheel_types", name)
-        limit = wheel_type.radius * math.cos(wheel_type.covered)
-        exact = wheel_type.profile.kind == "exact"
-        if exact and wheel_type.roller_distance > limit * (1 + DECIMAL_TOLERANCE):
-            angle = "pi / roller_count" if wheel_type.covered == math.pi / wheel_type.roller_count else "covered_deg"
-            allowed = f"radius * cos({angle}) = {limit!r}: there the tips of the rollers are points"
-            yield Problem((*path, "roller_distance"), f"must be at most {allowed}")
-
-
 def _wheel_rules(config: Config) -> Iterator[Problem]:
     names = [wheel.name for wheel in config.wheels]
     for index, wheel in enumerate(config.wheels):
@@ -93,7 +81,9 @@ def _wheel_rules(config: Config) -> Iterator[Problem]:
             count = config.type_of(wheel).rollers
             given = len(wheel.roller_rates)
             if given != count:
-                allowed = f"one finite number, or a list of roller_count = {count} finite numbers"
+                rows = len(config.type_of(wheel).rows)
+                product = "roller_count" if rows == 1 else f"roller_count * {rows}"
+                allowed = f"one finite number, or a list of {product} = {count} finite numbers"
                 yield Problem((*path, "roller_rates"), f"must be {allowed}, not {given}")
         yield from _drive_rules((*path, "drive"), wheel.drive)
         if wheel.drive.kind == "follow":
@@ -268,7 +258,8 @@ RULES = (
     _formulation_rules,
     _friction_rules,
     _contact_torque_rules,
-    _wheel_type_rules,
+    wheel_type_rules,
+    row_rules,
     _wheel_rules,
     _sample_rules,
     _place_rules,

@@ -198,8 +198,8 @@ class Roller(Table):
 class WheelType(Table):
     """[wheel_types.NAME]: radius R and roller distance R1 (m), N_r, psi (deg), disk and roller.
 
-    Of a machine free in space also rubber, rows, profile, and half the angle over which a roller of the exact profile
-    is cut (deg).
+    Also rows of rollers along the axle, and half the angle over which a roller of the exact profile is cut (deg); of a
+    machine free in space rubber and profile.
     """
 
     radius: Positive
@@ -221,15 +221,32 @@ class WheelType(Table):
         return self.roller_count * len(self.rows)
 
     @property
+    def rings(self) -> tuple[Row, ...]:
+        """Its rows in order of azimuth from roller 0 of the first one on, each with the phase of its roller that comes
+        next there: roller i of the wheel is on ring i % rows."""
+        if len(self.rows) == 1:
+            return self.rows
+        pitch = 360.0 / self.roller_count
+        start = self.rows[0].phase_deg
+        turned = [(row.phase_deg - start) % pitch for row in self.rows]
+        behind = [turn if turn < pitch - SAME_DEG else 0.0 for turn in turned]
+        ahead = sorted(zip(behind, range(len(self.rows)), strict=True))
+        return tuple(Row(offset=self.rows[i].offset, phase_deg=start + turn) for turn, i in ahead)
+
+    @property
+    def spread(self) -> bool:
+        """Whether the rollers of all rows together are spread evenly around the turn."""
+        share = 360.0 / self.rollers
+        start = self.rows[0].phase_deg
+        return all(abs(row.phase_deg - start - i * share) < SAME_DEG for i, row in enumerate(self.rings))
+
+    @property
     def covered(self) -> float:
         """Half the angle over which a roller of the exact profile is cut, rad: its share of the turn, if all rollers
         are spread evenly around it."""
-        if self.covered_deg is not None:
-            return math.radians(self.covered_deg)
-        pitch = 360.0 / self.roller_count
-        phases = sorted(row.phase_deg % pitch for row in self.rows)
-        even = all(abs(phase - phases[0] - i * pitch / len(self.rows)) < SAME_DEG for i, phase in enumerate(phases))
-        return math.pi / (self.rollers if even else self.roller_count)
+        share = math.pi / (self.rollers if self.spread else self.roller_count)
+        given = self.covered_deg
+        return share if given is None or abs(given - math.degrees(share)) < SAME_DEG else math.radians(given)
 
 
 class Chassis(Table):

@@ -7,7 +7,7 @@ from omnisim.scene.problems import Problem, allowed_at, did_you_mean
 from omnisim.scene.schema import Config
 
 POSE = ("height", "pitch_deg", "roll_deg", "vertical_velocity", "pitch_rate", "roll_rate")
-OF_TYPES = ("contact", "rows", "profile", "covered_deg")
+OF_TYPES = ("contact", "profile")
 
 
 def spatial_rules(config: Config) -> Iterator[Problem]:

@@ -9,10 +9,10 @@ from omnisim.base.trigonometry import exact_cos_sin
 from omnisim.contact.floor import floor_of
 from omnisim.contact.support import PROFILES, SHAPE
 from omnisim.dynamics.ground import floor_of_scene
-from omnisim.dynamics.inertia import diameter_inertia
+from omnisim.dynamics.inertia import central_inertia
 from omnisim.dynamics.spatial.records import BODY, CARRIER, HELD, HUB, MOTION, SLOTS, TOUCH, Holding, Space
 from omnisim.scene.ground_schema import Rocker
-from omnisim.scene.masses import chassis_box, common_centre, point_masses, row_shift
+from omnisim.scene.masses import chassis_box, common_centre, point_masses, row_shift, wheel_mass
 from omnisim.scene.schema import Config, Wheel, WheelType
 from omnisim.scene.solids import outline
 from omnisim.scene.solids import profile as generatrix
@@ -114,13 +114,11 @@ def wheel_inertia(kind: WheelType, wheel: Wheel) -> np.ndarray:
     inertia about the axle, which turns on its own."""
     _, k = heading_of(wheel)
     across = np.eye(3) - np.outer(k, k)
-    shift = row_shift(kind)
-    mass = kind.disk.mass + kind.rollers * kind.roller.mass
     if wheel.suspension is None:
-        return (diameter_inertia(kind) - mass * shift**2) * across
-    hub = wheel.suspension
-    apart = hub.mass * mass / (hub.mass + mass) * shift**2
-    return (diameter_inertia(kind) - mass * shift**2 + apart) * across + hub.inertia * np.eye(3)
+        return central_inertia(kind) * across
+    hub, mass = wheel.suspension, wheel_mass(kind)
+    apart = hub.mass * mass / (hub.mass + mass) * row_shift(kind) ** 2
+    return (central_inertia(kind) + apart) * across + hub.inertia * np.eye(3)
 
 
 def lean(wheel: Wheel, values: dict) -> np.ndarray:
@@ -212,8 +210,9 @@ def disk_places(types: list[WheelType], wheels: tuple[Wheel, ...], most: int) ->
     places = np.zeros((len(wheels), most, 3))
     for own, kind, wheel in zip(places, types, wheels, strict=True):
         rows = len(kind.rows)
+        rings = kind.rings
         for i in range(kind.rollers):
-            row = kind.rows[i % rows]
+            row = rings[i % rows]
             angle = math.radians(wheel.phase_deg + row.phase_deg) + 2.0 * math.pi * (i // rows) / kind.roller_count
             own[i] = math.cos(angle), math.sin(angle), row.offset
     return places
