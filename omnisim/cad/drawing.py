@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon, Rectangle
 
 from omnisim.base.files import write_whole
-from omnisim.cad.geometry import gap, hub_radius, of_type, profile, roller_frames, support
-from omnisim.cad.mesh import hub_half_width
+from omnisim.cad.geometry import hub_radius, of_type, profile, roller_frames, support
 from omnisim.contact.roller_profile import axial_coordinate, profile_radius, support_parameter
 from omnisim.scene.schema import WheelType
+from omnisim.scene.solids import gap_between_rows, gap_in_row, half_width
 
 STATIONS, CURVE = 17, 181  # of the table, of a drawn outline
 PAPER = (11.7, 8.3)  # inches: A4
@@ -45,7 +45,7 @@ def draw(path: Path, name: str, kind: WheelType) -> None:
     for axes in (side, front, table, roller):
         axes.set_axis_off()
     radius = f"rolling radius for the controller {kind.radius * MM:g} mm"
-    what = f"{kind.roller_count} rollers at {kind.roller_angle_deg:g} deg"
+    what = f"{kind.rollers} rollers in {counted_rows(kind)} at {kind.roller_angle_deg:g} deg"
     figure.suptitle(f"Wheel type '{name}': {what}, {radius}. Dimensions in mm.", fontsize=11)
     image = BytesIO()
     suffix = path.suffix.lower()
@@ -70,16 +70,16 @@ def side_view(axes: Axes, kind: WheelType, wheel: np.record) -> None:
     rim = (distance * math.cos(up), distance * math.sin(up))
     axes.annotate("", rim, (0.0, 0.0), arrowprops={"arrowstyle": "->", "shrinkA": 0, "shrinkB": 0, **THIN}, zorder=5)
     label(axes, 0.5 * rim[0], 0.5 * rim[1], f"R {distance:.2f}", 45.0 - 90.0)
-    room = gap(wheel) * MM
-    told = f"gaps of {room:.2f} between rollers" if room > 0.0 else "rollers overlap in one row"
+    room = min(gap_in_row(kind), gap_between_rows(kind)) * MM
+    told = f"gaps of {room:.2f} between rollers" if room > 0.0 else f"rollers overlap in {counted_rows(kind)}"
     axes.set_title(f"side; {told}", fontsize=9)
 
 
 def front_view(axes: Axes, kind: WheelType, wheel: np.record) -> None:
     """From ahead, the left of the wheel to the right; farther rollers stand behind nearer ones."""
     reach = kind.radius * MM
-    half = float(support(wheel, abs(wheel.sin_psi))) * MM
-    hub, width = hub_radius(wheel) * MM, hub_half_width(kind) * MM
+    half = (float(support(wheel, abs(wheel.sin_psi))) + max(abs(row.offset) for row in kind.rows)) * MM
+    hub, width = hub_radius(wheel) * MM, half_width(kind) * MM
     if hub > 0.0:
         axes.add_patch(
             Rectangle((-width, -hub), 2.0 * width, 2.0 * hub, facecolor=METAL, edgecolor=EDGE, linewidth=0.8)
@@ -103,6 +103,10 @@ def roller_view(axes: Axes, wheel: np.record) -> None:
     dimension(axes, (0.0, -middle), (0.0, middle), (-1.22 * half, 0.0), f"\N{DIAMETER SIGN} {2.0 * middle:.3f}")
     dimension(axes, (half, -tip), (half, tip), (1.22 * half, 0.0), f"\N{DIAMETER SIGN} {2.0 * tip:.3f}")
     axes.set_title("roller, exact profile by the table", fontsize=9)
+
+
+def counted_rows(kind: WheelType) -> str:
+    return "one row" if len(kind.rows) == 1 else f"{len(kind.rows)} rows"
 
 
 def profile_table(axes: Axes, wheel: np.record) -> None:

@@ -53,8 +53,8 @@ def of_type(kind: WheelType) -> np.record:
 def roller_frames(kind: WheelType, mirrored: bool = False, phase: float = 0.0) -> list[tuple[np.ndarray, np.ndarray]]:
     """Centre R1 d + offset k and axis a = c t + s k of every roller, rows in turn; phase: azimuth of roller 0, rad."""
     turns = phase + 2.0 * np.pi * np.arange(kind.roller_count) / kind.roller_count
-    azimuths = np.add.outer(turns, np.radians([row.phase_deg for row in kind.rows])).ravel()
-    offsets = np.tile([row.offset for row in kind.rows], kind.roller_count)
+    azimuths = np.add.outer(turns, np.radians([row.phase_deg for row in kind.rings])).ravel()
+    offsets = np.tile([row.offset for row in kind.rings], kind.roller_count)
     psi = math.radians(-kind.roller_angle_deg if mirrored else kind.roller_angle_deg)
     sine = np.sin(azimuths)
     cosine = np.cos(azimuths)

@@ -8,7 +8,7 @@ import numpy as np
 from omnisim.base.files import write_whole
 from omnisim.cad.geometry import generator, hub_radius, of_type, profile, roller_frames
 from omnisim.scene.schema import WheelType
-from omnisim.scene.solids import half_width, outline
+from omnisim.scene.solids import half_width
 
 RINGS, CORNERS = 81, 160  # of a roller: vertices lie on the exact surface, volume and inertia are within 1e-3
 DRAWN = 33, 64  # of a roller that is drawn and touches nothing: 0.2 MB
@@ -55,7 +55,7 @@ def whole(kind: WheelType) -> Mesh:
     part = roller(kind)
     parts = [placed(part, *frame) for frame in roller_frames(kind)]
     radius = hub_radius(of_type(kind))
-    half = hub_half_width(kind)
+    half = half_width(kind)
     if radius > 0.0:
         ends = np.array([-half, half])
         hub = revolved(ends, np.full(2, radius), ends, CORNERS)
@@ -63,11 +63,6 @@ def whole(kind: WheelType) -> Mesh:
     starts = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
     faces = [part.faces + start for part, start in zip(parts, starts, strict=True)]
     return Mesh(np.concatenate([part.vertices for part in parts]), np.concatenate(faces))
-
-
-def hub_half_width(kind: WheelType) -> float:
-    """Of the drawn hub, m: as wide as rollers are thick amid, or as their axes are long across the wheel."""
-    return half_width(outline(kind))
 
 
 def placed(part: Mesh, centre: np.ndarray, axis: np.ndarray) -> Mesh:

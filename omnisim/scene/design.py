@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from omnisim.scene.solids import Outline, gap, half_width, hub_radius, solid
+from omnisim.scene.solids import Outline, gap, hub_radius, ring_half_width, solid
 
 ROLLER_DENSITY, DISK_DENSITY = 1200.0, 1400.0  # kg/m^3: rubber on plastic; aluminium with holes
 BORE = 0.3  # of the roller's radius amid
@@ -168,7 +168,7 @@ def part(robot: Robot) -> Part:
     shape = _outline(radius, kind, count, _distance(robot, kind, count))
     bore = BORE * (radius - shape.roller_distance)
     hub = HUB * hub_radius(shape)
-    width = 2.0 * half_width(shape)
+    width = 2.0 * ring_half_width(shape)
     roller = ROLLER_DENSITY * solid(shape, bore).volume
     disk = DISK_DENSITY * math.pi * hub**2 * width if robot.wheel_mass is None else robot.wheel_mass - count * roller
     if disk <= 0.0:

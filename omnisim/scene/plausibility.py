@@ -15,9 +15,20 @@ from omnisim.scene.drive_schema import Drive
 from omnisim.scene.drives import friction_torque, standstill_torque
 from omnisim.scene.floor_rules import hollow_ground
 from omnisim.scene.ideal_kinematics import MOTIONS, handedness, rms_distance, undetermined, wheel_rows
+from omnisim.scene.masses import wheel_mass
 from omnisim.scene.problems import Problem
 from omnisim.scene.schema import Config, Wheel, WheelType
-from omnisim.scene.solids import disk_solid, gap, half_width, hub_radius, outline, profile, roller_solid
+from omnisim.scene.solids import (
+    disk_solid,
+    gap,
+    gap_between_rows,
+    half_width,
+    hub_radius,
+    outline,
+    pitches,
+    profile,
+    roller_solid,
+)
 from omnisim.scene.spatial_doubts import fast_rubber, high_start, soft_rubber, soft_springs
 from omnisim.scene.toml_text import KeyPath
 
@@ -46,25 +57,35 @@ def doubts(config: Config) -> list[Problem]:
 
 
 def crowded_rollers(config: Config) -> Iterator[Problem]:
-    """Rollers that overlap: the neighbour in a single row, the next but one where there are two."""
+    """Rollers that overlap: the neighbour in a row, the next but one where one row stands for two; those of another
+    row."""
     for name, kind in config.wheel_types.items():
-        rows = 1 if abs(kind.roller_angle_deg) >= ONE_ROW_DEG else 2
         shape = outline(kind)
-        overlap = -gap(shape, rows)
-        if overlap > ROUNDING * kind.radius and hub_radius(shape) > 0.0:  # else crowded_hub says what is wrong
-            whom = "their neighbours" if rows == 1 else "the next but one, so that not even two rows hold them,"
-            message = f"rollers overlap {whom} by {overlap:.3g} m; expected {_room(kind, rows)}"
+        if hub_radius(shape) <= 0.0:  # crowded_hub says what is wrong
+            continue
+        in_two = len(kind.rows) == 1 and abs(kind.roller_angle_deg) < ONE_ROW_DEG
+        apart = 2.0 if in_two else pitches(kind, 360.0 / kind.roller_count)
+        overlap = -gap(shape, apart)
+        if overlap > ROUNDING * kind.radius:
+            whom = "the next but one, so that not even two rows hold them," if in_two else "their neighbours"
+            message = f"rollers overlap {whom} by {overlap:.3g} m; expected {_room(kind, apart)}"
             yield Problem(("wheel_types", name, "roller_count"), message)
+        overlap = -gap_between_rows(kind)
+        if overlap > ROUNDING * kind.radius:
+            message = f"rollers of two rows overlap by {overlap:.3g} m; expected offsets farther apart"
+            yield Problem(("wheel_types", name, "rows"), message)
 
 
-def _room(kind: WheelType, rows: int) -> str:
+def _room(kind: WheelType, apart: float) -> str:
     """What would make room: fewer rollers, or thinner ones farther out."""
 
     def fits(count: int, distance: float) -> bool:
-        shape = outline(kind)._replace(alpha=math.pi / count, roller_distance=distance)
-        return distance <= kind.radius * math.cos(shape.alpha) and gap(shape, rows) >= 0.0
+        covered = kind.covered * kind.roller_count / count
+        shape = outline(kind)._replace(alpha=covered, roller_distance=distance)
+        return distance <= kind.radius * math.cos(covered) and gap(shape, apart) >= 0.0
 
-    pointed = math.pi / math.acos(kind.roller_distance / kind.radius)  # so many have pointed tips; fewer have none
+    # so many have pointed tips; fewer have none
+    pointed = kind.covered * kind.roller_count / math.acos(kind.roller_distance / kind.radius)
     ways = []
     fewest = max(3, math.ceil(pointed))
     most = kind.roller_count
@@ -74,7 +95,7 @@ def _room(kind: WheelType, rows: int) -> str:
             fewest, most = (middle, most) if fits(middle, kind.roller_distance) else (fewest, middle)
         ways.append(f"at most {fewest} rollers at this distance")
     near = kind.roller_distance
-    far = kind.radius * math.cos(math.pi / kind.roller_count)
+    far = kind.radius * math.cos(kind.covered)
     if fits(kind.roller_count, far):
         for _ in range(HALVINGS):
             between = 0.5 * (near + far)
@@ -115,7 +136,7 @@ def densities(config: Config) -> Iterator[Problem]:
             what = "hub and plates" if disk.plate_radius else "the hub"
             yield from _density((*path, "disk", "mass"), disk.mass, volume, what, (foam, osmium))
         else:
-            volume = 2.0 * math.pi * kind.radius**2 * half_width(shape)
+            volume = 2.0 * math.pi * kind.radius**2 * half_width(kind)
             yield from _density((*path, "disk", "mass"), disk.mass, volume, "the whole wheel", (0.0, osmium))
     if config.chassis and "size" in config.chassis.model_fields_set:
         volume = math.prod(config.chassis.size)
@@ -170,7 +191,7 @@ def gyrations(config: Config) -> Iterator[Problem]:
         disk = kind.disk
         thick = kind.radius - kind.roller_distance
         half = float(profile(shape, np.array(shape.alpha))[0])
-        wide = 0.5 * disk.width or half_width(shape)
+        wide = 0.5 * disk.width or half_width(kind)
         for part, key, mass, size in (
             ("roller", "inertia_axial", roller.mass, thick),
             ("roller", "inertia_transverse", roller.mass, math.hypot(thick, half)),
@@ -221,7 +242,7 @@ def _rectangle(wheel: Wheel, kind: WheelType, height: float) -> tuple[np.ndarray
     heading = math.radians(wheel.heading_deg)
     chord = math.sqrt(kind.radius**2 - (kind.radius - height) ** 2)
     along = chord * kind.roller_distance / kind.radius
-    across = half_width(outline(kind))
+    across = half_width(kind)
     h = np.array([math.cos(heading), math.sin(heading)])
     return np.array(wheel.position), np.array([along * h, across * np.array([-h[1], h[0]])])
 
@@ -286,7 +307,7 @@ def weak_drives(config: Config) -> Iterator[Problem]:
     torques = np.array([most_torque(wheel.drive) for wheel in wheels])
     if config.chassis is None or not np.isfinite(torques).all() or not torques.any():
         return
-    mass = config.chassis.mass + sum(kind.disk.mass + kind.roller_count * kind.roller.mass for kind in kinds)
+    mass = config.chassis.mass + sum(map(wheel_mass, kinds))
     spins = np.abs(wheel_rows(config))
     first = int(np.argmax(torques > 0.0))
     spins[spins < ROUNDING * spins.max()] = 0.0

@@ -5,6 +5,7 @@ Vectors are in the frame of the wheel at spin angle 0: x along h (heading), y al
 """
 
 import math
+from itertools import permutations
 from typing import NamedTuple
 
 import numpy as np
@@ -127,20 +128,41 @@ def disk_solid(disk: Disk) -> Solid:
 # --- rollers on their wheel -----------------------------------------------------------------------
 
 
-def gap(wheel: Shape, pitches: int = 1) -> float:
-    """Distance between the surfaces of two rollers `pitches` apart, m; below 0 they overlap.
+def gap(wheel: Shape, pitches: float = 1, aside: float = 0.0) -> float:
+    """Distance between the surfaces of two rollers `pitches` apart, m, of which the one behind stands `aside` (m) of
+    the one ahead along the axle; below 0 they overlap.
 
     Between convex bodies A and B every unit vector n has n . (B - A) - reach of A along n - reach of B along -n, and
     the largest of these is the distance: a finite number of n never makes it too large. Half a turn about the radius
     midway swaps the rollers, so the best n is at right angles to it: n = cos b along the rim + sin b along the axle,
 
-        distance = 2 max_b [cos b R1 sin g - reach(cos b c cos g + sin b s)],    g = pitches * alpha
+        distance = 2 max_b [cos b R1 sin g + sin b aside / 2 - reach(cos b c cos g + sin b s)],    g = pitches * alpha
     """
     g = pitches * wheel.alpha
     b = np.linspace(-0.5 * np.pi, 0.5 * np.pi, DIRECTIONS)
     along = np.cos(b) * wheel.cos_psi * math.cos(g) + np.sin(b) * wheel.sin_psi
-    room = np.cos(b) * wheel.roller_distance * math.sin(g) - support(wheel, np.clip(along, -1.0, 1.0))
-    return 2.0 * float(room.max())
+    apart = np.cos(b) * wheel.roller_distance * math.sin(g) + np.sin(b) * 0.5 * aside
+    return 2.0 * float((apart - support(wheel, np.clip(along, -1.0, 1.0))).max())
+
+
+def gap_in_row(kind: WheelType) -> float:
+    """The gap between neighbours of a row."""
+    return gap(outline(kind), pitches(kind, 360.0 / kind.roller_count))
+
+
+def gap_between_rows(kind: WheelType) -> float:
+    """The least gap between rollers of different rows, m; infinite of one row."""
+    rings, shape = kind.rings, outline(kind)
+    found = [math.inf]
+    for behind, ahead in permutations(range(len(rings)), 2):
+        turn = (rings[ahead].phase_deg - rings[behind].phase_deg) % (360.0 / kind.roller_count)
+        found.append(gap(shape, pitches(kind, turn), rings[behind].offset - rings[ahead].offset))
+    return min(found)
+
+
+def pitches(kind: WheelType, turn_deg: float) -> float:
+    """An angle by that over which the profile of a roller is cut."""
+    return math.radians(turn_deg) / (2.0 * kind.covered)
 
 
 def hub_radius(wheel: Shape) -> float:
@@ -148,7 +170,12 @@ def hub_radius(wheel: Shape) -> float:
     return max(2.0 * wheel.roller_distance - wheel.radius, 0.0)
 
 
-def half_width(wheel: Shape) -> float:
-    """Of a wheel, m: rollers are thick amid, and their axes long across the wheel."""
+def half_width(kind: WheelType) -> float:
+    """Of a wheel, m: as far as its outermost row reaches."""
+    return ring_half_width(outline(kind)) + max(abs(row.offset) for row in kind.rows)
+
+
+def ring_half_width(wheel: Shape) -> float:
+    """Of a ring of rollers, m: they are thick amid, and their axes long across the wheel."""
     across = float(profile(wheel, np.array(wheel.alpha))[0]) * abs(wheel.sin_psi)
     return max(wheel.radius - wheel.roller_distance, across)

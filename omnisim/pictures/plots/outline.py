@@ -7,9 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 
-from omnisim.cad.geometry import of_type
-from omnisim.contact.roller_profile import length
 from omnisim.scene.schema import Config
+from omnisim.scene.solids import half_width
 
 MOST = 6  # instants
 APART = 1.3  # machine sizes along the path, at least: outlines do not cover each other
@@ -32,9 +31,7 @@ def outline(config: Config) -> tuple[list[np.ndarray], np.ndarray]:
 def rectangle(config: Config, wheel) -> np.ndarray:
     """A wheel from above (4, 2): two radii long, as wide as its rollers reach."""
     kind = config.type_of(wheel)
-    psi = math.radians(kind.roller_angle_deg)
-    half = max(0.5 * length(of_type(kind)) * abs(math.sin(psi)), kind.radius - kind.roller_distance)
-    corners = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]]) * (kind.radius, half)
+    corners = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]]) * (kind.radius, half_width(kind))
     return moved(corners, np.array([*wheel.position, math.radians(wheel.heading_deg)]))
 
 
