@@ -10,7 +10,7 @@ import click
 from omnisim.base.formatting import aligned, columns
 
 from .compiling import compilation_noted
-from .info_rest import Rest, rest_of, shape_facts
+from .info_rest import Rest, jumps, rest_of, shape_facts
 from .plot import study_in
 from .screen import BAD_INPUT, Failure, warn
 
@@ -265,11 +265,10 @@ def wheel_facts(kind: WheelType, wheel: np.record) -> dict[str, str]:
         facts |= shape_facts(kind, psi)
     else:
         margin = wheel.radius * wheel.cos_alpha - wheel.roller_distance
-        jump = 2.0 * wheel.roller_distance * math.tan(wheel.alpha) * abs(wheel.tan_psi)
         facts |= {
             "roller length": f"{length(wheel):.6g} m",
             "roller radius": f"{profile_radius(wheel, 0.0):.6g} m amid, {tip_radius(wheel):.6g} m at the tips",
             "margin": f"{max(margin, 0.0):.6g} m until the tips are points (R cos alpha - R1)",
-            "exchange": f"every {math.degrees(2.0 * wheel.alpha):g} deg; the contact jumps {jump:.6g} m sideways",
+            "exchange": f"every {math.degrees(2.0 * wheel.alpha):g} deg; the contact jumps {jumps(kind, wheel)}",
         }
     return facts | {"axle inertia": f"{wheel.axle_inertia:.6g} kg m^2 (J_k: disk and rollers about the axle)"}

@@ -103,3 +103,11 @@ def shape_facts(kind: WheelType, psi: float) -> dict[str, str]:
         "exchange": f"every {math.degrees(2.0 * kind.covered):g} deg; {rises}",
         "rubber": f"{kind.contact.stiffness:g} N/m, {kind.contact.damping:g} N s/m at each roller that touches",
     }
+
+
+def jumps(kind: WheelType, wheel: np.record) -> str:
+    """How far the contact goes along the axle where the next roller takes over: along its tilt, and to its row."""
+    ring = [row.offset for row in kind.rings]
+    tilt = 2.0 * wheel.roller_distance * math.tan(wheel.alpha) * wheel.tan_psi
+    found = [abs(tilt + there - here) for here, there in zip(ring, ring[1:] + ring[:1], strict=True)]
+    return " or ".join(dict.fromkeys(f"{jump:.6g} m" for jump in found)) + " sideways"

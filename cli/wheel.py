@@ -115,10 +115,8 @@ def wheel_type(scene: Scene, name: str | None) -> tuple[str, WheelType]:
         hint = did_you_mean(name, kinds) or "."
         raise Failure(f"--type {name}: no such wheel type{hint} The scene has: {', '.join(kinds)}", BAD_INPUT)
     kind = kinds[name]
-    if kind.profile.kind != "exact" or len(kind.rows) > 1:
-        raise Failure(
-            f"wheel type '{name}': only wheels with one row of rollers of the exact profile are drawn", BAD_INPUT
-        )
+    if kind.profile.kind != "exact":
+        raise Failure(f"wheel type '{name}': only wheels with rollers of the exact profile are drawn", BAD_INPUT)
     return name, kind
 
 
@@ -132,7 +130,7 @@ def about(name: str, kind: WheelType) -> str:
     sections = {
         f"wheel type '{name}'": aligned(dimensions(kind, record), indent="  "),
         "profile of a roller: u along its axis from the middle, r from its axis": profile_table(record),
-        "room": aligned(room(record), indent="  "),
+        "room": aligned(room(kind, record), indent="  "),
         "rolling straight, by the shape of the rollers": ripple_table(record),
     }
     return "\n\n".join(f"{heading}\n{body}" for heading, body in sections.items())
@@ -145,9 +143,10 @@ def dimensions(kind: WheelType, record: np.record) -> dict[str, str]:
     body = solid(record, kind.roller.bore_radius)
     roller = kind.roller
     density = roller.mass / body.volume
+    in_rows = f" in rows at {', '.join(mm(row.offset) for row in kind.rows)}" if len(kind.rows) > 1 else ""
     return {
         "rolling radius": f"{mm(kind.radius)}, for the controller: {kind.radius:g} m at every angle",
-        "rollers": f"{kind.roller_count}, axes at {mm(kind.roller_distance)}, angle {kind.roller_angle_deg:g} deg",
+        "rollers": f"{kind.rollers}{in_rows}, axes at {mm(kind.roller_distance)}, angle {kind.roller_angle_deg:g} deg",
         "roller length": mm(length(record)),
         "roller diameter": f"{mm(2.0 * profile_radius(record, 0.0))} amid, {mm(2.0 * tip_radius(record))} at the tips",
         "roller volume": f"{body.volume * 1e6:.5g} cm^3; {roller.mass:g} kg is {density:.4g} kg/m^3",
@@ -168,15 +167,24 @@ def profile_table(record: np.record) -> str:
     return columns([("     u, mm", "    r, mm", "diameter, mm"), *rows], indent="  ")
 
 
-def room(record: np.record) -> dict[str, str]:
+def room(kind: WheelType, record: np.record) -> dict[str, str]:
     from omnisim.cad.geometry import gap, hub_radius
+    from omnisim.scene.solids import gap_between_rows, gap_in_row
 
     margin = record.radius * record.cos_alpha - record.roller_distance
     hub = hub_radius(record)
-    return {
-        "tips": f"{mm(max(margin, 0.0))} until they are points (R cos alpha - R1)",
+    gaps = {
         "neighbours": told(gap(record)) or "they overlap: in one row the exact rollers do not fit",
         "next but one": told(gap(record, 2)) or "they overlap: in two rows the exact rollers do not fit",
+    }
+    if len(kind.rows) > 1:
+        gaps = {
+            "in a row": told(gap_in_row(kind)) or "neighbours overlap: the exact rollers do not fit",
+            "between rows": told(gap_between_rows(kind)) or "rollers overlap: the rows are too near",
+        }
+    return {
+        "tips": f"{mm(max(margin, 0.0))} until they are points (R cos alpha - R1)",
+        **gaps,
         "hub": f"{mm(hub)} is the largest radius free of rollers" if hub > 0.0 else "rollers reach the axle",
         "": "Gaps are distances of surfaces: the widest slab that fits between two rollers, so never too large.",
     }
@@ -218,11 +226,12 @@ def write_drawing(path: Path, name: str, kind: WheelType) -> None:
 
 
 def write_mesh(path: Path, part: str, name: str, kind: WheelType) -> None:
-    from omnisim.cad.geometry import gap, of_type
     from omnisim.cad.mesh import controller_note, roller, whole, write
+    from omnisim.scene.solids import gap_between_rows, gap_in_row
 
-    if part == "wheel" and gap(of_type(kind)) < 0.0:
-        note("Warning: the rollers of this wheel overlap in one row, and so do those of the mesh")
+    if part == "wheel" and min(gap_in_row(kind), gap_between_rows(kind)) < 0.0:
+        where = "in one row" if len(kind.rows) == 1 else "in their rows"
+        note(f"Warning: the rollers of this wheel overlap {where}, and so do those of the mesh")
     write(roller(kind) if part == "roller" else whole(kind), path, controller_note(name, kind))
 
 

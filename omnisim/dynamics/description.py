@@ -21,7 +21,7 @@ from omnisim.dynamics.parts import (
 )
 from omnisim.dynamics.spatial.description import parts_in_space
 from omnisim.dynamics.state import places_in
-from omnisim.scene.schema import Config, unused_keys
+from omnisim.scene.schema import Config, WheelType, unused_keys
 
 
 class Model(NamedTuple):
@@ -128,15 +128,21 @@ def motion_reason(config: Config) -> str:
 def contacts_reason(config: Config) -> str:
     shape = "exact profile, rigid contact"
     if config.chassis:
+        rowed = [kind for kind in config.wheel_types.values() if len(kind.rows) > 1]
+        shape += "; the contact goes from row to row" if rowed else ""
         return f"of each wheel one or, on an edge, two; {shape}"
     wheel = config.wheels[0]
     kind = config.type_of(config.wheels[0])
     psi = -kind.roller_angle_deg if wheel.mirrored else kind.roller_angle_deg
-    return f"one of {kind.roller_count} or, on an edge, two; psi = {psi:g} deg: {shape}"
+    return f"one of {kind.rollers}{in_rows(kind)} or, on an edge, two; psi = {psi:g} deg: {shape}"
+
+
+def in_rows(kind: WheelType) -> str:
+    return f" in {len(kind.rows)} rows" if len(kind.rows) > 1 else ""
 
 
 def air_reason(config: Config) -> str:
-    count = sum(config.type_of(wheel).roller_count for wheel in config.wheels)
+    count = sum(config.type_of(wheel).rollers for wheel in config.wheels)
     return f"{count - len(config.wheels)} of {count} keep their axial rates exactly: frictionless bearings"
 
 

@@ -21,7 +21,7 @@ def loads_under(parameters: Parameters, load: float, push: tuple[float, float]) 
     """Normal forces (W,), N, of a machine at rest under a force at C: `load` (N) onto the floor, `push` (N) along it in
     chassis axes, which friction holds.
 
-    Each acts below the wheel centre, the mean of where rollers touch. Contacts that carry roll and pitch have loads on
+    Each acts below the middle of the wheel's rows, the mean of where rollers touch. Contacts that carry roll and pitch have loads on
     a plane over the chassis that balance about C; wheels that it would pull down are off the floor.
     """
     machine, wheels = parameters.machine, parameters.wheels
@@ -41,8 +41,9 @@ def loads_under(parameters: Parameters, load: float, push: tuple[float, float]) 
 
 
 def centres(parameters: Parameters) -> np.ndarray:
-    """Wheel centres from C, chassis axes (2, W), m."""
-    wheels = parameters.wheels
+    """The middle of each wheel's rows from C, chassis axes (2, W), m."""
+    wheels, offsets = parameters.wheels, parameters.roller_rows.offset
     heading = np.array([wheels.cos_heading, wheels.sin_heading])
     along, across = wheels.offset.T
+    across = across + [offsets[wheel.row : wheel.row + wheel.rows].mean() for wheel in wheels]
     return along * heading + across * np.array([-heading[1], heading[0]])

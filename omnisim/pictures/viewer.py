@@ -25,17 +25,15 @@ import numpy as np
 from omnisim.base.arguments import path_text
 from omnisim.base.files import write_whole
 from omnisim.base.status import EVENT_KINDS
-from omnisim.cad.geometry import of_type, profile
-from omnisim.pictures.viewer_space import AXES, ground, motion_in_space, type_in_space, up
+from omnisim.pictures.viewer_space import AXES, ground, motion_in_space, shape_of_type, up
 from omnisim.results.commanded import target_rates
 from omnisim.results.trajectory import Trajectory
 from omnisim.scene.scene import parse
-from omnisim.scene.schema import Config, Wheel, WheelType
+from omnisim.scene.schema import Config, Wheel
 
 ROWS_PER_SECOND = 60.0  # more than a screen shows; the page interpolates with the rates
 MOST_ROWS = 20_000  # of long runs: about 10 MB on four wheels of eighteen rollers
 ROUNDING = 1e-9  # of a row
-PROFILE_POINTS = 17  # the page leaves out every other one, or three of four, where nobody sees it
 MODULES = (
     "motion", "wheels", "chassis", "machine", "arrows", "shadow", "ground", "quality", "stage", "quantities", "timebar",
     "chart", "main",
@@ -103,24 +101,11 @@ def page(trajectory: Trajectory) -> str:
 def machine(config: Config) -> dict[str, Any]:
     """Types of wheels and the wheels, in SI units and radians; whether there is a chassis, and whether it is free in
     space."""
-    free = config.upright == "free"
-    shaped = type_in_space if free else _type
     return {
-        "types": {name: shaped(kind) for name, kind in config.wheel_types.items()},
+        "types": {name: shape_of_type(kind) for name, kind in config.wheel_types.items()},
         "wheels": [_wheel(config, wheel) for wheel in config.wheels],
         "chassis": config.chassis is not None,
-        "free": free,
-    }
-
-
-def _type(kind: WheelType) -> dict[str, Any]:
-    record = of_type(kind)
-    u, r = profile(record, np.linspace(-record.alpha, record.alpha, PROFILE_POINTS))
-    return {
-        "radius": kind.radius,
-        "rollerDistance": kind.roller_distance,
-        "rollers": kind.roller_count,
-        "profile": np.column_stack([u, r]).tolist(),
+        "free": config.upright == "free",
     }
 
 

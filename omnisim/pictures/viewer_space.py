@@ -13,7 +13,7 @@ from omnisim.scene.schema import Config, WheelType
 from omnisim.scene.solids import outline, profile
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0)}
-POINTS = 17  # of a profile
+POINTS = 17  # of a profile: the page leaves out every other one, or three of four, where nobody sees it
 ABOVE = 2e-3  # m, of the path over the ground
 BODY = {"body/orientation": "float64", "body/angular_velocity": "float32"}
 WHEEL = dict.fromkeys(
@@ -21,7 +21,7 @@ WHEEL = dict.fromkeys(
 )
 
 
-def type_in_space(kind: WheelType) -> dict[str, Any]:
+def shape_of_type(kind: WheelType) -> dict[str, Any]:
     """A type of wheels, its rows and the profile of its rollers as they are."""
     shape = kind.profile
     if shape.kind == "arc":
@@ -33,7 +33,7 @@ def type_in_space(kind: WheelType) -> dict[str, Any]:
         "radius": kind.radius,
         "rollerDistance": kind.roller_distance,
         "rollers": kind.rollers,
-        "rows": [{"offset": row.offset, "phase": math.radians(row.phase_deg)} for row in kind.rows],
+        "rows": [{"offset": row.offset, "phase": math.radians(row.phase_deg)} for row in kind.rings],
         "profile": np.column_stack([u, r]).tolist(),
     }
 

@@ -8,8 +8,8 @@ from omnisim.base.methods import EXPLICIT, METHODS
 from omnisim.scene.drive_schema import CONTROLLER, DATA_SHEET, DRIVE_KEYS, MOTOR_CONSTANTS, Drive
 from omnisim.scene.drives import SHEET_TOLERANCE, data_sheet, sheet_constants
 from omnisim.scene.problems import Problem, allowed_at, did_you_mean
-from omnisim.scene.schema import FRICTION_KEYS, GRID_TOLERANCE, Config, Wheel, is_whole
 from omnisim.scene.roller_rules import row_rules, wheel_type_rules
+from omnisim.scene.schema import FRICTION_KEYS, GRID_TOLERANCE, Config, Wheel, is_whole
 from omnisim.scene.toml_text import KeyPath
 
 KEYS_OF_DRIVES = {kind: keys.all for kind, keys in DRIVE_KEYS.items()}

@@ -70,7 +70,7 @@ class Scene:
         friction = self.config.friction
         step = f"step {time.step:g} s" if config.solver.error is None else f"error {config.solver.error:g}"
         kinds = ", ".join(
-            f"{name}: {kind.roller_count} rollers at {kind.roller_angle_deg:g} deg, radius {kind.radius:g} m"
+            f"{name}: {kind.rollers} rollers at {kind.roller_angle_deg:g} deg, radius {kind.radius:g} m"
             for name, kind in config.wheel_types.items()
         )
         drives = Counter(wheel.drive.kind for wheel in config.wheels)

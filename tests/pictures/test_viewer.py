@@ -15,7 +15,6 @@ from omnisim.dynamics.packing import pack
 from omnisim.pictures.viewer import (
     BODY,
     BODY_MORE,
-    PROFILE_POINTS,
     WHEEL,
     NothingToShow,
     kept_rows,
@@ -23,6 +22,7 @@ from omnisim.pictures.viewer import (
     motion,
     page,
 )
+from omnisim.pictures.viewer_space import POINTS
 from omnisim.results.trajectory import Trajectory
 from omnisim.scene.scene import packaged_scenes
 from omnisim_cli.main import cli
@@ -128,7 +128,7 @@ def test_the_profile_is_that_of_the_simulated_roller(name):
     types = machine(config)["types"]
     for wheel, record in zip(config.wheels, pack(config).wheels, strict=True):
         u, r = np.transpose(types[wheel.type]["profile"])
-        for i, q in enumerate(np.linspace(-record.alpha, record.alpha, PROFILE_POINTS)):
+        for i, q in enumerate(np.linspace(-record.alpha, record.alpha, POINTS)):
             assert abs(u[i] - axial_coordinate(record, q)) < 1e-15  # 2e-17
             assert abs(r[i] - profile_radius(record, q)) < 1e-15
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from omnisim.pictures.viewer import kept_rows
-from omnisim.pictures.viewer_space import type_in_space, up
+from omnisim.pictures.viewer_space import shape_of_type, up
 from omnisim.results.spatial import matrices
 from omnisim.scene.scene import load
 
@@ -64,7 +64,7 @@ def test_a_rocker_turns_as_its_wheels_stand(runs):
 
 def test_barrels_are_drawn_as_barrels_in_their_rows():
     kind = load("kiwi_ramp").config.wheel_types["omni"]
-    drawn = type_in_space(kind)
+    drawn = shape_of_type(kind)
     u, r = np.transpose(drawn["profile"])
     shape = kind.profile
     assert u[-1] == -u[0] == shape.half_length and r.max() == shape.radius

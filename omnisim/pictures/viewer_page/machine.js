@@ -105,16 +105,17 @@ class Wheel {
   }
 
   azimuth(i) {
-    const q = this.wheel.phase + (2 * Math.PI * i) / this.type.rollers - this.spin;
+    const { rollers, rows } = this.type;
+    const q = this.wheel.phase + rows[0].phase + (2 * Math.PI * i) / rollers - this.spin;
     return q - 2 * Math.PI * Math.round(q / (2 * Math.PI));
   }
 
-  // That of the last row while it reaches the floor; else the nearest, which has taken over since.
+  // Of an upright machine: that of the last row while it reaches the floor; else the nearest, which has taken over since.
   contactRoller() {
     const [recorded, n] = [this.motion.held(`${this.path}/contact_roller`), this.type.rollers];
     if (Math.abs(this.azimuth(recorded)) <= Math.PI / n + EDGE) return recorded;
-    const nearest = Math.round(((this.spin - this.wheel.phase) * n) / (2 * Math.PI));
-    return ((nearest % n) + n) % n;
+    const nearest = Math.round((-this.azimuth(0) * n) / (2 * Math.PI));
+    return (nearest + n) % n;
   }
 
   // Unit normal of the ground there.
@@ -130,12 +131,12 @@ class Wheel {
     return [0, 1, 2].map((i) => this.motion[read](`${this.path}/${name}`, i));
   }
 
-  // Where it touches: as it was recorded, along the way of one roller; or P = O - R n + R1 tan q tan psi k.
+  // Where it touches: as it was recorded, along the way of one roller; or P = O - R n + (R1 tan q tan psi + offset) k.
   contactPoint() {
     if (this.free) return new Vector3(...this.between("contact_point"));
-    const { radius, rollerDistance } = this.type;
+    const { radius, rollerDistance, rows } = this.type;
     const along = rollerDistance * Math.tan(this.azimuth(this.touching)) * Math.tan(this.wheel.psi);
-    return new Vector3(0, along, -radius).applyMatrix4(this.frame);
+    return new Vector3(0, along + rows[this.touching % rows.length].offset, -radius).applyMatrix4(this.frame);
   }
 }
 

@@ -91,7 +91,7 @@ export function hubGeometry(type, wheel, { segments }) {
 
 // Where roller i sits in its wheel at spin angle 0: d = -cos q n + sin q h, axis c t + s k with t = k x d.
 // Rows of rollers take turns.
-export function rollerFrame({ rollerDistance, rollers, rows = [{ offset: 0, phase: 0 }] }, { psi, phase }, i) {
+export function rollerFrame({ rollerDistance, rollers, rows }, { psi, phase }, i) {
   const row = rows[i % rows.length];
   const q = phase + row.phase + (2 * Math.PI * Math.floor(i / rows.length) * rows.length) / rollers;
   const d = new Vector3(Math.sin(q), 0, -Math.cos(q));
@@ -107,7 +107,7 @@ export function halfWidth(type, { psi }) {
   return Math.max(Math.abs(length * Math.sin(psi)), thickest(type.profile)) + outermost(type);
 }
 
-function outermost({ rows = [] }) {
+function outermost({ rows }) {
   return Math.max(0, ...rows.map(({ offset }) => Math.abs(offset)));
 }
 
