@@ -21,8 +21,8 @@ def loads_under(parameters: Parameters, load: float, push: tuple[float, float]) 
     """Normal forces (W,), N, of a machine at rest under a force at C: `load` (N) onto the floor, `push` (N) along it in
     chassis axes, which friction holds.
 
-    Each acts below the middle of the wheel's rows, the mean of where rollers touch. Contacts that carry roll and pitch have loads on
-    a plane over the chassis that balance about C; wheels that it would pull down are off the floor.
+    Each acts below the middle of the wheel's rows, the mean of where rollers touch. Contacts that carry roll and pitch
+    have loads on a plane over the chassis that balance about C; wheels that it would pull down are off the floor.
     """
     machine, wheels = parameters.machine, parameters.wheels
     load = max(load, 0.0)

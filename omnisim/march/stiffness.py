@@ -21,7 +21,7 @@ def relaxation_rate(config: Config, parameters: Parameters) -> float:
     normal = heaviest_load(config, parameters)
     if config.friction.law == "coulomb":
         return math.inf if machine.friction * normal > 0.0 else 0.0
-    mobility = max(roller_mobility(machine, wheel) for wheel in parameters.wheels)
+    mobility = max(roller_mobility(machine, wheel, parameters.roller_rows) for wheel in parameters.wheels)
     return friction_factor(machine, 0, normal, Slip(0.0, 0.0)) * mobility
 
 

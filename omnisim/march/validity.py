@@ -135,20 +135,20 @@ def too_stiff(parameters, run, w):
     """Stop for friction at wheel w, with the largest rate at which it relaxes slip anywhere on a roller."""
     machine = parameters.machine
     at_rest = friction_factor(machine, 0, run.monitors[w].normal_force, Slip(0.0, 0.0))
-    run.clock.rate = at_rest * roller_mobility(parameters, parameters.wheels[w])
+    run.clock.rate = at_rest * roller_mobility(machine, parameters.wheels[w], parameters.roller_rows)
     run.clock.wheel, run.clock.status = w, TOO_STIFF
 
 
 @kernel
-def roller_mobility(parameters, wheel):
-    """Largest eigenvalue of the inverse mass of a wheel's contact anywhere on a roller of any row, 1/kg."""
+def roller_mobility(machine, wheel, rows):
+    """Largest eigenvalue of the inverse mass of a wheel's contact anywhere on a roller, 1/kg; rows: of all wheels."""
     mobility = 0.0
     for i in range(-STATIONS, STATIONS + 1):
         cos_q, sin_q = math.cos(wheel.alpha * i / STATIONS), math.sin(wheel.alpha * i / STATIONS)
         axis, middle = roller_axis(wheel, cos_q, sin_q), explicit_contact(wheel, cos_q, sin_q)
         for r in range(wheel.row, wheel.row + wheel.rows):
-            contact = on_row(middle, parameters.roller_rows[r])
-            mobility = max(mobility, largest(inverse_mass(parameters.machine, wheel, axis, contact)))
+            contact = on_row(middle, rows[r])
+            mobility = max(mobility, largest(inverse_mass(machine, wheel, axis, contact)))
     return mobility
 
 
