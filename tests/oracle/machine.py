@@ -9,7 +9,7 @@ SI units, radians.
         |                         k = n x h, into the page: spin phi > 0 rolls the wheel towards h
        .|----.                    q = gamma_i - phi      azimuth of roller i from straight down towards h
       / |     \                   d = -cos q n + sin q h   from wheel centre O to roller centre O_i = O + R1 d
-     |  O------|--> h (heading)   t = k x d
+     |  O------|--> h (heading)   t = k x d                   rows: O_i = O + R1 d + offset k
       \  \    /                   a = cos(psi) t + sin(psi) k      roller axis
        '--d--'                    P contact point,  p = P - O_i
     =====P========  floor         w angular velocity,  alpha_b = w_b' angular acceleration of body b
@@ -131,14 +131,28 @@ class Wheel:
     def __init__(self, entry: dict, kind: dict, disk: int) -> None:
         self.entry, self.name, self.kind = entry, entry["name"], kind
         self.radius, self.roller_distance = kind["radius"], kind["roller_distance"]
-        self.count, self.half_pitch = kind["roller_count"], pi / kind["roller_count"]
+        rows = kind.get("rows", [{}])
+        self.count = kind["roller_count"] * len(rows)
+        self.half_pitch = pi / self.count
         # places among the bodies
         self.disk, self.rollers = disk, slice(disk + 1, disk + 1 + self.count)
         psi = radians(kind.get("roller_angle_deg", 0.0)) * (-1.0 if entry.get("mirrored") else 1.0)
-        self.cos_psi, self.phase = cos(psi), radians(entry.get("phase_deg", 0.0))
-        gamma, k = self.phase + 2.0 * self.half_pitch * np.arange(self.count), np.array([0.0, 1.0, 0.0])
+        self.cos_psi, self.phase = cos(psi), radians(entry.get("phase_deg", 0.0) + rows[0].get("phase_deg", 0.0))
+        gamma, aside = self.mounted(entry, rows)
+        k = np.array([0.0, 1.0, 0.0])
         self.d = np.stack([np.sin(gamma), 0.0 * gamma, -np.cos(gamma)], axis=1)
+        self.place = self.roller_distance * self.d + aside[:, None] * k
         self.a = cos(psi) * cross(k, self.d) + sin(psi) * k
+
+    def mounted(self, entry: dict, rows: list[dict]) -> tuple[np.ndarray, np.ndarray]:
+        """Azimuth of every roller in the disk, and its offset along the axle: in order of azimuth from the first row's
+        roller 0 on."""
+        turns = 2.0 * pi / self.kind["roller_count"] * np.arange(self.kind["roller_count"])
+        own = radians(entry.get("phase_deg", 0.0))
+        gamma = np.concatenate([own + radians(row.get("phase_deg", 0.0)) + turns for row in rows])
+        aside = np.repeat([row.get("offset", 0.0) for row in rows], len(turns))
+        order = np.argsort((gamma - gamma[0] + 0.5 * self.half_pitch) % (2.0 * pi))
+        return gamma[order], aside[order]
 
     def azimuth(self, bodies: np.ndarray, contact: int) -> float:
         """q of a roller, from the orientation of the disk."""
@@ -213,7 +227,7 @@ class Machine:
                 heading = radians(wheel.entry.get("heading_deg", 0.0))
                 joints.append((0, wheel.disk, arm, [[cos(heading), sin(heading), 0.0], UP]))
             for i, (d, a) in enumerate(zip(wheel.d, wheel.a, strict=True)):
-                joints.append((wheel.disk, wheel.rollers.start + i, wheel.roller_distance * d, [d, cross(a, d)]))
+                joints.append((wheel.disk, wheel.rollers.start + i, wheel.place[i], [d, cross(a, d)]))
         self.mass, self.inertia = np.array(masses), np.array(inertias)
         self.parent, self.child, self.arm, self.e = (np.array(column) for column in zip(*joints, strict=True))
 

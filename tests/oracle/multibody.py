@@ -62,7 +62,7 @@ def place_wheel(wheel: Wheel, turning: Turning, bodies: np.ndarray, origin: np.n
     d, a = wheel.d @ disk.T, wheel.a @ disk.T
     centre = origin + turned @ [*entry.get("position", [0.0, 0.0]), wheel.radius]
     bodies[wheel.disk, POSITION], bodies[wheel.disk, ROTATION] = centre, disk.ravel()
-    rollers[:, POSITION] = centre + wheel.roller_distance * d
+    rollers[:, POSITION] = centre + wheel.place @ disk.T
     rollers[:, ROTATION] = np.stack([cross(a, d), a, d], axis=2).reshape(-1, 9)
     rollers[:, VELOCITY] = turning.rate * wheel.roller_distance * cross(k, d)
     bodies[wheel.disk, OMEGA] += turning.rate * k

@@ -13,6 +13,23 @@ PUSHED = (
     "wrench.frame='body'", "wrench.times=[0.0, 0.31, 0.31]",
     "wrench.force=[[0.5, -1.0, 2.0], [1.0, 0.5, -4.0], [0.0, 0.7, 3.0]]", "wrench.yaw_torque=[0.02, -0.01, 0.03]",
 )  # fmt: skip
+# Two or three rows, some out of order, whose offsets do not balance.
+ROWS = (
+    "wheel_types.straight.roller_count=3",
+    "wheel_types.straight.rows=[{offset=-0.012}, {offset=0.02, phase_deg=60.0}]",
+    "wheels.front.roller_rates=[5.0, 2.0, -7.0, 2.0, 11.0, -3.0]",
+    "wheel_types.tilted.roller_count=4",
+    "wheel_types.tilted.rows=[{offset=0.02, phase_deg=30.0}, {offset=-0.015, phase_deg=345.0}]",
+    "wheels.left.roller_rates=[-6.0, 14.0, 3.0, -2.0, 8.0, 1.0, 4.0, -9.0]",
+    "wheel_types.crossed.roller_count=3",
+    "wheel_types.crossed.rows=[{offset=-0.02}, {offset=0.025, phase_deg=80.0}, {offset=0.005, phase_deg=-80.0}]",
+    "wheels.right.roller_rates=[9.0, -12.0, 4.0, 6.0, -5.0, 2.0, 7.0, 1.0, -8.0]",
+)
+BARE_ROWS = (
+    "wheel_types.omni.roller_count=3",
+    "wheel_types.omni.rows=[{offset=-0.02, phase_deg=-25.0}, {offset=0.05, phase_deg=35.0}]",
+    "wheels.wheel.roller_rates=[3.0, -2.0, 5.0, 1.0, -6.0, 4.0]",
+)
 CASES = {
     f"psi {psi:g}": (f"wheel_types.omni.roller_angle_deg={psi!r}", "time.end=0.5") for psi in (0.0, 30.0, 45.0, -45.0)
 }
@@ -25,6 +42,7 @@ CASES["mirrored, phase, driven and pushed"] = (
 CASES["saturated"] = ("friction.law=saturated", "time.end=0.25")
 CASES["viscous"] = ("friction.law=viscous", "friction.viscosity=5.0", "time.end=0.5")
 CASES["on a slope"] = ("floor={slope_deg=20.0, uphill_deg=-35.0}", "time.end=0.5", *PUSHED)
+CASES["on two rows, pushed"] = (*BARE_ROWS, "time.end=0.5", *PUSHED)
 CASES["no friction"] = ("friction.law=none", "time.end=0.5")
 SKEW, MECANUM = Path(__file__).parent / "skew.toml", REFERENCE / "mecanum.toml"
 # rollers that spin, edges nearby, a yaw rate, and a slip speed that spares the oracle some of the stiffness
@@ -54,4 +72,5 @@ def following(*wheels):
 LAWS = ("regularized", "saturated", "viscous", "none")
 MACHINES = {"three skew wheels": (SKEW, ()), "the same with a servo": (SKEW, ("scene.upright=servo",))}
 MACHINES["four mecanum wheels"] = (MECANUM, HEAVY)
+MACHINES["three skew wheels on rows"] = (SKEW, ROWS)
 MACHINES["three skew wheels on a slope"] = (SKEW, ("floor={slope_deg=8.0, uphill_deg=110.0}",))

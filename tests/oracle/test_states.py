@@ -10,7 +10,20 @@ import pytest
 
 import omnisim
 from oracle.machine import AXIS, POSITION, ROTATION, UP, VELOCITY, Machine, cross
-from oracle.scenes import BASE, CASES, HEAVY, LAWS, MACHINES, MECANUM, MOVING, PUSHED, SKEW, following
+from oracle.scenes import (
+    BARE_ROWS,
+    BASE,
+    CASES,
+    HEAVY,
+    LAWS,
+    MACHINES,
+    MECANUM,
+    MOVING,
+    PUSHED,
+    ROWS,
+    SKEW,
+    following,
+)
 from oracle.states import Given, states
 
 COULOMB = "friction={law='coulomb', coefficient=0.4}"
@@ -30,6 +43,19 @@ SCENES |= {
     "three skew wheels on a slope, implicit tracking": (SKEW, [SLOPE, "solver.tracking=implicit", FINE], Machine),
     "four mecanum wheels, coulomb": (MECANUM, [*HEAVY, COULOMB, FINE], Given),
     "four mecanum wheels on a servo, coulomb": (MECANUM, [*HEAVY, COULOMB, "scene.upright=servo", FINE], Given),
+    "bare wheel on two rows, coulomb": ("coulomb_wheel", [*BARE_ROWS, *PUSHED[1:], LONGER], Given),
+    "three skew wheels on rows, coulomb": (SKEW, [*ROWS, COULOMB, FINE], Given),
+    "three skew wheels on rows and a servo, coulomb": (SKEW, [*ROWS, COULOMB, "scene.upright=servo", FINE], Given),
+    "three skew wheels on rows and a slope, implicit tracking": (
+        SKEW,
+        [*ROWS, SLOPE, "solver.tracking=implicit", FINE],
+        Machine,
+    ),
+    "three skew wheels on rows that follow angles, coulomb": (
+        SKEW,
+        [*ROWS, *following("front", "left", "right"), COULOMB, FINE],
+        Given,
+    ),
     "kiwi under control": ("kiwi", [DRIVEN], Given),
     "mixed wheels under control": ("mixed", [DRIVEN], Given),
     "three skew wheels that follow angles": (SKEW, [*following("front", "left", "right"), FINE], Given),

@@ -18,6 +18,7 @@ from omnisim.march.runge_kutta import evaluate
 from omnisim.run.loop import Loop
 from oracle.cases import REFERENCE
 from oracle.machine import AXIS, OMEGA, UP, VELOCITY, Machine
+from oracle.scenes import BARE_ROWS, ROWS
 from oracle.states import Given
 
 HERE = REFERENCE.parent / "oracle"
@@ -35,6 +36,12 @@ SCENES = {
     "skew machine on a slope": (HERE / "skew.toml", [SLOPE]),
     "mecanum on a servo and a slope": (REFERENCE / "mecanum.toml", ["scene.upright=servo", SLOPE]),
     "sticking on a slope": (HERE / "skew.toml", ["friction={law='coulomb', coefficient=0.9}", *AT_REST, SLOPE]),
+    "skew machine on rows": (HERE / "skew.toml", [*ROWS, SLOPE]),
+    "skew machine on rows and a servo": (HERE / "skew.toml", [*ROWS, "scene.upright=servo"]),
+    "bare wheel on two rows": (REFERENCE / "testbench_psi30.toml", [*BARE_ROWS, PUSH]),
+    "sticking on rows": (
+        HERE / "skew.toml", [*ROWS, "friction={law='coulomb', coefficient=0.9}", *AT_REST, SLOPE]
+    ),
     "sticking": (HERE / "skew.toml", ["friction={law='coulomb', coefficient=0.9}", *AT_REST]),
 }  # fmt: skip
 
