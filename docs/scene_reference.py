@@ -81,7 +81,11 @@ RULES = """## Rules across keys
 
 - `output_interval / step` and `end / output_interval` are integers, to 1e-9; a run has at most 1e10 steps.
 - `formulation = "multibody"` takes `heun`, `rk4` or `dopri5`. `contact_torque = "contensou"` needs the regularized law.
-- `roller_distance` is at most `radius cos(pi / roller_count)`, where the tips of the rollers are points.
+- `roller_distance` is at most `radius cos(pi / roller_count)`, where the tips of the rollers are points; with `rows`,
+  `radius cos(pi / (roller_count * rows))`.
+- `rows` of an upright machine take turns: their `phase_deg` are `360 / (roller_count * rows)` apart, in any order, so that
+  one roller carries at a time and the contact goes from row to row. Rollers of a wheel are counted in order of azimuth, from
+  roller 0 of the first row on. A machine with `upright = "free"` may have any.
 - Masses and inertias may be left out where shapes give them: a roller has a `mass` or a `density`; a disk has
   `inertia_axle` or `hub_radius`, and `inertia_diameter` or `width`; a chassis has a `size`, or both `center_of_mass`
   and `inertia`. Given numbers win; `omnisim info` lists the estimates, and what each does to the motion. The
@@ -132,7 +136,7 @@ DERIVED = {
     "[[wheels]] drive resistance": "required by `dc_motor`, or a data sheet",
     "[[wheels]] drive torque_constant": "required by `dc_motor`, or a data sheet",
     **{f"[[wheels]] drive {key}": "absent; required of a data sheet" for key in DATA_SHEET},
-    "[wheel_types.NAME] covered_deg": "`180 / roller_count`, by the number of rows if they are spread evenly",
+    "[wheel_types.NAME] covered_deg": "`180 / roller_count`, by the number of rows if they take turns",
     "[wheel_types.NAME] profile radius": "required by `arc`",
     "[wheel_types.NAME] profile curvature_radius": "required by `arc`",
     "[wheel_types.NAME] profile half_length": "required by `arc`",

@@ -68,7 +68,10 @@ class Contact(Table):
 
 
 class Row(Table):
-    """A ring of roller_count rollers: its offset along the axle (m), and the turn of its roller 0 (deg)."""
+    """A ring of roller_count rollers: its offset along the axle (m), and the turn of its roller 0 (deg).
+
+    Rollers of a wheel are counted in order of azimuth, through all of its rows, from roller 0 of the first one on.
+    """
 
     offset: Real = 0.0
     phase_deg: Real = 0.0
