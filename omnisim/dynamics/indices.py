@@ -6,8 +6,8 @@
               number modulo N_r, the rollers of the axle
     contact   a side of an axle: on side 0 the roller of the mode, on side 1 its neighbour behind
 
-Tables in Parameters tell where each begins: wheels[w].row and .rows, .rates, .contacts; roller_rows[r]. Kernels that ask
-here need not know how many rows an axle has.
+Tables in Parameters tell where each begins: wheels[w].row and .rows, .rates, .contacts; roller_rows[r]. Kernels that
+ask here need not know how many rows an axle has.
 """
 
 import numpy as np
