@@ -126,7 +126,6 @@ def densities(config: Config) -> Iterator[Problem]:
     foam, osmium = DENSITIES if config.chassis else (0.0, DENSITIES[1])
     for name, kind in config.wheel_types.items():
         path = ("wheel_types", name)
-        shape = outline(kind)
         disk = kind.disk
         volume = roller_solid(kind).volume
         key = "mass" if "mass" in kind.roller.model_fields_set else "density"

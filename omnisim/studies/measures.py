@@ -88,7 +88,7 @@ class Reading:
             wheel = next(wheel for wheel in config.wheels if wheel.name == name)
             angle = found[f"wheels/{name}/spin_angle"]
             try:
-                orders, amplitudes = spectrum(angle, config.type_of(wheel).roller_count, values)
+                orders, amplitudes = spectrum(angle, config.type_of(wheel).rollers, values)
             except RippleError as error:
                 raise NoNumber(f"wheel '{name}' {error}") from None
             squares.append(0.5 * amplitudes[np.argmin(np.abs(orders - 1.0))] ** 2)
