@@ -262,7 +262,7 @@ def wheel_facts(kind: WheelType, wheel: np.record) -> dict[str, str]:
         "rollers": f"{wheel.rollers}{rows}, axes at {wheel.roller_distance:g} m, angle {psi:g} deg",
     }
     if kind.contact is not None:
-        facts |= shape_facts(kind, psi)
+        facts |= shape_facts(kind)
     else:
         margin = wheel.radius * wheel.cos_alpha - wheel.roller_distance
         facts |= {

@@ -77,26 +77,16 @@ def swing_facts(parameters: Parameters) -> dict[str, str]:
     return {f"{name} swings": "; ".join(dict.fromkeys(each)) for name, each in told.items()}
 
 
-def shape_facts(kind: WheelType, psi: float) -> dict[str, str]:
+def shape_facts(kind: WheelType) -> dict[str, str]:
     """Of rollers with rubber: their shape, what a wheel does where one takes over from the next, and the rubber."""
-    import numpy as np
-
-    from omnisim.scene.solids import outline
-    from omnisim.scene.solids import profile as generatrix
+    from omnisim.scene.rollers import end_radius, half_length, rolling, thickest
 
     assert kind.contact is not None
-    profile = kind.profile
-    half, end = (float(size) for size in generatrix(outline(kind), np.array(kind.covered)))
-    middle = kind.radius - kind.roller_distance
     rises = "the wheel stays round: both carry it there"
-    if profile.kind == "arc":
-        half, middle, rho = profile.half_length, profile.radius, profile.curvature_radius
-        end = middle - rho + math.sqrt(rho**2 - half**2)
-        tilt = math.cos(math.radians(psi)) * math.sin(kind.covered)
-        across = math.sqrt(1.0 - tilt**2)
-        reach = (middle - rho) * across + rho if tilt <= half / rho else end * across + half * tilt
-        drop = middle + kind.roller_distance * (1.0 - math.cos(kind.covered)) - reach
-        rises = f"the wheel is {1e3 * drop:.3g} mm lower there"
+    if kind.profile.kind != "exact":
+        found = rolling(kind)
+        rises = f"the wheel is {1e3 * (found.highest - found.lowest):.3g} mm lower there"
+    half, middle, end = half_length(kind), thickest(kind), end_radius(kind)
     return {
         "roller length": f"{2.0 * half:.6g} m",
         "roller radius": f"{middle:.6g} m amid, {end:.6g} m at the ends",

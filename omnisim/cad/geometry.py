@@ -17,15 +17,16 @@ from omnisim.base.records import records
 from omnisim.contact.roller_profile import length, profile_radius
 from omnisim.dynamics.packing import wheel_values
 from omnisim.dynamics.parameters import WHEEL
+from omnisim.scene import rollers
 from omnisim.scene.drives import drive_law
+from omnisim.scene.generatrix import generatrix
 from omnisim.scene.schema import Wheel, WheelType
-from omnisim.scene.solids import Shape, Solid, gap, generator, hub_radius, profile, solid, support
+from omnisim.scene.solids import Shape, Solid, gap, hub_radius, outline, profile, solid, support
 
 __all__ = [
     "Ripple",
     "Solid",
     "gap",
-    "generator",
     "hub_radius",
     "of_type",
     "profile",
@@ -33,9 +34,11 @@ __all__ = [
     "roller_frames",
     "shapes",
     "solid",
+    "spheres_within",
     "support",
 ]
 AZIMUTHS = 1001  # of half a pitch, for the ripple
+MOST_SPHERES = 9  # of a roller that is not the exact one
 SPHERES = 3  # of a roller that is a row of them, to compare
 SHORTFALL = 2.5e-3  # of the wheel radius: how much lower a row of spheres may carry the wheel
 
@@ -96,6 +99,28 @@ def few_spheres(wheel: Shape) -> Spheres:
     """As few as fall short of the wheel's radius by SHORTFALL of it at most."""
     counts = itertools.count(1)
     return row_of_spheres(wheel, next(n for n in counts if shortfall(wheel, n) <= SHORTFALL * wheel.radius))
+
+
+def spheres_within(kind: WheelType) -> Spheres:
+    """As few spheres along a roller's axis as carry the wheel but for SHORTFALL of its radius, MOST_SPHERES at most.
+
+    Each is as large as it may be without reaching farther than the roller where an upright wheel touches: beyond that
+    it may bulge out. The outermost touch where the roller does that takes over.
+    """
+    if kind.profile.kind == "exact":
+        return few_spheres(outline(kind))
+    end = math.cos(math.radians(kind.roller_angle_deg)) * math.sin(math.pi / kind.rollers)
+    sines = np.linspace(-end, end, AZIMUTHS)
+    whole = rollers.reach(kind, sines)
+    u, r = rollers.farthest(generatrix(kind.profile), sines[[0, -1]])
+    first, last = u - sines[[0, -1]] * r / math.sqrt(1.0 - end * end)
+    for count in range(1, MOST_SPHERES + 1):
+        places = np.linspace(first, last, count) if count > 1 else np.array([0.5 * (first + last)])
+        spheres = Spheres(places, (whole - np.multiply.outer(places, sines)).min(axis=1))
+        found = (np.multiply.outer(sines, spheres.places) + spheres.radii).max(axis=-1)
+        if (whole - found).max() <= SHORTFALL * kind.radius:
+            break
+    return spheres
 
 
 def shapes(wheel: np.record) -> dict[str, Callable[[np.ndarray], np.ndarray]]:

@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from omnisim.base.files import write_whole
-from omnisim.cad.geometry import generator, hub_radius, of_type, profile, roller_frames
+from omnisim.cad.geometry import roller_frames
+from omnisim.scene.rollers import drawn, half_width, hub_radius
 from omnisim.scene.schema import WheelType
-from omnisim.scene.solids import half_width
 
 RINGS, CORNERS = 81, 160  # of a roller: vertices lie on the exact surface, volume and inertia are within 1e-3
 DRAWN = 33, 64  # of a roller that is drawn and touches nothing: 0.2 MB
@@ -26,9 +26,8 @@ class Mesh(NamedTuple):
 
 
 def roller(kind: WheelType, rings: int = RINGS, corners: int = CORNERS) -> Mesh:
-    """The profile at `rings` stations about the axis z, each a polygon of `corners` on the surface."""
-    wheel = generator(kind)
-    u, r = profile(wheel, np.linspace(-wheel.alpha, wheel.alpha, rings))
+    """The profile at about `rings` stations about the axis z, each a polygon of `corners` on the surface."""
+    u, r = drawn(kind, rings)
     round_ = r > POINTED * kind.radius
     return revolved(u[round_], r[round_], u[[0, -1]], corners)
 
@@ -54,8 +53,7 @@ def whole(kind: WheelType) -> Mesh:
     """
     part = roller(kind)
     parts = [placed(part, *frame) for frame in roller_frames(kind)]
-    radius = hub_radius(of_type(kind))
-    half = half_width(kind)
+    radius, half = hub_radius(kind), half_width(kind)
     if radius > 0.0:
         ends = np.array([-half, half])
         hub = revolved(ends, np.full(2, radius), ends, CORNERS)

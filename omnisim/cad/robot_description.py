@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Comment, Element
 
-from omnisim.cad.geometry import hub_radius, of_type, roller_frames
+from omnisim.cad.geometry import roller_frames
 from omnisim.scene.drives import drive_law
 from omnisim.scene.ground_schema import Rocker
+from omnisim.scene.rollers import half_width, hub_radius
 from omnisim.scene.schema import Config, Wheel
-from omnisim.scene.solids import half_width
 
 LAID = (-0.5 * math.pi, 0.0, 0.0)  # roll, pitch, yaw of a cylinder along the axle
 ORIGIN = (0.0, 0.0, 0.0)
@@ -116,7 +116,7 @@ def wheel_bodies(config: Config, wheel: Wheel, parent: str | None, origin: tuple
     yield Body(
         name, parent, "0 1 0", place, (0.0, 0.0, math.radians(wheel.heading_deg)),
         disk.mass, ORIGIN, (across, disk.inertia_axle, across),
-        ("cylinder", (hub_radius(of_type(kind)), 2.0 * half_width(kind))),
+        ("cylinder", (hub_radius(kind), 2.0 * half_width(kind))),
         armature=drive_law(wheel.drive).rotor_inertia,
     )  # fmt: skip
     inertia = (roller.inertia_transverse, roller.inertia_transverse, roller.inertia_axial)

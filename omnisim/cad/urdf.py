@@ -7,7 +7,7 @@ Nor has it springs: a suspension slides between limits that nothing reaches, wit
 from collections.abc import Mapping
 from xml.etree.ElementTree import Element, SubElement
 
-from omnisim.cad.geometry import Spheres, few_spheres, generator
+from omnisim.cad.geometry import Spheres, spheres_within
 from omnisim.cad.robot_description import COLOURS, LAID, Body, bodies, headed, numbers
 from omnisim.scene.schema import Config
 
@@ -19,7 +19,7 @@ def urdf(config: Config, name: str, meshes: Mapping[str, str]) -> Element:
     root = headed(Element("robot", name=name), config)
     for colour, rgba in COLOURS.items():
         SubElement(SubElement(root, "material", name=colour), "color", rgba=rgba)
-    spheres = {used: few_spheres(generator(config.wheel_types[used])) for used in meshes}
+    spheres = {used: spheres_within(config.wheel_types[used]) for used in meshes}
     for body in bodies(config):
         link = SubElement(root, "link", name=body.name)
         inertial(link, body)

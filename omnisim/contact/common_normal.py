@@ -21,9 +21,9 @@ from omnisim.base.kernel import kernel
 from omnisim.base.vector import Vec3, combine, cross, dot, minus, plus, times
 from omnisim.contact.floor import GROUND, beyond, inside_piece, smooth_ground
 from omnisim.contact.patch import Coordinates, edge_patch, patch
-from omnisim.contact.support import ARC, Support, region_of, support
+from omnisim.contact.support import Support, region_of, support
 
-ANY = 2  # in the place of a region: whichever holds the lowest point
+ANY = -1  # in the place of a region: whichever holds the lowest point
 MOST_STEPS = 40  # of Newton, of which four are usual
 MOST_HALVINGS = 12  # of one of them
 NEAR = 0.02  # rad, from where Newton alone finds the angle of an edge
@@ -34,7 +34,7 @@ TINY = 1e-12  # sine of the angle below which a roller stands on end
 
 
 class Roller(NamedTuple):
-    """A roller's SHAPE record, its centre B (Vec3, m) and its unit axis a (Vec3), world axes."""
+    """The SHAPE record of a roller or of a lobe, its centre B (Vec3, m) and its unit axis a (Vec3), world axes."""
 
     shape: object
     centre: Vec3
@@ -95,17 +95,10 @@ class Look(NamedTuple):
 
 
 @kernel
-def reach_of(shape):
-    """Radius of a sphere about the centre of a roller that holds it, m."""
-    thickest = shape.radius if shape.kind == ARC else shape.radius - shape.distance
-    return math.sqrt(shape.half_length * shape.half_length + thickest * thickest)
-
-
-@kernel
 def room(floor, piece, roller):
     """How far above or beside this piece a Roller is that cannot touch it, m; 0 where it may: cheap, and not told of
     all that cannot. Over a level top it ends where the roller touches: a root for that event to find."""
-    centre, reach = roller.centre, reach_of(roller.shape)
+    centre, reach = roller.centre, roller.shape.reach
     above = lowest(roller, ANY, Vec3(0.0, 0.0, 1.0)).point.z - floor.highest
     if above > 0.0:
         return above
@@ -148,21 +141,13 @@ def deepest(floor, roller):
     """
     shape = roller.shape
     best, known = newton(floor, GROUND, roller, ANY, below(roller, 0.0))
-    if known and floor.hollow * longest_radius(shape) < 1.0:
+    if known and floor.hollow * shape.longest < 1.0:
         return best, known
     for part in (-1.0, -0.5, 0.5, 1.0):
         other, converged = newton(floor, GROUND, roller, ANY, below(roller, part * shape.half_length))
         if converged and (not known or dot(other.gap, other.low.nu) < dot(best.gap, best.low.nu)):
             best, known = other, True
     return best, known
-
-
-@kernel
-def longest_radius(shape):
-    """Radius of curvature of the profile in its middle, m; of exact ones it is a little more towards the ends."""
-    if shape.kind == ARC:
-        return shape.curvature_radius
-    return shape.radius - shape.distance + shape.distance / (shape.cos_psi * shape.cos_psi)
 
 
 @kernel

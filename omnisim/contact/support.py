@@ -4,14 +4,17 @@
 
                generatrix r(u)                        u, r   axial and radial coordinate of the surface, m
             .---------------.
-         .-'        |        '-.  rim of the end      exact   sin q = -N / c, the envelope of roller_profile.py
-        |           | r(0)      |                     arc     u = -rho N, r = r(0) - rho + rho sqrt(1 - N^2)
+         .-'        |        '-.  edge of the end     exact  sin q = -N / c, the envelope of roller_profile.py
+        |           | r(0)      |                     arc    u = u_c - rho N, r = r_c + rho sqrt(1 - N^2)
     ----+-----------+-----------+--> axis a
      -half_length             half_length
 
-Beyond the end of the profile the rim is lowest, u = +-half_length with its own r. Which of the three, the rim behind,
-the profile or the rim ahead, is the `region`: frozen within a step, so that a stage which looks a little further sees
-the smooth continuation of its own region.
+A generatrix is a chain of arcs of circles, of which edges have no radius; of the exact one all but its two edges is the
+envelope. Which of them holds the lowest point is the `region`, counted along u: frozen within a step, so that a stage
+which looks a little further sees the smooth continuation of its own region. From each to the next P goes on, but not
+its rate.
+
+A SHAPE is convex. A roller has several where its generatrix has straight lines: see lobes.py of scenes.
 """
 
 import math
@@ -21,20 +24,22 @@ import numpy as np
 
 from omnisim.base.kernel import kernel
 
-EXACT, ARC = 0, 1
-PROFILES = {"exact": EXACT, "arc": ARC}
-BEHIND, WITHIN, AHEAD = -1, 0, 1  # regions: the rim at u < 0, the profile, the rim at u > 0
+MOST_ARCS = 40  # of a SHAPE
+NO_ENVELOPE = -1
 
 SHAPE = np.dtype(
     [
-        ("kind", np.int64),  # one of PROFILES
-        ("radius", np.float64),  # exact: R of its wheel; arc: r(0), m
+        ("envelope", np.int64),  # which region is the exact profile; or NO_ENVELOPE
+        ("regions", np.int64),
+        ("radius", np.float64),  # exact: R of its wheel; else of the roller in its middle, m
         ("distance", np.float64),  # exact: R1 of its wheel, m
         ("cos_psi", np.float64),  # exact: of its wheel
-        ("curvature_radius", np.float64),  # arc: rho, m
-        ("half_length", np.float64),  # m
-        ("end_radius", np.float64),  # r there, m
-        ("end_tilt", np.float64),  # |N| up to which the profile holds the lowest point
+        ("tilts", np.float64, (MOST_ARCS + 1,)),  # region k holds the lowest point from tilts[k + 1] to tilts[k]
+        ("arcs", np.float64, (MOST_ARCS, 3)),  # u_c, r_c and rho of each region, m
+        ("half_length", np.float64),  # of the roller, m
+        ("thickest", np.float64),  # r where it is largest, m
+        ("reach", np.float64),  # of a sphere about the centre that holds it, m
+        ("longest", np.float64),  # radius of curvature of the generatrix, about the largest, m
     ],
     align=True,
 )
@@ -51,28 +56,38 @@ class Support(NamedTuple):
 
 @kernel
 def region_of(shape, tilt):
-    """In which region the lowest point of a roller of this SHAPE lies, for nu . a = `tilt`."""
-    if abs(tilt) <= shape.end_tilt:
-        return WITHIN
-    return BEHIND if tilt > 0.0 else AHEAD
+    """In which region the lowest point of this SHAPE lies, for nu . a = `tilt`."""
+    if tilt >= 0.0:
+        region = 0
+        while tilt <= shape.tilts[region + 1]:
+            region += 1
+        return region
+    region = shape.regions - 1
+    while tilt >= shape.tilts[region]:
+        region -= 1
+    return region
 
 
 @kernel
 def region_guard(shape, region, tilt):
     """How far nu . a = `tilt` is inside its region, 1: >= 0 as long as the region holds."""
-    if region == WITHIN:
-        return shape.end_tilt - abs(tilt)
-    return -region * tilt - shape.end_tilt
+    return min(shape.tilts[region] - tilt, tilt - shape.tilts[region + 1])
+
+
+@kernel
+def next_region(shape, region, tilt):
+    """The region on the side where nu . a = `tilt` leaves this one."""
+    before, beyond = shape.tilts[region] - tilt, tilt - shape.tilts[region + 1]
+    return region - 1 if before < beyond else region + 1
 
 
 @kernel
 def support(shape, region, tilt, across):
-    """The Support of a roller of this SHAPE in this region; tilt: nu . a, across: sqrt(1 - tilt^2)."""
-    if region != WITHIN:
-        return Support(region * shape.half_length, shape.end_radius, 0.0, 0.0)
-    if shape.kind == ARC:
-        rho = shape.curvature_radius
-        return Support(-rho * tilt, shape.radius - rho + rho * across, -rho, -rho * tilt / across)
+    """The Support of this SHAPE in this region; tilt: nu . a, across: sqrt(1 - tilt^2)."""
+    if region != shape.envelope:
+        rho = shape.arcs[region, 2]
+        u, r = shape.arcs[region, 0] - rho * tilt, shape.arcs[region, 1] + rho * across
+        return Support(u, r, -rho, -rho * tilt / across)
     c = shape.cos_psi
     sin_q = -tilt / c
     cos_q = math.sqrt(1.0 - sin_q * sin_q)

@@ -1,7 +1,7 @@
 """Which rollers of a machine free in space touch the ground: how contacts begin, end, and what is remembered of them.
 
 The rates of rollers that touch are states; those of all others stand in `rates`, and enter through three sums. A roller
-may have two contacts, with the ground before a step and with its edge: one rate, two forces.
+may have several contacts, with the ground before a step and with its edge, or of its lobes: one rate, several forces.
 """
 
 import math
@@ -11,10 +11,10 @@ from omnisim.contact.common_normal import ANY, Roller, room
 from omnisim.contact.floor import pieces
 from omnisim.contact.friction import SATURATED
 from omnisim.contact.set_valued import SLIP
-from omnisim.contact.support import WITHIN, region_of
+from omnisim.contact.support import region_of
 from omnisim.dynamics.spatial.pose import body_of
 from omnisim.dynamics.spatial.records import SLOTS
-from omnisim.dynamics.spatial.touching import in_world, roller_on, standing, touching
+from omnisim.dynamics.spatial.touching import in_world, meetings, roller_on, shape_of, standing, touching
 from omnisim.march.friction_modes import come_to_rest
 from omnisim.march.runge_kutta import refresh
 
@@ -22,73 +22,64 @@ FAR = 1.0  # m: a gap where no common normal is found, which events can still be
 
 
 @kernel
-def piece_count(space):
-    """Of how many pieces the floor is."""
-    if not space.body.uneven:
-        return 1
-    return pieces(space.floor)
+def gap_of(parameters, y, w, i, meeting):
+    """How far roller i of wheel w is from touching at a meeting in state y, m; < 0: it overlaps."""
+    return gap_at(parameters, w, standing(parameters, w, body_of(parameters, y), y), i, meeting)
 
 
 @kernel
-def gap_of(parameters, y, w, i, piece):
-    """How far roller i of wheel w is from touching a piece of the floor in state y, m; < 0: it overlaps."""
-    return gap_at(parameters, w, standing(parameters, w, body_of(parameters, y), y), i, piece)
-
-
-@kernel
-def gap_at(parameters, w, stand, i, piece):
+def gap_at(parameters, w, stand, i, meeting):
     """The same of its Standing."""
     space = parameters.space
     if space.body.uneven:
         centre, axis = in_world(stand, roller_on(parameters, w, i, stand))
-        away = room(space.floor, piece, Roller(space.shapes[w], centre, axis))
+        roller = Roller(shape_of(space, w, meeting), centre, axis)
+        away = room(space.floor, meeting % pieces(space.floor), roller)
         if away > 0.0:
             return away
-    touched = touching(parameters, w, stand, piece, ANY, i)
+    touched = touching(parameters, w, stand, meeting, ANY, i)
     return min(-min(touched.depth, touched.within), FAR)
 
 
 @kernel
-def in_contact(mode, i, piece):
-    """Whether roller i touches this piece of the floor."""
+def in_contact(mode, i, meeting):
+    """Whether roller i touches at this meeting."""
     found = False
     for c in range(mode.contacts):
-        found = found or (mode.roller[mode.slot[c]] == i and mode.piece[c] == piece)
+        found = found or (mode.roller[mode.slot[c]] == i and mode.meeting[c] == meeting)
     return found
 
 
 @kernel
 def nothing_meets(parameters, mode, w, y):
-    """Whether no roller of wheel w overlaps the ground beside those that touch it, in state y.
+    """Whether no roller of wheel w overlaps the ground but where it touches it, in state y.
 
-    On a plane a wheel is round enough: the next to touch is a neighbour of one that does, or in the air of the lowest
-    place.
+    On a plane a wheel is round enough: the next to touch is another lobe of a roller that does, its neighbour, or in
+    the air that of the lowest place.
     """
     wheel = parameters.wheels[w]
     space = parameters.space
     stand = standing(parameters, w, body_of(parameters, y), y)
     free = True
     if space.body.uneven:
-        for piece in range(piece_count(space)):
+        for meeting in range(meetings(space, w)):
             for i in range(wheel.rollers):
-                if not in_contact(mode, i, piece):
-                    free = free and gap_at(parameters, w, stand, i, piece) >= 0.0
+                if not in_contact(mode, i, meeting):
+                    free = free and gap_at(parameters, w, stand, i, meeting) >= 0.0
         return free
-    rows = space.hubs[w].row_count
+    rows, lobes = space.hubs[w].row_count, space.hubs[w].lobes
     if mode.contacts == 0:
         lowest = lowest_roller(parameters, w, stand)
         for step in range(-rows, 2 * rows):
-            i = (lowest + step) % wheel.rollers
-            free = free and gap_at(parameters, w, stand, i, 0) >= 0.0
+            for lobe in range(lobes):
+                free = free and gap_at(parameters, w, stand, (lowest + step) % wheel.rollers, lobe) >= 0.0
         return free
     for c in range(mode.contacts):
-        for step in range(1, rows + 1):
-            here = mode.roller[mode.slot[c]]
-            ahead, behind = (here + step) % wheel.rollers, (here - step) % wheel.rollers
-            if not in_contact(mode, ahead, 0):
-                free = free and gap_at(parameters, w, stand, ahead, 0) >= 0.0
-            if not in_contact(mode, behind, 0):
-                free = free and gap_at(parameters, w, stand, behind, 0) >= 0.0
+        for step in range(-rows, rows + 1):
+            i = (mode.roller[mode.slot[c]] + step) % wheel.rollers
+            for lobe in range(lobes):
+                if not in_contact(mode, i, lobe):
+                    free = free and gap_at(parameters, w, stand, i, lobe) >= 0.0
     return free
 
 
@@ -112,10 +103,10 @@ def stand_in_space(parameters, run):
         mode = run.mode[w]
         mode.rollers = mode.contacts = 0
         sum_air(parameters, run, w)
-        for piece in range(piece_count(parameters.space)):
+        for meeting in range(meetings(parameters.space, w)):
             for i in range(parameters.wheels[w].rollers):
-                if gap_of(parameters, run.y, w, i, piece) < 0.0 and mode.contacts < SLOTS:
-                    add_contact(parameters, run, w, i, piece)
+                if gap_of(parameters, run.y, w, i, meeting) < 0.0 and mode.contacts < SLOTS:
+                    add_contact(parameters, run, w, i, meeting)
     refresh(parameters, run, 0.0)
     for w in range(len(run.mode)):
         mode = run.mode[w]
@@ -128,8 +119,8 @@ def stand_in_space(parameters, run):
 
 
 @kernel
-def add_contact(parameters, run, w, i, piece):
-    """Let roller i of wheel w touch a piece of the floor."""
+def add_contact(parameters, run, w, i, meeting):
+    """Let roller i of wheel w touch at a meeting."""
     mode = run.mode[w]
     slot = -1
     for r in range(mode.rollers):
@@ -145,17 +136,18 @@ def add_contact(parameters, run, w, i, piece):
             place = parameters.wheels[w].rates + slot
             run.y[place], run.carry[place] = run.rates[w, i], 0.0
             sum_air(parameters, run, w)
-    mode.slot[c], mode.piece[c], mode.pressed[c] = slot, piece, 1
-    mode.region[c] = region_here(parameters, run.y, w, i, piece)
+    mode.slot[c], mode.meeting[c], mode.pressed[c] = slot, meeting, 1
+    mode.region[c] = region_here(parameters, run.y, w, i, meeting)
     mode.saturated[c] = 0
     mode.grip[c], mode.stopping[c], mode.stopped[c] = SLIP, 0, 0
 
 
 @kernel
-def region_here(parameters, y, w, i, piece):
+def region_here(parameters, y, w, i, meeting):
     """In which region the lowest point of roller i of wheel w is."""
     stand = standing(parameters, w, body_of(parameters, y), y)
-    return region_of(parameters.space.shapes[w], touching(parameters, w, stand, piece, ANY, i).tilt)
+    tilt = touching(parameters, w, stand, meeting, ANY, i).tilt
+    return region_of(shape_of(parameters.space, w, meeting), tilt)
 
 
 @kernel
@@ -166,7 +158,7 @@ def remove_contact(parameters, run, w, c):
     slot, was_first = mode.slot[c], mode.first[c]
     last = mode.contacts - 1
     for d in range(c, last):
-        mode.slot[d], mode.first[d], mode.piece[d] = mode.slot[d + 1], mode.first[d + 1], mode.piece[d + 1]
+        mode.slot[d], mode.first[d], mode.meeting[d] = mode.slot[d + 1], mode.first[d + 1], mode.meeting[d + 1]
         mode.region[d], mode.pressed[d] = mode.region[d + 1], mode.pressed[d + 1]
         mode.saturated[d], mode.grip[d] = mode.saturated[d + 1], mode.grip[d + 1]
         mode.stopping[d], mode.stopped[d] = mode.stopping[d + 1], mode.stopped[d + 1]
@@ -219,14 +211,6 @@ def sum_air(parameters, run, w):
             mode.air_cos += rate * place[0]
             mode.air_sin += rate * place[1]
             mode.air_sum += rate
-
-
-@kernel
-def next_region(region, tilt_sign):
-    """The region beyond the end of this one; tilt_sign: of nu . a."""
-    if region != WITHIN:
-        return WITHIN
-    return -1 if tilt_sign > 0.0 else 1
 
 
 @kernel

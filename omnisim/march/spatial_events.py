@@ -6,12 +6,13 @@
     APART  delta >= 0: the rubber is pressed in                           the contact ends
     PIECE  the contact is on its piece of the floor                       it ends
     PRESS  stiffness delta + damping delta' >= 0, or <= 0 while N = 0     the rubber presses no more, or again
-    RIM    the lowest point is within the profile, or on its rim          the other
+    ARC    the lowest point is on its arc of the generatrix               it is on the next
     KINK, GRIP, YOUNG as in events.py
-    MEET   a roller that does not touch is apart from the ground          it touches
+    MEET   what does not touch of a roller is apart from the ground       it touches
 
-Contacts begin and end where delta = 0, N may end before, and the lowest point passes from the profile to the rim of the
-roller's end: at each of them the force has a kink, and stepped through it would cost the order of the method.
+Contacts begin and end where delta = 0, N may end before, and the lowest point passes from an arc of the generatrix to
+the next, at last to the edge of the roller's end: at each of them the force has a kink, and stepped through it would
+cost the order of the method.
 """
 
 import math
@@ -21,9 +22,11 @@ from omnisim.base.status import CHASSIS_DOWN, EVENT_KINDS, TOO_MANY_TOUCH
 from omnisim.contact.floor import surface
 from omnisim.contact.friction import SATURATED
 from omnisim.contact.set_valued import SLIP, STICK
+from omnisim.contact.support import next_region
 from omnisim.dynamics.actuation import limit_guard, next_limit
 from omnisim.dynamics.spatial.pose import body_of, outward, vector
 from omnisim.dynamics.spatial.records import SLOTS
+from omnisim.dynamics.spatial.touching import meetings, shape_of
 from omnisim.dynamics.state import places
 from omnisim.march.event_log import record
 from omnisim.march.friction_modes import grip_guard, young_guard
@@ -34,13 +37,11 @@ from omnisim.march.spatial_contacts import (
     branch,
     gap_of,
     in_contact,
-    next_region,
     nothing_meets,
-    piece_count,
     remove_contact,
 )
 
-DOWN, LIMIT, APART, PIECE, PRESS, RIM, KINK, GRIP, YOUNG, MEET = range(10)  # KINK, GRIP, YOUNG as in events.py
+DOWN, LIMIT, APART, PIECE, PRESS, ARC, KINK, GRIP, YOUNG, MEET = range(10)  # KINK, GRIP, YOUNG as in events.py
 SPATIAL_GUARDS = 10
 MOST_CHANGES = 50  # of modes that follow one another at one instant
 BEGIN, END = EVENT_KINDS.index("contact_begin"), EVENT_KINDS.index("contact_end")
@@ -51,7 +52,7 @@ LIFT, LANDING = EVENT_KINDS.index("lift_off"), EVENT_KINDS.index("touch_down")
 def sides_of(parameters, run, kind, w):
     """How many guards of a kind wheel w has."""
     if kind == MEET:
-        return parameters.wheels[w].rollers * piece_count(parameters.space)
+        return parameters.wheels[w].rollers * meetings(parameters.space, w)
     if kind in (DOWN, LIMIT):
         return 1
     return run.mode[w].contacts
@@ -67,7 +68,7 @@ def spatial_guard(parameters, run, kind, w, side, at_end):
         return monitors.depth[side]
     if kind == PRESS:
         return monitors.press[side] if mode.pressed[side] else -monitors.press[side]
-    if kind == RIM:
+    if kind == ARC:
         return monitors.inside[side]
     if kind == PIECE:
         return monitors.within[side]
@@ -88,8 +89,8 @@ def spatial_guard(parameters, run, kind, w, side, at_end):
     if kind == DOWN:
         return clearance(parameters, y) if w == 0 else 0.0
     rollers = parameters.wheels[w].rollers
-    i, piece = side % rollers, side // rollers
-    return 0.0 if in_contact(mode, i, piece) else gap_of(parameters, y, w, i, piece)
+    i, meeting = side % rollers, side // rollers
+    return 0.0 if in_contact(mode, i, meeting) else gap_of(parameters, y, w, i, meeting)
 
 
 @kernel
@@ -144,8 +145,9 @@ def change_contact(parameters, run, log, kind, w, side, time):
     elif kind == PRESS:
         mode.pressed[side] = 1 - mode.pressed[side]
         mode.grip[side] = SLIP
-    elif kind == RIM:
-        mode.region[side] = next_region(mode.region[side], tilt_here(parameters, run, w, side))
+    elif kind == ARC:
+        shape = shape_of(parameters.space, w, mode.meeting[side])
+        mode.region[side] = next_region(shape, mode.region[side], tilt_here(parameters, run, w, side))
     elif kind == KINK:
         mode.saturated[side] = 1 - mode.saturated[side]
     elif kind in (GRIP, YOUNG):
@@ -169,7 +171,7 @@ def change_contact(parameters, run, log, kind, w, side, time):
 
 @kernel
 def tilt_here(parameters, run, w, c):
-    """nu . a at contact c, from what its last evaluation has left, or its sign."""
+    """nu . a at contact c, from what its last evaluation has left."""
     seen = parameters.space.touches[w * SLOTS + c]
     wheel = parameters.wheels[w]
     cos_q, sin_q = seen.azimuth[0], seen.azimuth[1]

@@ -10,8 +10,8 @@ from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.spatial.equilibrium import NoEquilibriumError, find_equilibrium, weigh
 from omnisim.dynamics.spatial.records import ORIENTATION, POSITION
 from omnisim.dynamics.state import places_in
-from omnisim.scene.floor_rules import middle_radius
 from omnisim.scene.problems import ConfigError, Problem
+from omnisim.scene.rollers import thickest
 from omnisim.scene.schema import Config
 
 HEIGHT = ("initial", "height")
@@ -70,7 +70,7 @@ def above_ground(config: Config, parameters: Parameters, pose: Pose) -> None:
     direct(weigh, parameters, positions(config, parameters, pose), 1.0, loads)
     depths = loads / np.asarray(parameters.space.hubs.stiffness)
     for wheel, depth in zip(config.wheels, depths, strict=True):
-        most = middle_radius(config.type_of(wheel))
+        most = thickest(config.type_of(wheel))
         if depth > most:
             what = f"wheel '{wheel.name}' begins below the ground: its rollers are {depth:.3g} m in it, added up"
             raise ConfigError([Problem(HEIGHT, f"{what}; must be at most {most:.3g} m, the radius of one")])

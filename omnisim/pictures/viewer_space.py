@@ -9,8 +9,8 @@ from omnisim.dynamics.ground import floor_of_scene
 from omnisim.pictures import ground as uneven
 from omnisim.results.spatial import attitude
 from omnisim.results.trajectory import Trajectory
+from omnisim.scene.rollers import drawn
 from omnisim.scene.schema import Config, WheelType
-from omnisim.scene.solids import outline, profile
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0)}
 POINTS = 17  # of a profile: the page leaves out every other one, or three of four, where nobody sees it
@@ -23,12 +23,7 @@ WHEEL = dict.fromkeys(
 
 def shape_of_type(kind: WheelType) -> dict[str, Any]:
     """A type of wheels, its rows and the profile of its rollers as they are."""
-    shape = kind.profile
-    if shape.kind == "arc":
-        u = np.linspace(-shape.half_length, shape.half_length, POINTS)
-        r = shape.radius - shape.curvature_radius + np.sqrt(shape.curvature_radius**2 - u**2)
-    else:
-        u, r = profile(outline(kind), np.linspace(-kind.covered, kind.covered, POINTS))
+    u, r = drawn(kind, POINTS)
     return {
         "radius": kind.radius,
         "rollerDistance": kind.roller_distance,

@@ -31,17 +31,16 @@ class Estimate(NamedTuple):
 
 
 def shape_rules(config: Config) -> Iterator[Problem]:
-    """Every number that is left out has a shape that gives it, and a bore leaves some of its roller."""
+    """Every number that is left out has a shape that gives it, and a bore leaves some of a roller of the exact
+    profile; those of others: profile_rules.py."""
     for name, kind in config.wheel_types.items():
         path = ("wheel_types", name)
         yield from _needed((*path, "disk"), kind.disk, {"inertia_axle": "hub_radius", "inertia_diameter": "width"})
         yield from _disk_rules((*path, "disk"), kind.disk)
         yield from _needed((*path, "roller"), kind.roller, {"mass": "density"})
-        exact = kind.profile.kind == "exact"
-        thickest = kind.radius - kind.roller_distance if exact else kind.profile.radius
-        if kind.roller.bore_radius >= thickest * (1 - DECIMAL_TOLERANCE) > 0.0:
-            of = "radius - roller_distance" if exact else "profile.radius"
-            allowed = f"less than {of} = {thickest:.12g}, the roller's own radius amid"
+        thickest = kind.radius - kind.roller_distance
+        if kind.profile.kind == "exact" and kind.roller.bore_radius >= thickest * (1 - DECIMAL_TOLERANCE) > 0.0:
+            allowed = f"less than radius - roller_distance = {thickest:.12g}, the roller's own radius amid"
             yield Problem((*path, "roller", "bore_radius"), f"must be {allowed}")
     if config.chassis is not None:
         yield from _needed(("chassis",), config.chassis, {"center_of_mass": "size", "inertia": "size"})
@@ -149,7 +148,7 @@ def _complete_type(kind: WheelType) -> WheelType:
 
 
 def _solid(kind: WheelType, roller: Roller) -> dict[str, float]:
-    from omnisim.scene.solids import roller_solid  # here: NumPy is slow to import, and few scenes need it
+    from omnisim.scene.rollers import roller_solid  # here: NumPy is slow to import, and few scenes need it
 
     volume, axial, transverse = roller_solid(kind)
     mass = roller.mass or roller.density * volume

@@ -7,25 +7,29 @@ import numpy as np
 
 from omnisim.scene.heights import heights_of
 from omnisim.scene.problems import Problem
-from omnisim.scene.schema import Config, WheelType
+from omnisim.scene.rollers import bending, thickest
+from omnisim.scene.schema import Config
 from omnisim.scene.toml_text import KeyPath
 
 SKIRT = 4.0 * math.exp(-1.5)  # curvature of a bump where it is hollow most, by height / radius^2
 
 
 def floor_rules(config: Config) -> Iterator[Problem]:
-    """Only machines free in space stand on it; and no bump is thinner than a roller, no pit narrower."""
-    floor = config.floor
-    if config.upright != "free":
-        for key in ("bumps", "grid", "steps"):
-            if key in floor.model_fields_set:
-                yield Problem(("floor", key), 'is for machines free in space: it needs upright = "free" in [scene]')
+    """Only machines free in space stand on it."""
+    if config.upright == "free":
         return
-    thickest = max((middle_radius(kind) for kind in config.wheel_types.values()), default=0.0)
-    for index, (_, _, height, radius) in enumerate(floor.bumps):
-        if radius < thickest:
+    for key in ("bumps", "grid", "steps"):
+        if key in config.floor.model_fields_set:
+            yield Problem(("floor", key), 'is for machines free in space: it needs upright = "free" in [scene]')
+
+
+def narrow_bumps(config: Config) -> Iterator[Problem]:
+    """No bump is thinner than a roller, no pit narrower."""
+    most = max((thickest(kind) for kind in config.wheel_types.values()), default=0.0)
+    for index, (_, _, height, radius) in enumerate(config.floor.bumps):
+        if radius < most:
             what = "bump" if height > 0.0 else "pit"
-            allowed = f"at least {thickest:g}, that of a roller, which touches a narrower {what} in several places"
+            allowed = f"at least {most:g}, that of a roller, which touches a narrower {what} in several places"
             yield Problem(("floor", "bumps", index, 3), f"radius of a {what}; must be {allowed}")
 
 
@@ -33,7 +37,7 @@ def hollow_ground(config: Config) -> Iterator[Problem]:
     """Ground that is more hollow than rollers are curved along their axis: it may meet one in several places."""
     if config.upright != "free":
         return
-    longest = max(longest_radius(kind) for kind in config.wheel_types.values())
+    longest = max(bending(kind) for kind in config.wheel_types.values())
     grid = config.floor.grid
     hollows: list[tuple[KeyPath, float]] = [
         (("floor", "bumps", i), (-2.0 if height < 0.0 else SKIRT) * height / radius**2)
@@ -53,16 +57,3 @@ def steepest_bend(heights: np.ndarray, spacing: tuple[float, float]) -> float:
     """The largest second difference of heights (rows, columns) along x or y, 1/m."""
     bends = [np.diff(heights, 2, axis) / length**2 for axis, length in ((1, spacing[0]), (0, spacing[1]))]
     return max(float(bend.max()) if bend.size else 0.0 for bend in bends)
-
-
-def middle_radius(kind: WheelType) -> float:
-    """Of its rollers in their middle, m."""
-    return kind.profile.radius if kind.profile.kind == "arc" else kind.radius - kind.roller_distance
-
-
-def longest_radius(kind: WheelType) -> float:
-    """Radius of curvature of a roller along its axis, in the middle, m."""
-    if kind.profile.kind == "arc":
-        return kind.profile.curvature_radius
-    cos = math.cos(math.radians(kind.roller_angle_deg))
-    return kind.radius - kind.roller_distance + kind.roller_distance / cos**2

@@ -6,7 +6,19 @@ from pydantic import Field
 
 from omnisim.scene.values import Bumps, Name, NonNegative, Planar, Positive, Real, Slope, Spacing, Table, choice
 
-PROFILE_KEYS = {"exact": (), "arc": ("radius", "curvature_radius", "half_length")}
+# Which keys a profile needs, and which it may have beside them.
+PROFILE_KEYS: dict[str, tuple[str, ...]] = {
+    "exact": (),
+    "arc": ("radius", "curvature_radius", "half_length"),
+    "cylinder": ("radius", "half_length"),
+    "capsule": ("radius", "half_length"),
+    "sphere": ("radius",),
+    "cone": ("radius", "end_radius", "half_length"),
+    "stepped": ("radii", "lengths"),
+    "points": ("axial", "radius"),
+}
+PROFILE_OPTIONS = {"cylinder": ("edge_radius",)}
+MOST_STEPS, MOST_POINTS = 8, 20
 
 if TYPE_CHECKING:  # to a type checker a word is a word
     ProfileKind = str
@@ -14,6 +26,13 @@ if TYPE_CHECKING:  # to a type checker a word is a word
 else:
     ProfileKind = choice(*PROFILE_KEYS)
     About = choice("x", "y")
+
+
+Radius = Annotated[
+    Positive | tuple[NonNegative, ...],
+    Field(description='a finite number > 0; of "points" a list of finite numbers >= 0'),
+]
+Steps = Annotated[tuple[Positive, ...], Field(description="a list of finite numbers > 0")]
 
 
 class Grid(Table):
@@ -78,16 +97,24 @@ class Row(Table):
 
 
 class Profile(Table):
-    """The generatrix of a roller, |u| <= half_length (m) along its axis.
+    """The generatrix of a roller, |u| <= half_length (m) along its axis; lengths and radii in m.
 
     exact: the envelope that keeps an upright wheel round. arc, a barrel: r = radius - curvature_radius +
-    sqrt(curvature_radius^2 - u^2), m.
+    sqrt(curvature_radius^2 - u^2). cylinder: its edges rounded by edge_radius. capsule: a cylinder between half spheres
+    of its radius, which half_length includes. sphere. cone: from radius in the middle to end_radius at both ends.
+    stepped: cylinders of these radii, ever smaller, with sharp edges; lengths from the middle to one end, the other
+    half is the same. points: a smooth curve of arcs through measured points (axial, radius).
     """
 
     kind: ProfileKind = "exact"
-    radius: Positive = 0.0
+    radius: Radius = 0.0
     curvature_radius: Positive = 0.0
     half_length: Positive = 0.0
+    edge_radius: NonNegative = 0.0
+    end_radius: NonNegative = 0.0
+    radii: Steps = ()
+    lengths: Steps = ()
+    axial: Annotated[tuple[Real, ...], Field(description="a list of finite numbers, each greater than the last")] = ()
 
 
 class Suspension(Table):

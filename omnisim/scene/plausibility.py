@@ -18,17 +18,8 @@ from omnisim.scene.ideal_kinematics import MOTIONS, handedness, rms_distance, un
 from omnisim.scene.masses import wheel_mass
 from omnisim.scene.problems import Problem
 from omnisim.scene.schema import Config, Wheel, WheelType
-from omnisim.scene.solids import (
-    disk_solid,
-    gap,
-    gap_between_rows,
-    half_width,
-    hub_radius,
-    outline,
-    pitches,
-    profile,
-    roller_solid,
-)
+from omnisim.scene.rollers import gap_between_rows, half_length, half_width, hub_radius, roller_solid, thickest
+from omnisim.scene.solids import disk_solid, gap, outline, pitches
 from omnisim.scene.spatial_doubts import fast_rubber, high_start, soft_rubber, soft_springs
 from omnisim.scene.toml_text import KeyPath
 
@@ -60,13 +51,12 @@ def crowded_rollers(config: Config) -> Iterator[Problem]:
     """Rollers that overlap: the neighbour in a row, the next but one where one row stands for two; those of another
     row."""
     for name, kind in config.wheel_types.items():
-        shape = outline(kind)
-        if hub_radius(shape) <= 0.0:  # crowded_hub says what is wrong
+        if hub_radius(kind) <= 0.0:  # crowded_hub says what is wrong
             continue
         in_two = len(kind.rows) == 1 and abs(kind.roller_angle_deg) < ONE_ROW_DEG
         apart = 2.0 if in_two else pitches(kind, 360.0 / kind.roller_count)
-        overlap = -gap(shape, apart)
-        if overlap > ROUNDING * kind.radius:
+        overlap = -gap(outline(kind), apart)
+        if kind.profile.kind == "exact" and overlap > ROUNDING * kind.radius:  # of others it is no doubt, but an error
             whom = "the next but one, so that not even two rows hold them," if in_two else "their neighbours"
             message = f"rollers overlap {whom} by {overlap:.3g} m; expected {_room(kind, apart)}"
             yield Problem(("wheel_types", name, "roller_count"), message)
@@ -107,14 +97,15 @@ def _room(kind: WheelType, apart: float) -> str:
 def crowded_hub(config: Config) -> Iterator[Problem]:
     """Rollers that reach into the hub, or to the axle."""
     for name, kind in config.wheel_types.items():
-        free = hub_radius(outline(kind))
+        free = hub_radius(kind)
         hub = kind.disk.hub_radius
         if free <= 0.0:
             message = f"rollers reach the axle; expected more than half the radius, {0.5 * kind.radius:.4g} m"
             yield Problem(("wheel_types", name, "roller_distance"), message)
         elif hub > free * (1.0 + ROUNDING):
             what = f"rollers reach {hub - free:.3g} m into the hub"
-            message = f"{what}; expected at most 2 roller_distance - radius = {free:.4g} m"
+            of = "2 roller_distance - radius" if kind.profile.kind == "exact" else "roller_distance - that of a roller"
+            message = f"{what}; expected at most {of} = {free:.4g} m"
             yield Problem(("wheel_types", name, "disk", "hub_radius"), message)
 
 
@@ -185,11 +176,9 @@ def gyrations(config: Config) -> Iterator[Problem]:
     massive = {doubt.path[:-1] for doubt in densities(config)}
     for name, kind in config.wheel_types.items():
         path = ("wheel_types", name)
-        shape = outline(kind)
         roller = kind.roller
         disk = kind.disk
-        thick = kind.radius - kind.roller_distance
-        half = float(profile(shape, np.array(shape.alpha))[0])
+        thick, half = thickest(kind), half_length(kind)
         wide = 0.5 * disk.width or half_width(kind)
         for part, key, mass, size in (
             ("roller", "inertia_axial", roller.mass, thick),

@@ -35,16 +35,6 @@ def outline(kind: WheelType) -> Outline:
     return Outline(kind.radius, kind.roller_distance, kind.covered, math.cos(psi), math.sin(psi))
 
 
-def generator(kind: WheelType) -> Outline:
-    """The Outline whose exact profile a roller of this type has: an arc is that of a round wheel with psi = 0 and the
-    radius of its curvature."""
-    profile = kind.profile
-    if profile.kind != "arc":
-        return outline(kind)
-    rho = profile.curvature_radius
-    return Outline(rho, rho - profile.radius, math.asin(profile.half_length / rho), 1.0, 0.0)
-
-
 # --- the roller -----------------------------------------------------------------------------------
 
 
@@ -62,11 +52,6 @@ class Solid(NamedTuple):
     volume: float
     axial: float
     transverse: float
-
-
-def roller_solid(kind: WheelType) -> Solid:
-    """A roller of this type, by its own profile and with its bore."""
-    return solid(generator(kind), kind.roller.bore_radius)
 
 
 def solid(wheel: Shape, bore: float = 0.0) -> Solid:
@@ -145,21 +130,6 @@ def gap(wheel: Shape, pitches: float = 1, aside: float = 0.0) -> float:
     return 2.0 * float((apart - support(wheel, np.clip(along, -1.0, 1.0))).max())
 
 
-def gap_in_row(kind: WheelType) -> float:
-    """The gap between neighbours of a row."""
-    return gap(outline(kind), pitches(kind, 360.0 / kind.roller_count))
-
-
-def gap_between_rows(kind: WheelType) -> float:
-    """The least gap between rollers of different rows, m; infinite of one row."""
-    rings, shape = kind.rings, outline(kind)
-    found = [math.inf]
-    for behind, ahead in permutations(range(len(rings)), 2):
-        turn = (rings[ahead].phase_deg - rings[behind].phase_deg) % (360.0 / kind.roller_count)
-        found.append(gap(shape, pitches(kind, turn), rings[behind].offset - rings[ahead].offset))
-    return min(found)
-
-
 def pitches(kind: WheelType, turn_deg: float) -> float:
     """An angle by that over which the profile of a roller is cut."""
     return math.radians(turn_deg) / (2.0 * kind.covered)
@@ -168,11 +138,6 @@ def pitches(kind: WheelType, turn_deg: float) -> float:
 def hub_radius(wheel: Shape) -> float:
     """Of the largest cylinder about the axle that no roller enters, m; 0 if rollers reach the axle."""
     return max(2.0 * wheel.roller_distance - wheel.radius, 0.0)
-
-
-def half_width(kind: WheelType) -> float:
-    """Of a wheel, m: as far as its outermost row reaches."""
-    return ring_half_width(outline(kind)) + max(abs(row.offset) for row in kind.rows)
 
 
 def ring_half_width(wheel: Shape) -> float:

@@ -2,8 +2,7 @@
 
 from collections.abc import Iterator
 
-from omnisim.scene.ground_schema import PROFILE_KEYS
-from omnisim.scene.problems import Problem, allowed_at, did_you_mean
+from omnisim.scene.problems import Problem, did_you_mean
 from omnisim.scene.schema import Config
 
 POSE = ("height", "pitch_deg", "roll_deg", "vertical_velocity", "pitch_rate", "roll_rate")
@@ -31,16 +30,6 @@ def _needed(config: Config) -> Iterator[Problem]:
         if kind.contact is None:
             what = "a table { stiffness, damping } of the rubber between roller and floor (N/m, N s/m)"
             yield Problem((*path, "contact"), f'missing; upright = "free" needs {what}')
-        profile = kind.profile
-        needed = PROFILE_KEYS[profile.kind]
-        for key in needed:
-            if key not in profile.model_fields_set:
-                yield Problem((*path, "profile", key), f"missing; must be {allowed_at((*path, 'profile', key))}")
-        for key in sorted(profile.model_fields_set - {"kind", *needed}):
-            yield Problem((*path, "profile", key), f"not a key of a profile with kind = '{profile.kind}'")
-        if profile.kind == "arc" and 0.0 < profile.curvature_radius < profile.half_length:
-            allowed = f"at least half_length = {profile.half_length:g}"
-            yield Problem((*path, "profile", "curvature_radius"), f"must be {allowed}")
 
 
 def _rocker_rules(config: Config) -> Iterator[Problem]:

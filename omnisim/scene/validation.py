@@ -6,9 +6,10 @@ from typing import Any
 from pydantic import ValidationError
 
 from omnisim.scene.estimates import complete, shape_rules
-from omnisim.scene.floor_rules import floor_rules
+from omnisim.scene.floor_rules import floor_rules, narrow_bumps
 from omnisim.scene.machine_rules import MACHINE_RULES
 from omnisim.scene.problems import ConfigError, Problem, schema_problems
+from omnisim.scene.profile_rules import profile_rules
 from omnisim.scene.rules import RULES
 from omnisim.scene.schema import Config
 from omnisim.scene.spatial_rules import spatial_rules
@@ -24,14 +25,15 @@ def validate(data: Mapping[str, Any]) -> Config:
 def checked(data: Mapping[str, Any]) -> Config:
     """The same of data whose lists are tuples.
 
-    Rules across keys compare values, estimates need shapes, and rules of the machine its parts: each stage waits for
-    the one before.
+    Rules across keys compare values, bumps and estimates need shapes, and rules of the machine its parts: each stage
+    waits for the one before.
     """
     try:
         config = Config.model_validate(data)
     except ValidationError as error:
         raise ConfigError(schema_problems(error, data)) from None
-    _obey((*RULES, shape_rules, spatial_rules, floor_rules), config)
+    _obey((*RULES, shape_rules, spatial_rules, floor_rules, profile_rules), config)
+    _obey((narrow_bumps,), config)
     config = complete(config)
     _obey(MACHINE_RULES, config)
     return config

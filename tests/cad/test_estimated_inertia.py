@@ -8,9 +8,10 @@ from vehicles import VEHICLE
 import omnisim
 from omnisim.cad import mesh
 from omnisim.scene.estimates import estimates
+from omnisim.scene.rollers import drawn, roller_solid
 from omnisim.scene.scene import packaged_scenes, parse
 from omnisim.scene.schema import Disk
-from omnisim.scene.solids import bored_end, disk_solid, generator, profile, roller_solid
+from omnisim.scene.solids import disk_solid
 
 pytestmark = pytest.mark.short
 STATIONS, CORNERS = 801, 640
@@ -39,8 +40,11 @@ def drum(radius, low, high):
 
 def bored_roller(kind):
     """The profile as far as it is thicker than the bore, less the bore."""
-    wheel, bore = generator(kind), kind.roller.bore_radius
-    u, r = profile(wheel, bored_end(wheel, bore) * np.linspace(-1.0, 1.0, STATIONS))
+    bore = kind.roller.bore_radius
+    u, r = drawn(kind, STATIONS)
+    if r[0] < bore:
+        first, last = (np.interp(bore, r[half], u[half]) for half in (np.s_[: r.argmax()], np.s_[: r.argmax() : -1]))
+        u, r = np.array([first, *u[r > bore], last]), np.array([bore, *r[r > bore], bore])
     round_ = r > mesh.POINTED * kind.radius
     body = mesh.revolved(u[round_], r[round_], u[[0, -1]], CORNERS)
     return [(1, body)] + ([(-1, drum(bore, u[0], u[-1]))] if bore else [])

@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 from scipy.optimize import minimize
-from uneven import barrel, exact_roller, floor, placed, unit, vec
+from uneven import AHEAD, BEHIND, WITHIN, barrel, exact_roller, floor, placed, unit, vec
 
 from omnisim.contact.common_normal import ANY, Roller, look, room, touch
 from omnisim.contact.floor import surface
 from omnisim.contact.patch import Coordinates
-from omnisim.contact.support import AHEAD, BEHIND, WITHIN, support
+from omnisim.contact.support import support
 
 MECANUM, OMNI = exact_roller(0.05, 0.039, 6, 45.0), exact_roller(0.05, 0.04, 9, 0.0)
 BARREL, BALL = barrel(0.011, 0.06, 0.015), barrel(0.012, 0.012, 0.0119)
@@ -149,7 +149,7 @@ def test_apart_it_is_the_shortest_way_between_both_surfaces_as_a_search_finds_it
             return 1e6 * float(((point - (x, y, surface(ground, x, y).height)) ** 2).sum())  # mm^2
 
         starts = random.normal((0.0, 0.0, x, y), (0.1, 1.0, 0.01, 0.01), size=(20, 4))
-        limits = [(-roller.end_tilt, roller.end_tilt), (None, None), (None, None), (None, None)]
+        limits = [(roller.tilts[2], roller.tilts[1]), (None, None), (None, None), (None, None)]
         tight = {"ftol": 1e-16, "gtol": 1e-12}
         nearest = min(minimize(squared, start, bounds=limits, options=tight).fun for start in starts)
         worst = max(worst, abs(1e-3 * math.sqrt(nearest) + touched(ground, 0, roller, centre, axis).depth))

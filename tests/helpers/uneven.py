@@ -4,12 +4,15 @@ import math
 
 import numpy as np
 
-from omnisim.base.records import records
 from omnisim.base.vector import Vec3
 from omnisim.contact.floor import floor_of
 from omnisim.contact.patch import patch
-from omnisim.contact.support import ARC, EXACT, SHAPE, region_of, support
+from omnisim.contact.support import SHAPE, region_of, support
+from omnisim.dynamics.spatial.packing import array_of, shape_values
+from omnisim.scene.ground_schema import Profile
+from omnisim.scene.schema import Disk, Roller, WheelType
 
+BEHIND, WITHIN, AHEAD = range(3)  # regions of a profile between two edges
 NO_GRID = (np.zeros((0, 0)), (0.0, 0.0), (1.0, 1.0))
 
 
@@ -19,21 +22,28 @@ def floor(bumps=(), steps=(), grid=NO_GRID):
 
 def exact_roller(radius, distance, count, degrees):
     """The SHAPE of a roller of the exact profile, cut at pi / count."""
-    alpha, cos = math.pi / count, math.cos(math.radians(degrees))
-    drop, sine = radius - distance / math.cos(alpha), math.cos(math.radians(degrees)) * math.sin(alpha)
-    half = distance * math.tan(alpha) / cos + drop * sine
-    return shape(EXACT, radius, half, drop * math.sqrt(1.0 - sine * sine), sine, distance=distance, cos_psi=cos)
+    scene = kind(radius=radius, roller_distance=distance, roller_count=count, roller_angle_deg=degrees)
+    return shapes(scene)[0]
 
 
 def barrel(radius, curvature_radius, half_length):
     """The SHAPE of a roller whose profile is an arc."""
-    end = radius - curvature_radius + math.sqrt(curvature_radius**2 - half_length**2)
-    return shape(ARC, radius, half_length, end, half_length / curvature_radius, curvature_radius=curvature_radius)
+    return rollers(kind="arc", radius=radius, curvature_radius=curvature_radius, half_length=half_length)[0]
 
 
-def shape(kind, radius, half_length, end_radius, end_tilt, *, distance=0.0, cos_psi=1.0, curvature_radius=0.0):
-    values = (kind, radius, distance, cos_psi, curvature_radius, half_length, end_radius, end_tilt)
-    return records(SHAPE, [dict(zip(SHAPE.names, values, strict=True))])[0]
+def rollers(**profile):
+    """The SHAPE records of a roller of this profile: of its lobes."""
+    return shapes(kind(profile=Profile(**profile)))
+
+
+def kind(**keys):
+    given = {"radius": 0.1, "roller_distance": 0.08, "roller_count": 6, "roller_angle_deg": 0.0} | keys
+    return WheelType(**given, disk=Disk(mass=1.0), roller=Roller())
+
+
+def shapes(wheel_type):
+    values = {"cos_psi": math.cos(math.radians(wheel_type.roller_angle_deg))}
+    return array_of(SHAPE, shape_values(wheel_type, values))
 
 
 def vec(array):

@@ -87,7 +87,7 @@ class Engine:
                 h /= np.sqrt(h @ h)
                 tangent = np.stack([h, cross(normal, h)])
                 rate = roller if self.parameters.machine.every_rate else int(mode.slot[c])
-                found[w, roller, int(mode.piece[c])] = {
+                found[w, roller, int(mode.meeting[c])] = {
                     "point": bodies.x[self.layout.disk[w]] + axes @ seen.point,
                     "normal": normal,
                     "depth": seen.depth,

@@ -203,7 +203,8 @@ def surface_of(wheel, centre: np.ndarray, axis: np.ndarray, nu: np.ndarray) -> n
     """Points of a roller towards -nu: where the axis rises by every s, and around it."""
     across = cross(axis, cross(axis, nu))
     across, side = across / np.linalg.norm(across), cross(axis, nu) / np.linalg.norm(cross(axis, nu))
-    u, r = np.array([wheel.profile.lowest(s) for s in np.linspace(-1.0, 1.0, 801)]).T
+    leans = np.linspace(-1.0, 1.0, 801)
+    u, r = np.array([part.profile.lowest(s) for part in wheel.parts for s in leans]).T
     angle = np.linspace(-0.5, 0.5, 101)[:, None, None]
     return (centre + u[:, None] * axis + r[:, None] * (np.cos(angle) * across + np.sin(angle) * side)).reshape(-1, 3)
 

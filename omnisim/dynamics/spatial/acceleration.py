@@ -8,7 +8,7 @@ from omnisim.base.vector import Vec3, combine, cross, dot, minus, plus, times
 from omnisim.contact.frame import Slip
 from omnisim.contact.support import support
 from omnisim.dynamics.spatial.pose import body_of, hub_of, inward, mounted, outward, tangent_of, turned, vector
-from omnisim.dynamics.spatial.touching import STANDING, rate_of_roller, react, standing, touching_at
+from omnisim.dynamics.spatial.touching import STANDING, rate_of_roller, react, shape_of, standing, touching_at
 from omnisim.dynamics.state import places
 
 MOMENT = 1e-6  # s: of differences of slip along the motion
@@ -100,7 +100,7 @@ def slip_change_on_plane(parameters, mode, w, c, stand, y, dy):
     # X - B, and how it changes
     tilt = touched.tilt
     across = max(math.sqrt(max(1.0 - tilt * tilt, 0.0)), STANDING)
-    found = support(parameters.space.shapes[w], mode.region[c], tilt, across)
+    found = support(shape_of(parameters.space, w, mode.meeting[c]), mode.region[c], tilt, across)
     axis_change = cross(rate, roller.axis)
     tilt_change = dot(axis_change, normal)
     radial = found.r / across

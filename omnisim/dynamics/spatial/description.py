@@ -18,10 +18,21 @@ from omnisim.dynamics.parts import (
 )
 from omnisim.dynamics.spatial.records import SLOTS
 from omnisim.dynamics.state import places_in
+from omnisim.scene.generatrix import generatrix
 from omnisim.scene.ground_schema import Floor
 from omnisim.scene.heights import heights_of
+from omnisim.scene.lobes import lobes
 from omnisim.scene.masses import chassis_box
 from omnisim.scene.schema import Config, WheelType
+
+NOUNS = {
+    "cylinder": "cylinders",
+    "capsule": "capsules",
+    "sphere": "spheres",
+    "cone": "cones, back to back",
+    "stepped": "cylinders with steps",
+    "points": "a measured generatrix",
+}
 
 
 def parts_in_space(config: Config, parameters: Parameters) -> Iterator[Part]:
@@ -88,9 +99,13 @@ def _rubber(kind: WheelType) -> str:
 def _shape(kind: WheelType) -> str:
     profile = kind.profile
     rows = f"; {len(kind.rows)} rows" if len(kind.rows) > 1 else ""
+    if profile.kind == "exact":
+        return f"exact: round while the wheel is upright; touched where it is lowest at any tilt{rows}"
     if profile.kind == "arc":
         return f"barrels, curved along their axes with a radius of {profile.curvature_radius:g} m{rows}"
-    return f"exact: round while the wheel is upright; touched where it is lowest at any tilt{rows}"
+    count = len(lobes(generatrix(profile)))
+    apart = f", {count} convex parts that touch each on its own" if count > 1 else ""
+    return f"{NOUNS[profile.kind]}{apart}{rows}"
 
 
 def _floor_reason(floor: Floor) -> str:

@@ -15,12 +15,11 @@ from omnisim.base.calls import direct
 from omnisim.base.kernel import kernel
 from omnisim.base.vector import cross, dot, plus, times
 from omnisim.contact.common_normal import ANY
-from omnisim.contact.floor import pieces
 from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.spatial.carriers import place_carrier
 from omnisim.dynamics.spatial.pose import add_push, body_of, inward, mounted, outward, vector
 from omnisim.dynamics.spatial.records import BASE
-from omnisim.dynamics.spatial.touching import standing, touching
+from omnisim.dynamics.spatial.touching import meetings, standing, touching
 from omnisim.dynamics.state import places
 
 SOFTEST = 0.25  # of the smallest wheel radius: how far it sinks in with the softest rubber
@@ -64,17 +63,14 @@ def weigh(parameters, y, softness, loads):
             centre = place_carrier(carrier, space.motions[j], y[places(parameters).joint + j])
             weight = times(carrier.mass, down)
             add_push(space.pushes[1 + j], cross(centre, weight), weight)
-    count = 1
-    if space.body.uneven:
-        count = pieces(space.floor)
     for w in range(len(parameters.wheels)):
         loads[w] = 0.0
         stand = standing(parameters, w, body, y)
         axes = mounted(stand.hub)
         push = space.pushes[1 + space.hubs[w].carrier]
         for i in range(parameters.wheels[w].rollers):
-            for piece in range(count):
-                touched = touching(parameters, w, stand, piece, ANY, i)
+            for meeting in range(meetings(space, w)):
+                touched = touching(parameters, w, stand, meeting, ANY, i)
                 if touched.depth > 0.0 and touched.within > 0.0:
                     normal = outward(axes, touched.normal)
                     load = space.hubs[w].stiffness / softness * touched.depth

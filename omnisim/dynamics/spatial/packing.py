@@ -4,21 +4,23 @@ import math
 
 import numpy as np
 
-from omnisim.base.records import blank, records
+from omnisim.base.records import blank
 from omnisim.base.trigonometry import exact_cos_sin
 from omnisim.contact.floor import floor_of
-from omnisim.contact.support import PROFILES, SHAPE
+from omnisim.contact.support import MOST_ARCS, NO_ENVELOPE, SHAPE
 from omnisim.dynamics.ground import floor_of_scene
 from omnisim.dynamics.inertia import central_inertia
 from omnisim.dynamics.spatial.records import BODY, CARRIER, HELD, HUB, MOTION, SLOTS, TOUCH, Holding, Space
+from omnisim.scene.generatrix import edge, ends, generatrix, thickest
 from omnisim.scene.ground_schema import Rocker
+from omnisim.scene.lobes import Lobe, lobes
 from omnisim.scene.masses import chassis_box, common_centre, point_masses, row_shift, wheel_mass
 from omnisim.scene.schema import Config, Wheel, WheelType
-from omnisim.scene.solids import outline
-from omnisim.scene.solids import profile as generatrix
+from omnisim.scene.solids import outline, profile
 
 Rigid = tuple[float, np.ndarray, np.ndarray, np.ndarray]  # mass, centre, inertia about it, what of it leans
 PLANE = floor_of(np.zeros((0, 4)), np.zeros((0, 6)), np.zeros((0, 0)), (0.0, 0.0), (1.0, 1.0))
+BEYOND = 2.0  # no tilt is
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
@@ -40,6 +42,8 @@ def pack_space(config: Config, wheels: list[dict], machine: dict) -> Space:
     mass, moment, inner, whole = united([*fixed, chassis])
     counts = [kind.rollers for kind in types]
     mounted = zip(types, config.wheels, wheels, strict=True)
+    shapes = [shape_values(kind, wheel) for kind, wheel in zip(types, wheels, strict=True)]
+    first = np.cumsum([0, *map(len, shapes)]).tolist()
     floor = floor_of_scene(config)
     body = {
         "uneven": floor is not None,
@@ -58,9 +62,14 @@ def pack_space(config: Config, wheels: list[dict], machine: dict) -> Space:
     return Space(
         body=record(BODY, body),
         hubs=array_of(
-            HUB, [hub_values(*each, centre) | {"carrier": carrier_of(standing, w)} for w, each in enumerate(mounted)]
+            HUB,
+            [
+                hub_values(*each, centre)
+                | {"carrier": carrier_of(standing, w), "first_lobe": first[w], "lobes": len(shapes[w])}
+                for w, each in enumerate(mounted)
+            ],
         ),
-        shapes=records(SHAPE, [shape_values(kind, wheel) for kind, wheel in zip(types, wheels, strict=True)]),
+        shapes=array_of(SHAPE, [values for each in shapes for values in each]),
         disk=disk_places(types, config.wheels, max(counts)),
         floor=floor or PLANE,
         carriers=array_of(CARRIER, carriers),
@@ -173,7 +182,7 @@ def carrier_of(standing: list[tuple[int, ...]], w: int) -> int:
 
 
 def hub_values(kind: WheelType, wheel: Wheel, values: dict, centre: np.ndarray) -> dict:
-    """Values of a HUB record, but for its carrier."""
+    """Values of a HUB record, but for its carrier and its lobes."""
     assert kind.contact is not None
     h, k = heading_of(wheel)
     disk, rotor = values["axle_inertia"], values["rotor_inertia"]
@@ -189,20 +198,38 @@ def hub_values(kind: WheelType, wheel: Wheel, values: dict, centre: np.ndarray) 
     }
 
 
-def shape_values(kind: WheelType, values: dict) -> dict:
-    """Values of a SHAPE record."""
-    profile = kind.profile
-    if profile.kind == "arc":
-        rho, half = profile.curvature_radius, profile.half_length
-        end = profile.radius - rho + math.sqrt(rho**2 - half**2)
-        tilt = half / rho
-        sizes = {"radius": profile.radius, "curvature_radius": rho, "half_length": half, "end_radius": end}
-    else:
-        tilt = values["cos_psi"] * math.sin(kind.covered)
-        half, end = map(float, generatrix(outline(kind), np.array(kind.covered)))
-        sizes = {"radius": kind.radius, "curvature_radius": 0.0, "half_length": half, "end_radius": end}
-    own = {"kind": PROFILES[profile.kind], "distance": kind.roller_distance, "cos_psi": values["cos_psi"]}
-    return sizes | own | {"end_tilt": tilt}
+def shape_values(kind: WheelType, values: dict) -> list[dict]:
+    """Values of the SHAPE records of a roller: of its lobes."""
+    if kind.profile.kind == "exact":
+        return [exact_values(kind, values)]
+    arcs = generatrix(kind.profile)
+    half, radius = max(map(abs, ends(arcs))), thickest(arcs)
+    sizes = {"radius": radius, "distance": 0.0, "cos_psi": 1.0, "envelope": NO_ENVELOPE}
+    return [
+        sizes | lobe_values(lobe, half, radius) | {"longest": max(arc.radius for arc in lobe)} for lobe in lobes(arcs)
+    ]
+
+
+def exact_values(kind: WheelType, values: dict) -> dict:
+    """Of the exact profile: the envelope between two edges."""
+    cos, radius, distance = values["cos_psi"], kind.radius, kind.roller_distance
+    tilt = cos * math.sin(kind.covered)
+    half, end = map(float, profile(outline(kind), np.array(kind.covered)))
+    chain = [edge(-half, end, 1.0, tilt), edge(0.0, 0.0, tilt, -tilt), edge(half, end, -tilt, -1.0)]
+    sizes = {"radius": radius, "distance": distance, "cos_psi": cos, "envelope": 1}
+    # in the middle; towards the ends it is a little more
+    longest = radius - distance + distance / (cos * cos)
+    return sizes | lobe_values(chain, half, radius - distance) | {"longest": longest}
+
+
+def lobe_values(lobe: Lobe, half: float, radius: float) -> dict:
+    """Of a chain of arcs."""
+    arcs, tilts = np.zeros((MOST_ARCS, 3)), np.full(MOST_ARCS + 1, -BEYOND)
+    arcs[: len(lobe)] = [(arc.u, arc.r, arc.radius) for arc in lobe]
+    tilts[: len(lobe)] = [BEYOND, *(arc.start for arc in lobe[1:])]
+    reach = math.sqrt(half * half + radius * radius)
+    sizes = {"half_length": half, "thickest": radius, "reach": reach, "regions": len(lobe)}
+    return sizes | {"arcs": arcs, "tilts": tilts}
 
 
 def disk_places(types: list[WheelType], wheels: tuple[Wheel, ...], most: int) -> np.ndarray:
@@ -222,12 +249,12 @@ def mobility_bound(space: Space, values: dict) -> float:
     """Upper bound of the slip acceleration that a unit force causes anywhere on a roller of a wheel with these values
     of its WHEEL record, 1/kg: no lever is longer than the machine, the wheel and the roller."""
     shapes, radius = space.shapes, values["radius"]
-    thickest = np.where(shapes.kind == PROFILES["arc"], shapes.radius, shapes.radius - shapes.distance).max()
+    thick = float(shapes.thickest.max())
     reach = np.linalg.norm(space.hubs.centre, axis=1).max() + radius + shapes.half_length.max()
     turning = float(np.linalg.eigvalsh(np.asarray(space.body.turning))[-1])
     machine = 1.0 / space.body.mass + turning * reach**2
-    spin = values["spin_mobility"] * (radius + thickest) ** 2
-    return machine + spin + values["axial_mobility"] * float(thickest) ** 2
+    spin = values["spin_mobility"] * (radius + thick) ** 2
+    return machine + spin + values["axial_mobility"] * thick**2
 
 
 def hull(config: Config, centre: np.ndarray) -> dict:

@@ -53,6 +53,8 @@ HUB = np.dtype(
         ("coupled", np.float64),  # part of the torque on the axle that turns it: J_k / (J_k + J_r); 0 if it follows
         ("lean", np.float64),  # inertia that turns with the carrier about the axle: J_k J_r / (J_k + J_r), kg m^2
         ("row_count", np.int64),
+        ("first_lobe", np.int64),  # of its rollers, among the shapes
+        ("lobes", np.int64),
     ],
     align=True,
 )
@@ -121,7 +123,7 @@ SPATIAL_MODE = np.dtype(
         ("contacts", np.int64),  # how many contacts they have: one each, but on a step
         ("slot", np.int64, (SLOTS,)),  # of each contact: which of the rollers that touch
         ("first", np.int64, (SLOTS,)),  # 1: it is the first of its roller
-        ("piece", np.int64, (SLOTS,)),  # of the floor, see floor.py
+        ("meeting", np.int64, (SLOTS,)),  # which lobe meets which piece of the floor, see touching.py
         ("region", np.int64, (SLOTS,)),  # of the roller, see support.py
         ("pressed", np.int64, (SLOTS,)),  # 1: the rubber presses, N > 0
         ("saturated", np.int64, (SLOTS,)),  # branch of the saturated friction law
@@ -175,7 +177,8 @@ class Holding(NamedTuple):
 class Space(NamedTuple):
     """A machine free in space: W wheels of at most N rollers, C carriers.
 
-    body: record BODY. hubs (W,): records HUB. shapes (W,): records SHAPE of their rollers. disk (W, N, 3): cosine and
+    body: record BODY. hubs (W,): records HUB. shapes (L,): records SHAPE of the lobes of
+    their rollers, wheel after wheel. disk (W, N, 3): cosine and
     sine of the angle of each roller on its disk, and its offset along the axle, m. floor: Floor, a plane one without
     any part. carriers (C,): records CARRIER. Then what is found at an instant: touches (W * SLOTS,): records TOUCH;
     motions (C,): records MOTION; pushes (1 + C, 6): moment about C and force on chassis and carriers, chassis axes;

@@ -6,6 +6,9 @@
     N      = max(0, stiffness delta + damping delta')            v = V - (V . nu) nu, friction by the scene's law
 
 All along hub axes, from the wheel centre O. B: centre of the roller.
+
+Every lobe of a roller may touch every piece of the floor: `meeting` counts the pieces for the first lobe, then for the
+next. On a plane it is the lobe.
 """
 
 import math
@@ -15,6 +18,7 @@ from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3, combine, cross, dot, plus, times
 from omnisim.contact.common_normal import ANY, touch
+from omnisim.contact.floor import pieces
 from omnisim.contact.frame import Slip
 from omnisim.contact.friction import friction
 from omnisim.contact.set_valued import SLIP
@@ -98,18 +102,36 @@ def roller_on(parameters, w, i, stand):
 
 
 @kernel
-def touching(parameters, w, stand, piece, region, i):
-    """The Touching of roller i of wheel w on a piece of the ground, in a frozen region or ANY."""
+def meetings(space, w):
+    """Of a roller of wheel w: lobes times pieces of the floor."""
+    if not space.body.uneven:
+        return space.hubs[w].lobes
+    return space.hubs[w].lobes * pieces(space.floor)
+
+
+@kernel
+def shape_of(space, w, meeting):
+    """The SHAPE of the lobe of a meeting."""
+    lobe = meeting
+    if space.body.uneven:
+        lobe = meeting // pieces(space.floor)
+    return space.shapes[space.hubs[w].first_lobe + lobe]
+
+
+@kernel
+def touching(parameters, w, stand, meeting, region, i):
+    """The Touching of roller i of wheel w at a meeting, in a frozen region or ANY."""
     roller = roller_on(parameters, w, i, stand)
+    shape = shape_of(parameters.space, w, meeting)
     if not parameters.space.body.uneven:
-        return touch_plane(parameters.space.shapes[w], region, roller, stand.normal, stand.height)
-    return touch_ground(parameters, w, stand, piece, region, roller)
+        return touch_plane(shape, region, roller, stand.normal, stand.height)
+    return touch_ground(parameters, shape, stand, meeting % pieces(parameters.space.floor), region, roller)
 
 
 @kernel
 def touching_at(parameters, mode, w, c, stand):
     """The same of contact c of wheel w."""
-    return touching(parameters, w, stand, mode.piece[c], mode.region[c], mode.roller[mode.slot[c]])
+    return touching(parameters, w, stand, mode.meeting[c], mode.region[c], mode.roller[mode.slot[c]])
 
 
 @kernel
@@ -149,11 +171,11 @@ def in_world(stand, roller):
 
 
 @outlined
-def touch_ground(parameters, w, stand, piece, region, roller):
+def touch_ground(parameters, shape, stand, piece, region, roller):
     """The same on a piece of uneven ground."""
     space = parameters.space
     centre, axis = in_world(stand, roller)
-    found = touch(space.floor, piece, space.shapes[w], region, centre, axis)
+    found = touch(space.floor, piece, shape, region, centre, axis)
     normal = inward(mounted(stand.hub), inward(stand.body.rotation, found.nu))
     lever = lever_of(roller, normal, found.support, found.tilt, max(found.across, STANDING), found.depth)
     return Touching(roller, normal, found.depth, found.tilt, lever, found.inside if found.converged else -math.inf)

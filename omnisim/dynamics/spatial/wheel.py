@@ -18,7 +18,15 @@ from omnisim.contact.support import region_guard
 from omnisim.dynamics.actuation import actuate, followed
 from omnisim.dynamics.spatial.pose import add_push, mounted, outward, put
 from omnisim.dynamics.spatial.records import BASE, SLOTS
-from omnisim.dynamics.spatial.touching import joint_rate, rate_of_roller, react, roller_on, standing, touching_at
+from omnisim.dynamics.spatial.touching import (
+    joint_rate,
+    rate_of_roller,
+    react,
+    roller_on,
+    shape_of,
+    standing,
+    touching_at,
+)
 from omnisim.dynamics.state import places
 from omnisim.dynamics.wheel import bearing_torque
 
@@ -144,7 +152,7 @@ def press_wheel(parameters, stage, w, stand, rollers):
         loss += (found.normal_force - parameters.space.hubs[w].stiffness * touched.depth) * found.closing
         load += found.normal_force
         if stage.monitoring:
-            monitor_contact(parameters, stage.monitors[w], w, c, mode.region[c], touched, found)
+            monitor_contact(parameters, stage.monitors[w], w, c, mode, touched, found)
         if stage.monitoring or (parameters.workspace.resting is not None and mode.grip[c] != SLIP):
             remember(parameters.space.touches[w * SLOTS + c], touched, found)
     if stage.monitoring:
@@ -154,12 +162,12 @@ def press_wheel(parameters, stage, w, stand, rollers):
 
 
 @kernel
-def monitor_contact(parameters, monitors, w, c, region, touched, found):
+def monitor_contact(parameters, monitors, w, c, mode, touched, found):
     """What events want to know of a contact."""
-    shape = parameters.space.shapes[w]
+    shape = shape_of(parameters.space, w, mode.meeting[c])
     monitors.depth[c] = touched.depth
     monitors.press[c], monitors.load[c] = found.press, found.normal_force
-    monitors.inside[c] = region_guard(shape, region, touched.tilt)
+    monitors.inside[c] = region_guard(shape, mode.region[c], touched.tilt)
     monitors.within[c] = touched.within
     monitors.slip_square[c] = found.slip.h * found.slip.h + found.slip.k * found.slip.k
     monitors.factor[c] = found.factor

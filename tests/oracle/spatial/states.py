@@ -77,6 +77,16 @@ def machine_of(scene: dict) -> Machine:
     return machine
 
 
+def shaped(name: str, *profiles: dict, **tables: dict) -> dict:
+    """A reference machine whose wheels have rollers of these profiles in turn."""
+    scene = changed(name, **tables)
+    base = scene["wheel_types"]["type0"]
+    scene["wheel_types"] = {f"type{number}": base | {"profile": profile} for number, profile in enumerate(profiles)}
+    for number, wheel in enumerate(scene["wheels"]):
+        wheel["type"] = f"type{number % len(profiles)}"
+    return scene
+
+
 def rockers() -> dict:
     """A mecanum machine on a bump whose rear wheels share a rocker about x, its front wheels one about y."""
     scene = changed("mecanum_bump", floor={"slope_deg": 5.0, "uphill_deg": -60.0})
@@ -125,7 +135,22 @@ def grid() -> dict:
 
 GRID = {"file": "heights.npy", "origin": [-0.5, -0.4], "spacing": [0.12, 0.14]}
 SCENES = {name: load(name)[0] for name in REFERENCES}
+LONG = [
+    {"kind": "cylinder", "radius": 0.0112, "half_length": 0.02, "edge_radius": 0.003},
+    {"kind": "stepped", "radii": [0.0115, 0.0105, 0.008], "lengths": [0.009, 0.008, 0.006]},
+    {"kind": "cone", "radius": 0.0115, "end_radius": 0.007, "half_length": 0.022},
+    {"kind": "points", "axial": [-0.024, -0.017, -0.008, 0.001, 0.01, 0.016, 0.022],
+     "radius": [0.0065, 0.0092, 0.0111, 0.0115, 0.0108, 0.0094, 0.0072]},
+]  # fmt: skip
+SHORT = [
+    {"kind": "capsule", "radius": 0.0078, "half_length": 0.014},
+    {"kind": "cylinder", "radius": 0.008, "half_length": 0.012},
+    {"kind": "sphere", "radius": 0.0085},
+]
 SCENES |= {
+    "long shapes": shaped("mecanum_bump", *LONG, floor={"bumps": [], "slope_deg": 8.0}),
+    "short shapes": shaped("kiwi_slope", *SHORT),
+    "shapes on bumps": shaped("mecanum_bump", *LONG),
     "viscous": changed("mecanum_bump", friction={"law": "viscous", "viscosity": 30.0}),
     "coulomb": changed("kiwi_slope", friction={"law": "coulomb"}),
     "no friction": changed("double_row", friction={"law": "none"}),
@@ -181,7 +206,9 @@ def depths(machine: Machine, now: Coordinates) -> tuple[np.ndarray, Bodies]:
     for wheel, rollers in zip(machine.wheels, machine.layout.rollers, strict=True):
         pairs = list(zip(bodies.x[rollers], bodies.axis[rollers], strict=True))
         pairs.sort(key=lambda pair: wheel.lowest(*pair, Z)[2])
-        deepest.append(max(wheel.meet(x, axis, machine.ground, x[:2]).depth for x, axis in pairs[:3]))
+        deepest.append(
+            max(part.meet(x, axis, machine.ground, x[:2]).depth for x, axis in pairs[:3] for part in wheel.parts)
+        )
     return np.array(deepest), bodies
 
 

@@ -8,6 +8,7 @@ Its lowest point along -nu maximizes -(P - B) . nu = -u s + r sqrt(1 - s^2), s =
     inside   d/du of that vanishes:   s = r' sqrt(1 - s^2)          steeper than the profile: the rim of that end
     exact    u = R1 tan q / c + h c sin q,   r = h sqrt(1 - c^2 sin^2 q),   h = R - R1 / cos q,   c = cos psi
              r' = -c sin q / sqrt(1 - c^2 sin^2 q), so sin q = -s / c, |q| <= covered
+             others: see profiles.py
     arc      r = radius - rho + sqrt(rho^2 - u^2),   r' = -u / sqrt(rho^2 - u^2), so u = -rho s, |u| <= half_length
 
 The contact is a pair (P, X): X = (x, y, H(x, y)) of the ground, P the lowest point along -nu(X), P - X along nu(X):
@@ -27,6 +28,7 @@ from scipy.optimize import brentq
 
 from oracle.machine import UP, cross
 from oracle.spatial.ground import Ground, Step
+from oracle.spatial.profiles import Hull, parts_of
 
 DIFFERENCE = 1e-6  # m, for the Jacobian of f
 LOOKS = 9  # directions across an edge, to begin with
@@ -75,7 +77,8 @@ class Arc(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """P and X of a roller in world axes, the normal nu there, delta > 0 where they overlap; piece 1 + k: edge k."""
+    """P and X of a roller in world axes, the normal nu there, delta > 0 where they overlap; piece 1 + k: edge k, and
+    all of them again for each further part of the roller."""
 
     lowest: np.ndarray
     point: np.ndarray
@@ -107,21 +110,42 @@ class Wheel:
         self.axes = cos(psi) * cross(k, d) + sin(psi) * k
         profile = kind.get("profile", {"kind": "exact"})
         if profile["kind"] == "arc":
-            self.profile = Arc(*(profile[key] for key in Arc._fields))
+            profiles = [Arc(*(profile[key] for key in Arc._fields))]
         elif profile["kind"] == "exact":
             covered = radians(kind.get("covered_deg", covered_by_default(around, phases)))
-            self.profile = Exact(self.radius, self.distance, cos(psi), covered)
+            profiles = [Exact(self.radius, self.distance, cos(psi), covered)]
         else:
-            raise ValueError(f"the oracle has no profile {profile['kind']!r}")
+            profiles = parts_of(profile)
+        self.parts = [Part(profile, self.name) for profile in profiles]
 
     def lowest(self, centre: np.ndarray, axis: np.ndarray, nu: np.ndarray) -> np.ndarray:
         """P of a roller along -nu."""
+        return min((part.lowest(centre, axis, nu) for part in self.parts), key=lambda point: point @ nu)
+
+    def contacts(self, centre: np.ndarray, axis: np.ndarray, ground: Ground) -> list[Contact]:
+        """Where a roller overlaps the ground: one of its parts after the other."""
+        pieces = 1 + len(ground.steps)
+        return [
+            contact._replace(piece=number * pieces + contact.piece)
+            for number, part in enumerate(self.parts)
+            for contact in part.contacts(centre, axis, ground)
+        ]
+
+
+class Part(NamedTuple):
+    """A convex part of the rollers of a wheel."""
+
+    profile: Exact | Arc | Hull
+    name: str
+
+    def lowest(self, centre: np.ndarray, axis: np.ndarray, nu: np.ndarray) -> np.ndarray:
+        """P along -nu."""
         s = axis @ nu
         u, r = self.profile.lowest(s)
         return centre + u * axis - r / sqrt(1.0 - s**2) * (nu - s * axis)
 
     def contacts(self, centre: np.ndarray, axis: np.ndarray, ground: Ground) -> list[Contact]:
-        """Where a roller overlaps the ground, its level or smooth part first, then the edges of its steps."""
+        """Where it overlaps the ground, its level or smooth part first, then the edges of its steps."""
         below = self.lowest(centre, axis, UP)
         if below[2] > ground.top:
             return []

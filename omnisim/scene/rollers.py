@@ -1,0 +1,236 @@
+"""The rollers of a wheel type as a workshop sees them, whatever their profile: without kernels.
+
+The exact profile has closed forms of its own, in solids.py; all others are chains of arcs, see generatrix.py.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from omnisim.scene import solids
+from omnisim.scene.generatrix import Arc, Generatrix, both, edge, ends, generatrix
+from omnisim.scene.generatrix import thickest as thickest_of
+from omnisim.scene.schema import WheelType
+from omnisim.scene.solids import Solid
+
+Points = tuple[np.ndarray, np.ndarray]
+AZIMUTHS = 4001  # of a pitch, for heights
+REFINED = 40  # halvings of what is around the lowest and the highest of them
+
+
+# --- one roller -----------------------------------------------------------------------------------
+
+
+def drawn(kind: WheelType, count: int) -> Points:
+    """u and r along the generatrix, m, (K,): about `count` of them, all its corners among them."""
+    if kind.profile.kind == "exact":
+        return solids.profile(solids.outline(kind), np.linspace(-kind.covered, kind.covered, count))
+    arcs = generatrix(kind.profile)
+    round_ = [arc for arc in arcs if arc.radius > 0.0]
+    turned = math.fsum(swept(arc) for arc in round_)
+    points: list[Points] = []
+    for arc in arcs:
+        pieces = max(2, math.ceil((count - 1) * swept(arc) / turned)) if arc.radius > 0.0 else 0
+        points.append(along(arc, np.linspace(math.asin(arc.start), math.asin(arc.end), pieces + 1)))
+    u, r = np.concatenate([each[0] for each in points]), np.concatenate([each[1] for each in points])
+    new = np.append(True, np.hypot(np.diff(u), np.diff(r)) > 1e-12 * thickest(kind))
+    return u[new], np.maximum(r[new], 0.0)
+
+
+def swept(arc: Arc) -> float:
+    return math.asin(arc.start) - math.asin(arc.end)
+
+
+def along(arc: Arc, angles: np.ndarray) -> Points:
+    """u and r of an arc where its normal leans by these angles towards -u (rad), m."""
+    return arc.u - arc.radius * np.sin(angles), arc.r + arc.radius * np.cos(angles)
+
+
+def convex(kind: WheelType) -> list[Generatrix]:
+    """Convex rollers that make it up, not of the exact profile: of a stepped one cylinders, each from end to end."""
+    profile = kind.profile
+    if profile.kind != "stepped":
+        return [generatrix(profile)]
+    ends = np.cumsum(profile.lengths).tolist()
+    return [both([edge(-end, radius, 1.0, 0.0)]) for end, radius in zip(ends, profile.radii, strict=True)]
+
+
+def farthest(arcs: Generatrix, sine: np.ndarray) -> Points:
+    """u and r of the point that reaches farthest in directions whose components along the axis are `sine`, m."""
+    across = np.sqrt(1.0 - sine * sine)
+    tilts = [np.clip(-sine, min(arc.end, arc.start), max(arc.end, arc.start)) for arc in arcs]
+    points = np.array([
+        (arc.u - arc.radius * tilt, arc.r + arc.radius * np.sqrt(1.0 - tilt * tilt))
+        for arc, tilt in zip(arcs, tilts, strict=True)
+    ])  # fmt: skip
+    best = (points[:, 0] * sine + points[:, 1] * across).argmax(axis=0)[None]
+    u, r = (np.take_along_axis(points[:, i], best, 0)[0] for i in range(2))
+    return u, r
+
+
+def reach(kind: WheelType, sine: np.ndarray) -> np.ndarray:
+    """How far a roller reaches from its centre in directions whose components along its axis are `sine`, m."""
+    if kind.profile.kind == "exact":
+        return solids.support(solids.outline(kind), sine)
+    return reach_of(generatrix(kind.profile), sine)
+
+
+def reach_of(arcs: Generatrix, sine: np.ndarray) -> np.ndarray:
+    u, r = farthest(arcs, sine)
+    return u * sine + r * np.sqrt(1.0 - sine * sine)
+
+
+def thickest(kind: WheelType) -> float:
+    """Radius of a roller where it is largest, m."""
+    if kind.profile.kind == "exact":
+        return kind.radius - kind.roller_distance
+    return thickest_of(generatrix(kind.profile))
+
+
+def bending(kind: WheelType) -> float:
+    """The largest radius of curvature of the generatrix where it touches, m: what hollow ground should not have."""
+    if kind.profile.kind == "exact":
+        cos = math.cos(math.radians(kind.roller_angle_deg))
+        return kind.radius - kind.roller_distance + kind.roller_distance / cos**2
+    return max(arc.radius for arc in generatrix(kind.profile))
+
+
+def roller_solid(kind: WheelType) -> Solid:
+    """Of a roller with its bore, a cylinder from end to end. Where r is less than that of the bore nothing is left.
+
+    The integrals of solids.solid, along every arc and every line.
+    """
+    bore = kind.roller.bore_radius
+    if kind.profile.kind == "exact":
+        return solids.solid(solids.outline(kind), bore)
+    nodes, weights = np.polynomial.legendre.leggauss(solids.NODES)
+    whole = np.zeros(3)
+    for u, r, slope in pieces_of(generatrix(kind.profile), bore, nodes):
+        du = np.pi * weights * slope
+        ring, fourth = r**2 - bore**2, r**4 - bore**4
+        whole += ring @ du, 0.5 * fourth @ du, (0.25 * fourth + ring * u**2) @ du
+    return Solid(*map(float, whole))
+
+
+def pieces_of(arcs: Generatrix, bore: float, nodes: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """u, r and du by node, of every arc and line as far as r is above the bore, where nodes are from -1 to 1."""
+    found = []
+    last: tuple[float, float] | None = None
+    for arc in arcs:
+        here = arc.at(arc.start)
+        if last is not None and here[0] > last[0]:
+            first, end = (bored(*pair, bore) for pair in ((last, here), (here, last)))
+            half = 0.5 * (end[0] - first[0])
+            if half > 0.0:
+                part = 0.5 * (1.0 + nodes)
+                u, r = (a + part * (b - a) for a, b in zip(first, end, strict=True))
+                found.append((u, r, np.full_like(nodes, half)))
+        if arc.radius > 0.0:
+            most = math.acos(min(1.0, max(-1.0, (bore - arc.r) / arc.radius)))
+            start, stop = min(math.asin(arc.start), most), max(math.asin(arc.end), -most)
+            if start > stop:
+                angles = 0.5 * (start + stop) - 0.5 * (start - stop) * nodes
+                u, r = along(arc, angles)
+                found.append((u, r, 0.5 * (start - stop) * arc.radius * np.cos(angles)))
+        last = arc.at(arc.end)
+    return found
+
+
+def bored(end: tuple[float, float], other: tuple[float, float], bore: float) -> tuple[float, float]:
+    """The end of a line, or where it comes out of the bore."""
+    if end[1] >= bore or other[1] <= bore:
+        return end if end[1] >= bore else other
+    part = (bore - end[1]) / (other[1] - end[1])
+    return end[0] + part * (other[0] - end[0]), bore
+
+
+# --- rollers on their wheel -----------------------------------------------------------------------
+
+
+def gap(kind: WheelType, pitches: int = 1) -> float:
+    """Distance between the surfaces of two rollers of a row `pitches` apart, m; below 0 they overlap: solids.gap.
+
+    Turned by half a turn one is the other with its ends swapped: what counts of it is its reach the other way.
+    """
+    g = pitches * math.pi / kind.roller_count
+    psi = math.radians(kind.roller_angle_deg)
+    b = np.linspace(-0.5 * np.pi, 0.5 * np.pi, solids.DIRECTIONS)
+    along = np.clip(np.cos(b) * math.cos(psi) * math.cos(g) + np.sin(b) * math.sin(psi), -1.0, 1.0)
+    room = 2.0 * np.cos(b) * kind.roller_distance * math.sin(g)
+    if kind.profile.kind == "exact":
+        return float((room - 2.0 * reach(kind, along)).max())
+    parts = convex(kind)
+    return min(float((room - reach_of(one, along) - reach_of(other, -along)).max()) for one in parts for other in parts)
+
+
+def hub_radius(kind: WheelType) -> float:
+    """Of the largest cylinder about the axle that no roller enters, m; 0 if rollers reach the axle."""
+    return max(kind.roller_distance - thickest(kind), 0.0)
+
+
+def half_length(kind: WheelType) -> float:
+    """Of a roller, m: the longer half if it is not symmetric."""
+    if kind.profile.kind == "exact":
+        return float(solids.profile(solids.outline(kind), np.array(kind.covered))[0])
+    return max(map(abs, ends(generatrix(kind.profile))))
+
+
+def end_radius(kind: WheelType) -> float:
+    """Of a roller at its end, m: that of its end disc."""
+    return float(drawn(kind, 2)[1][-1])
+
+
+def half_width(kind: WheelType) -> float:
+    """Of a wheel, m: rollers are thick amid, and their axes long across the wheel."""
+    across = half_length(kind) * abs(math.sin(math.radians(kind.roller_angle_deg)))
+    return max(thickest(kind), across) + max(abs(row.offset) for row in kind.rows)
+
+
+class Rolling(NamedTuple):
+    """Of an upright wheel rolling straight ahead on rigid ground: lowest, mean and highest height of its centre, m.
+
+    That is its rolling radius: rollers turn freely about their axes, which lie in the vertical plane of the contact
+    normal, so that along the axis V_h - phi' H = 0.
+    """
+
+    lowest: float
+    mean: float
+    highest: float
+
+
+def azimuths(kind: WheelType) -> np.ndarray:
+    """Of all rollers at spin angle 0, rad from straight down."""
+    turns = 2.0 * np.pi * np.arange(kind.roller_count) / kind.roller_count
+    return np.add.outer(turns, np.radians([row.phase_deg for row in kind.rows])).ravel()
+
+
+def heights(kind: WheelType, angles: np.ndarray) -> np.ndarray:
+    """Of the centre of an upright wheel at these spin angles (rad), m: max of R1 cos q + reach(c sin q)."""
+    cos = math.cos(math.radians(kind.roller_angle_deg))
+    found = np.full(np.shape(angles), -np.inf)
+    for first in azimuths(kind):
+        q = first - angles
+        found = np.maximum(found, kind.roller_distance * np.cos(q) + reach(kind, cos * np.sin(q)))
+    return found
+
+
+def rolling(kind: WheelType) -> Rolling:
+    """Over a pitch, after which every height comes again."""
+    pitch = 2.0 * math.pi / kind.roller_count
+    angles = np.linspace(0.0, pitch, AZIMUTHS)
+    found = heights(kind, angles)
+    mean = 0.5 * (found[:-1] + found[1:]).mean()
+    low, high = (refined(kind, angles[at], pitch / (AZIMUTHS - 1), sign) for at, sign in
+                 ((found.argmin(), -1.0), (found.argmax(), 1.0)))  # fmt: skip
+    return Rolling(low, float(mean), high)
+
+
+def refined(kind: WheelType, angle: float, step: float, sign: float) -> float:
+    """The lowest (sign -1) or highest height around an angle."""
+    best = angle
+    for _ in range(REFINED):
+        around = best + step * np.linspace(-1.0, 1.0, 5)
+        found = heights(kind, around)
+        best, step = float(around[(sign * found).argmax()]), 0.5 * step
+    return float(heights(kind, np.array([best]))[0])
