@@ -169,7 +169,7 @@ def profile_table(record: np.record) -> str:
 
 def room(kind: WheelType, record: np.record) -> dict[str, str]:
     from omnisim.cad.geometry import gap, hub_radius
-    from omnisim.scene.solids import gap_between_rows, gap_in_row
+    from omnisim.scene.rollers import gap_between_rows, gap_in_row
 
     margin = record.radius * record.cos_alpha - record.roller_distance
     hub = hub_radius(record)
@@ -227,7 +227,7 @@ def write_drawing(path: Path, name: str, kind: WheelType) -> None:
 
 def write_mesh(path: Path, part: str, name: str, kind: WheelType) -> None:
     from omnisim.cad.mesh import controller_note, roller, whole, write
-    from omnisim.scene.solids import gap_between_rows, gap_in_row
+    from omnisim.scene.rollers import gap_between_rows, gap_in_row
 
     if part == "wheel" and min(gap_in_row(kind), gap_between_rows(kind)) < 0.0:
         where = "in one row" if len(kind.rows) == 1 else "in their rows"

@@ -100,6 +100,11 @@ RULES = """## Rules across keys
 - A `dc_motor` has a `voltage`, or `proportional` and what else belongs to a controller; and either `resistance`,
   `torque_constant` and friction, or all five values of a data sheet, which must be those of one motor: `stall_torque` to
   5 %. `sample_time` is a multiple of `time.step`; with `solver.error`, of a thousandth of `output_interval`.
+- A `profile` but `exact` is for machines free in space, and has the keys of its kind. `end_radius` is less than `radius`;
+  `edge_radius` at most `radius` and `half_length`, which a capsule's `radius` is at most too; `curvature_radius` at least
+  `half_length`. `radii` fall, 8 of them at most, with as many `lengths`. Points are 3 to 20, from `axial` below 0 to above
+  0, each farther along and outside the line between its neighbours. Rollers of a row stand apart, and over the gaps
+  between them they carry the wheel higher than its `hub_radius`.
 - `bumps`, `grid` and `steps` need `upright = "free"`; no bump is narrower than a roller is thick. A file of heights is a
   table of numbers without holes, 2 x 2 to 1e6 of them; its name is relative to the scene file. What is loaded keeps the
   heights themselves, compressed, so that a trajectory's scene needs no other file.
@@ -137,9 +142,13 @@ DERIVED = {
     "[[wheels]] drive torque_constant": "required by `dc_motor`, or a data sheet",
     **{f"[[wheels]] drive {key}": "absent; required of a data sheet" for key in DATA_SHEET},
     "[wheel_types.NAME] covered_deg": "`180 / roller_count`, by the number of rows if they take turns",
-    "[wheel_types.NAME] profile radius": "required by `arc`",
+    "[wheel_types.NAME] profile radius": "required but by `exact` and `stepped`",
     "[wheel_types.NAME] profile curvature_radius": "required by `arc`",
-    "[wheel_types.NAME] profile half_length": "required by `arc`",
+    "[wheel_types.NAME] profile half_length": "required by `arc`, `cylinder`, `capsule` and `cone`",
+    "[wheel_types.NAME] profile end_radius": "required by `cone`",
+    "[wheel_types.NAME] profile radii": "required by `stepped`",
+    "[wheel_types.NAME] profile lengths": "required by `stepped`",
+    "[wheel_types.NAME] profile axial": "required by `points`",
     "[initial] height": "that of static equilibrium on the ground",
     "[initial] pitch_deg": "the same, or `0` beside a height or a roll",
     "[initial] roll_deg": "the same, or `0` beside a height or a pitch",

@@ -12,12 +12,22 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon, Rectangle
 
 from omnisim.base.files import write_whole
-from omnisim.cad.geometry import hub_radius, of_type, profile, roller_frames, support
-from omnisim.contact.roller_profile import axial_coordinate, profile_radius, support_parameter
+from omnisim.cad.geometry import roller_frames
+from omnisim.scene.rollers import (
+    drawn,
+    farthest,
+    gap_between_rows,
+    gap_in_row,
+    half_width,
+    hub_radius,
+    reach,
+    rolling,
+    thickest,
+)
 from omnisim.scene.schema import WheelType
-from omnisim.scene.solids import gap_between_rows, gap_in_row, half_width
 
 STATIONS, CURVE = 17, 181  # of the table, of a drawn outline
+MOST_STATIONS = 40  # of the table
 PAPER = (11.7, 8.3)  # inches: A4
 EDGE, RUBBER, METAL = "0.15", "#c3d4e4", "#f1f1f1"
 THIN: dict[str, Any] = {"color": "0.35", "linewidth": 0.6}
@@ -30,21 +40,20 @@ AHEAD = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 
 def draw(path: Path, name: str, kind: WheelType) -> None:
     """Write a drawing by its suffix, .png, .svg or .pdf, whole or not at all. Raises OSError."""
-    wheel = of_type(kind)
     figure = Figure(figsize=PAPER, layout="constrained")
     grid = figure.add_gridspec(2, 3, width_ratios=(1.3, 0.8, 0.7), height_ratios=(1.3, 1.0))
     side, front, table = (figure.add_subplot(grid[0, column]) for column in range(3))
     roller = figure.add_subplot(grid[1, :])
-    side_view(side, kind, wheel)
-    front_view(front, kind, wheel)
-    profile_table(table, wheel)
-    roller_view(roller, wheel)
+    side_view(side, kind)
+    front_view(front, kind)
+    profile_table(table, kind)
+    roller_view(roller, kind)
     for axes in (side, front, roller):
         axes.set_aspect("equal")
         axes.margins(0.03)
     for axes in (side, front, table, roller):
         axes.set_axis_off()
-    radius = f"rolling radius for the controller {kind.radius * MM:g} mm"
+    radius = f"rolling radius for the controller {rolling(kind).mean * MM:g} mm"
     what = f"{kind.rollers} rollers in {counted_rows(kind)} at {kind.roller_angle_deg:g} deg"
     figure.suptitle(f"Wheel type '{name}': {what}, {radius}. Dimensions in mm.", fontsize=11)
     image = BytesIO()
@@ -57,11 +66,11 @@ def draw(path: Path, name: str, kind: WheelType) -> None:
 # --- views ----------------------------------------------------------------------------------------
 
 
-def side_view(axes: Axes, kind: WheelType, wheel: np.record) -> None:
+def side_view(axes: Axes, kind: WheelType) -> None:
     """From the right: the wheel rolls to the right."""
-    reach, distance = kind.radius * MM, kind.roller_distance * MM
-    axes.add_patch(Circle((0.0, 0.0), hub_radius(wheel) * MM, facecolor=METAL, edgecolor=EDGE, linewidth=0.8))
-    rollers(axes, kind, wheel, RIGHT_SIDE, alpha=0.75)
+    reach, distance = rolling(kind).highest * MM, kind.roller_distance * MM
+    axes.add_patch(Circle((0.0, 0.0), hub_radius(kind) * MM, facecolor=METAL, edgecolor=EDGE, linewidth=0.8))
+    rollers(axes, kind, RIGHT_SIDE, alpha=0.75)
     for radius in (reach, distance):
         axes.add_patch(Circle((0.0, 0.0), radius, fill=False, zorder=4, **AXIS_LINE))
     symmetry(axes, 1.08 * reach, 1.08 * reach)
@@ -75,43 +84,47 @@ def side_view(axes: Axes, kind: WheelType, wheel: np.record) -> None:
     axes.set_title(f"side; {told}", fontsize=9)
 
 
-def front_view(axes: Axes, kind: WheelType, wheel: np.record) -> None:
+def front_view(axes: Axes, kind: WheelType) -> None:
     """From ahead, the left of the wheel to the right; farther rollers stand behind nearer ones."""
-    reach = kind.radius * MM
-    half = (float(support(wheel, abs(wheel.sin_psi))) + max(abs(row.offset) for row in kind.rows)) * MM
-    hub, width = hub_radius(wheel) * MM, half_width(kind) * MM
+    height = rolling(kind).highest * MM
+    sine = np.array([math.sin(math.radians(kind.roller_angle_deg))])
+    half = (float(max(reach(kind, sine)[0], reach(kind, -sine)[0])) + max(abs(row.offset) for row in kind.rows)) * MM
+    hub, width = hub_radius(kind) * MM, half_width(kind) * MM
     if hub > 0.0:
         axes.add_patch(
             Rectangle((-width, -hub), 2.0 * width, 2.0 * hub, facecolor=METAL, edgecolor=EDGE, linewidth=0.8)
         )
-    rollers(axes, kind, wheel, AHEAD)
-    symmetry(axes, 1.25 * half, 1.08 * reach)
-    dimension(axes, (-half, 0.0), (half, 0.0), (0.0, -1.15 * reach), f"{2.0 * half:.2f}")
+    rollers(axes, kind, AHEAD)
+    symmetry(axes, 1.25 * half, 1.08 * height)
+    dimension(axes, (-half, 0.0), (half, 0.0), (0.0, -1.15 * height), f"{2.0 * half:.2f}")
     axes.set_title("front", fontsize=9)
 
 
-def roller_view(axes: Axes, wheel: np.record) -> None:
+def roller_view(axes: Axes, kind: WheelType) -> None:
     """A roller along its axis, lengths from its middle."""
-    u, r = (MM * values for values in profile(wheel, np.linspace(-wheel.alpha, wheel.alpha, CURVE)))
-    half = u[-1]
-    middle = r[CURVE // 2]
-    tip = r[-1]
+    u, r = (MM * values for values in drawn(kind, CURVE))
+    first, last = u[0], u[-1]
+    middle, tip = thickest(kind) * MM, r[-1]
     outline = np.column_stack([np.append(u, u[::-1]), np.append(r, -r[::-1])])
     axes.add_patch(Polygon(outline, facecolor=RUBBER, edgecolor=EDGE, linewidth=1.0))
-    symmetry(axes, 1.12 * half, 1.15 * middle)
-    dimension(axes, (-half, -tip), (half, -tip), (0.0, -1.3 * middle), f"{2.0 * half:.3f}")
-    dimension(axes, (0.0, -middle), (0.0, middle), (-1.22 * half, 0.0), f"\N{DIAMETER SIGN} {2.0 * middle:.3f}")
-    dimension(axes, (half, -tip), (half, tip), (1.22 * half, 0.0), f"\N{DIAMETER SIGN} {2.0 * tip:.3f}")
-    axes.set_title("roller, exact profile by the table", fontsize=9)
+    symmetry(axes, 1.12 * last, 1.15 * middle)
+    dimension(axes, (first, -r[0]), (last, -tip), (0.0, -1.3 * middle), f"{last - first:.3f}")
+    dimension(axes, (0.0, -middle), (0.0, middle), (-1.22 * last, 0.0), f"\N{DIAMETER SIGN} {2.0 * middle:.3f}")
+    dimension(axes, (last, -tip), (last, tip), (1.22 * last, 0.0), f"\N{DIAMETER SIGN} {2.0 * tip:.3f}")
+    what = "exact profile" if kind.profile.kind == "exact" else kind.profile.kind
+    axes.set_title(f"roller, {what} by the table", fontsize=9)
 
 
 def counted_rows(kind: WheelType) -> str:
     return "one row" if len(kind.rows) == 1 else f"{len(kind.rows)} rows"
 
 
-def profile_table(axes: Axes, wheel: np.record) -> None:
-    u, r = profile(wheel, np.linspace(0.0, wheel.alpha, STATIONS))
-    lines = [f"{x * MM:9.4f}  {2.0 * y * MM:9.4f}" for x, y in zip(u, r, strict=True)]
+def profile_table(axes: Axes, kind: WheelType) -> None:
+    """One half of a roller; both of one that need not be symmetric."""
+    whole = kind.profile.kind == "points"
+    u, r = drawn(kind, 2 * STATIONS - 1)
+    told = [(x, y) for x, y in zip(u, r, strict=True) if whole or x >= -ROUNDING]
+    lines = [f"{x * MM:9.4f}  {2.0 * y * MM:9.4f}" for x, y in told[:: 1 + len(told) // MOST_STATIONS]]
     text = "\n".join(["from middle, \N{DIAMETER SIGN}", *lines])
     axes.text(0.5, 0.5, text, family="monospace", fontsize=8, ha="center", va="center", transform=axes.transAxes)
 
@@ -119,26 +132,25 @@ def profile_table(axes: Axes, wheel: np.record) -> None:
 # --- lines ----------------------------------------------------------------------------------------
 
 
-def rollers(axes: Axes, kind: WheelType, wheel: np.record, view: np.ndarray, alpha: float = 1.0) -> None:
+def rollers(axes: Axes, kind: WheelType, view: np.ndarray, alpha: float = 1.0) -> None:
     """All rollers from afar; the last ones drawn are nearest."""
     nearness = np.cross(view[0], view[1])
     for centre, axis in sorted(roller_frames(kind), key=lambda frame: frame[0] @ nearness):
-        points = MM * outline(wheel, centre, axis, view)
-        axes.add_patch(Polygon(points, facecolor=RUBBER, edgecolor=EDGE, linewidth=0.8, alpha=alpha))
+        for points in outlines(kind, axis, view):
+            place = MM * (points + view @ centre)
+            axes.add_patch(Polygon(place, facecolor=RUBBER, edgecolor=EDGE, linewidth=0.8, alpha=alpha))
 
 
-def outline(wheel: np.record, centre: np.ndarray, axis: np.ndarray, view: np.ndarray) -> np.ndarray:
-    """Contour (CURVE, 2) of a roller, m: its farthest point in every direction of the paper."""
-    points = []
-    for turn in np.linspace(0.0, 2.0 * np.pi, CURVE):
-        direction = np.array([math.cos(turn), math.sin(turn)]) @ view
-        sine = direction @ axis
-        across = direction - sine * axis
-        q = support_parameter(wheel, -sine)
-        norm = np.linalg.norm(across)
-        radius = profile_radius(wheel, q) / norm if norm > ROUNDING else 0.0
-        points.append(view @ (centre + axial_coordinate(wheel, q) * axis + radius * across))
-    return np.array(points)
+def outlines(kind: WheelType, axis: np.ndarray, view: np.ndarray) -> list[np.ndarray]:
+    """Contours (CURVE, 2) of the convex solids of a roller about its centre, m: of each its farthest point in every
+    direction of the paper."""
+    turns = np.linspace(0.0, 2.0 * np.pi, CURVE)
+    directions = np.column_stack([np.cos(turns), np.sin(turns)]) @ view
+    sines = np.clip(directions @ axis, -1.0, 1.0)
+    across = directions - np.outer(sines, axis)
+    sizes = np.linalg.norm(across, axis=1)
+    across /= np.where(sizes > ROUNDING, sizes, np.inf)[:, None]
+    return [(np.outer(u, axis) + r[:, None] * across) @ view.T for u, r in farthest(kind, sines)]
 
 
 def symmetry(axes: Axes, x: float, y: float) -> None:

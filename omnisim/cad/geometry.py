@@ -19,7 +19,6 @@ from omnisim.dynamics.packing import wheel_values
 from omnisim.dynamics.parameters import WHEEL
 from omnisim.scene import rollers
 from omnisim.scene.drives import drive_law
-from omnisim.scene.generatrix import generatrix
 from omnisim.scene.schema import Wheel, WheelType
 from omnisim.scene.solids import Shape, Solid, gap, hub_radius, outline, profile, solid, support
 
@@ -112,7 +111,7 @@ def spheres_within(kind: WheelType) -> Spheres:
     end = math.cos(math.radians(kind.roller_angle_deg)) * math.sin(math.pi / kind.rollers)
     sines = np.linspace(-end, end, AZIMUTHS)
     whole = rollers.reach(kind, sines)
-    u, r = rollers.farthest(generatrix(kind.profile), sines[[0, -1]])
+    u, r = max(rollers.farthest(kind, sines[[0, -1]]), key=lambda point: point[0][-1] * end + point[1][-1])
     first, last = u - sines[[0, -1]] * r / math.sqrt(1.0 - end * end)
     for count in range(1, MOST_SPHERES + 1):
         places = np.linspace(first, last, count) if count > 1 else np.array([0.5 * (first + last)])

@@ -17,8 +17,8 @@ from omnisim.scene.floor_rules import hollow_ground
 from omnisim.scene.ideal_kinematics import MOTIONS, handedness, rms_distance, undetermined, wheel_rows
 from omnisim.scene.masses import wheel_mass
 from omnisim.scene.problems import Problem
-from omnisim.scene.schema import Config, Wheel, WheelType
 from omnisim.scene.rollers import gap_between_rows, half_length, half_width, hub_radius, roller_solid, thickest
+from omnisim.scene.schema import Config, Wheel, WheelType
 from omnisim.scene.solids import disk_solid, gap, outline, pitches
 from omnisim.scene.spatial_doubts import fast_rubber, high_start, soft_rubber, soft_springs
 from omnisim.scene.toml_text import KeyPath

@@ -128,7 +128,11 @@ def place_rules(path: KeyPath, kind: WheelType) -> Iterator[Problem]:
     """Rollers of a row are apart, and carry the wheel over the gaps between them."""
     if kind.profile.kind == "exact":
         return
-    from omnisim.scene.rollers import gap, rolling, thickest  # here: NumPy is slow to import, and few scenes need it
+    from omnisim.scene.rollers import (  # here: NumPy is slow to import, and few scenes need it
+        gap_in_row,
+        rolling,
+        thickest,
+    )
 
     if kind.roller.bore_radius >= thickest(kind):
         allowed = f"less than {thickest(kind):g}, the roller's own radius"
@@ -137,7 +141,7 @@ def place_rules(path: KeyPath, kind: WheelType) -> Iterator[Problem]:
         what = f"{thickest(kind):g} m thick on a ring of {kind.roller_distance:g} m: rollers reach the axle"
         yield Problem((*path[:-1], "roller_distance"), what)
         return
-    room = gap(kind)
+    room = gap_in_row(kind)
     if room < 0.0:
         what = f"too wide for {kind.roller_count} in a row: neighbours overlap by {-room:.3g} m"
         yield Problem(path, f"{what}; expected a smaller roller, or fewer")

@@ -4,6 +4,7 @@ The exact profile has closed forms of its own, in solids.py; all others are chai
 """
 
 import math
+from itertools import permutations
 from typing import NamedTuple
 
 import numpy as np
@@ -47,38 +48,39 @@ def along(arc: Arc, angles: np.ndarray) -> Points:
     return arc.u - arc.radius * np.sin(angles), arc.r + arc.radius * np.cos(angles)
 
 
-def convex(kind: WheelType) -> list[Generatrix]:
-    """Convex rollers that make it up, not of the exact profile: of a stepped one cylinders, each from end to end."""
+def farthest(kind: WheelType, sine: np.ndarray) -> list[Points]:
+    """u and r of the points that reach farthest in directions whose components along the axis are `sine`, m.
+
+    One for each convex solid that makes a roller up: of a stepped one these are cylinders, each from end to end.
+    """
     profile = kind.profile
+    if profile.kind == "exact":
+        return [solids.farthest(solids.outline(kind), sine)]
     if profile.kind != "stepped":
-        return [generatrix(profile)]
+        return [farthest_of(generatrix(profile), sine)]
     ends = np.cumsum(profile.lengths).tolist()
-    return [both([edge(-end, radius, 1.0, 0.0)]) for end, radius in zip(ends, profile.radii, strict=True)]
+    cylinders = [both([edge(-end, radius, 1.0, 0.0)]) for end, radius in zip(ends, profile.radii, strict=True)]
+    return [farthest_of(arcs, sine) for arcs in cylinders]
 
 
-def farthest(arcs: Generatrix, sine: np.ndarray) -> Points:
-    """u and r of the point that reaches farthest in directions whose components along the axis are `sine`, m."""
+def farthest_of(arcs: Generatrix, sine: np.ndarray) -> Points:
     across = np.sqrt(1.0 - sine * sine)
-    tilts = [np.clip(-sine, min(arc.end, arc.start), max(arc.end, arc.start)) for arc in arcs]
-    points = np.array([
-        (arc.u - arc.radius * tilt, arc.r + arc.radius * np.sqrt(1.0 - tilt * tilt))
-        for arc, tilt in zip(arcs, tilts, strict=True)
-    ])  # fmt: skip
-    best = (points[:, 0] * sine + points[:, 1] * across).argmax(axis=0)[None]
-    u, r = (np.take_along_axis(points[:, i], best, 0)[0] for i in range(2))
-    return u, r
+    tilts = [np.clip(-sine, arc.end, arc.start) for arc in arcs]
+    u = np.array([arc.u - arc.radius * tilt for arc, tilt in zip(arcs, tilts, strict=True)])
+    r = np.array([arc.r + arc.radius * np.sqrt(1.0 - tilt**2) for arc, tilt in zip(arcs, tilts, strict=True)])
+    best = (u * sine + r * across).argmax(axis=0)[None]
+    return np.take_along_axis(u, best, 0)[0], np.take_along_axis(r, best, 0)[0]
+
+
+def reaches(kind: WheelType, sine: np.ndarray) -> list[np.ndarray]:
+    """How far each of these solids reaches from the roller's centre, m."""
+    across = np.sqrt(1.0 - sine * sine)
+    return [u * sine + r * across for u, r in farthest(kind, sine)]
 
 
 def reach(kind: WheelType, sine: np.ndarray) -> np.ndarray:
-    """How far a roller reaches from its centre in directions whose components along its axis are `sine`, m."""
-    if kind.profile.kind == "exact":
-        return solids.support(solids.outline(kind), sine)
-    return reach_of(generatrix(kind.profile), sine)
-
-
-def reach_of(arcs: Generatrix, sine: np.ndarray) -> np.ndarray:
-    u, r = farthest(arcs, sine)
-    return u * sine + r * np.sqrt(1.0 - sine * sine)
+    """How far a roller does."""
+    return np.max(reaches(kind, sine), axis=0)
 
 
 def thickest(kind: WheelType) -> float:
@@ -148,20 +150,31 @@ def bored(end: tuple[float, float], other: tuple[float, float], bore: float) -> 
 # --- rollers on their wheel -----------------------------------------------------------------------
 
 
-def gap(kind: WheelType, pitches: int = 1) -> float:
-    """Distance between the surfaces of two rollers of a row `pitches` apart, m; below 0 they overlap: solids.gap.
+def gap(kind: WheelType, turn: float, aside: float = 0.0) -> float:
+    """Distance between the surfaces of two rollers a turn (rad) apart, m, of which the one behind stands `aside` (m)
+    of the one ahead along the axle; below 0 they overlap: see solids.gap.
 
     Turned by half a turn one is the other with its ends swapped: what counts of it is its reach the other way.
     """
-    g = pitches * math.pi / kind.roller_count
     psi = math.radians(kind.roller_angle_deg)
     b = np.linspace(-0.5 * np.pi, 0.5 * np.pi, solids.DIRECTIONS)
-    along = np.clip(np.cos(b) * math.cos(psi) * math.cos(g) + np.sin(b) * math.sin(psi), -1.0, 1.0)
-    room = 2.0 * np.cos(b) * kind.roller_distance * math.sin(g)
-    if kind.profile.kind == "exact":
-        return float((room - 2.0 * reach(kind, along)).max())
-    parts = convex(kind)
-    return min(float((room - reach_of(one, along) - reach_of(other, -along)).max()) for one in parts for other in parts)
+    along = np.clip(np.cos(b) * math.cos(psi) * math.cos(0.5 * turn) + np.sin(b) * math.sin(psi), -1.0, 1.0)
+    room = 2.0 * np.cos(b) * kind.roller_distance * math.sin(0.5 * turn) + np.sin(b) * aside
+    return min(float((room - one - other).max()) for one in reaches(kind, along) for other in reaches(kind, -along))
+
+
+def gap_in_row(kind: WheelType) -> float:
+    """The gap between neighbours of a row."""
+    return gap(kind, 2.0 * math.pi / kind.roller_count)
+
+
+def gap_between_rows(kind: WheelType) -> float:
+    """The least gap between rollers of different rows, m; infinite of one row."""
+    rings, found = kind.rings, [math.inf]
+    for behind, ahead in permutations(range(len(rings)), 2):
+        turn = (rings[ahead].phase_deg - rings[behind].phase_deg) % (360.0 / kind.roller_count)
+        found.append(gap(kind, math.radians(turn), rings[behind].offset - rings[ahead].offset))
+    return min(found)
 
 
 def hub_radius(kind: WheelType) -> float:
@@ -202,7 +215,7 @@ class Rolling(NamedTuple):
 def azimuths(kind: WheelType) -> np.ndarray:
     """Of all rollers at spin angle 0, rad from straight down."""
     turns = 2.0 * np.pi * np.arange(kind.roller_count) / kind.roller_count
-    return np.add.outer(turns, np.radians([row.phase_deg for row in kind.rows])).ravel()
+    return np.add.outer(turns, np.radians([row.phase_deg for row in kind.rings])).ravel()
 
 
 def heights(kind: WheelType, angles: np.ndarray) -> np.ndarray:

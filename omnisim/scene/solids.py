@@ -5,7 +5,6 @@ Vectors are in the frame of the wheel at spin angle 0: x along h (heading), y al
 """
 
 import math
-from itertools import permutations
 from typing import NamedTuple
 
 import numpy as np
@@ -85,10 +84,14 @@ def bored_end(wheel: Shape, bore: float) -> float:
     return low
 
 
+def farthest(wheel: Shape, sine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """u and r of the point that reaches farthest in directions whose components along the axis are `sine`, m."""
+    return profile(wheel, np.clip(np.arcsin(np.clip(sine / wheel.cos_psi, -1.0, 1.0)), -wheel.alpha, wheel.alpha))
+
+
 def support(wheel: Shape, sine: np.ndarray) -> np.ndarray:
-    """How far the roller reaches from its centre in directions whose components along its axis are `sine`, m."""
-    q = np.clip(np.arcsin(np.clip(sine / wheel.cos_psi, -1.0, 1.0)), -wheel.alpha, wheel.alpha)
-    u, r = profile(wheel, q)
+    """How far the roller reaches from its centre in these directions, m."""
+    u, r = farthest(wheel, sine)
     return u * sine + r * np.sqrt(1.0 - sine * sine)
 
 

@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 
+from omnisim.scene.rollers import half_width
 from omnisim.scene.schema import Config
-from omnisim.scene.solids import half_width
 
 MOST = 6  # instants
 APART = 1.3  # machine sizes along the path, at least: outlines do not cover each other
