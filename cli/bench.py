@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 SCENES = ("six_rollers", "coulomb_wheel", "kiwi")
 METHODS = ("heun", "rk4", "dopri5", "radau5", "auto")
-LAWS = ("regularized", "saturated", "coulomb", "viscous", "none")
+LAWS = ("regularized", "saturated", "coulomb", "brush", "viscous", "none")
 
 
 @click.command()

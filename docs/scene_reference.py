@@ -43,7 +43,7 @@ formulation = "reduced"       # or multibody: every roller a body, every joint a
 # error = 1e-6                # m, rad: a step is picked for it, and time.step is not used
 
 [friction]
-law = "regularized"           # regularized, saturated, coulomb, viscous, none
+law = "regularized"           # regularized, saturated, coulomb, brush, viscous, none
 coefficient = 0.4
 slip_speed = 0.05             # m/s; coulomb needs none
 # contact_torque = "contensou"  # friction of a patch against turning, with regularized slip; default "none"

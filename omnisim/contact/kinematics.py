@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from omnisim.base.kernel import kernel
+from omnisim.base.kernel import kernel, outlined
 from omnisim.contact.frame import Slip, rate_along, touching_acceleration, turning_velocity
 
 
@@ -35,6 +35,21 @@ def slip_velocity(wheel, contact, twist, joint):
 
 
 @kernel
+def shift(wheel, cos_q, spin_rate):
+    """l' (m/s): how fast the contact point runs along the axle, as q' = -phi'."""
+    return -wheel.roller_distance * wheel.tan_psi / (cos_q * cos_q) * spin_rate
+
+
+@outlined
+def streaming(wheel, state):
+    """Velocity (Slip, m/s) with which the contact runs over the surface of its roller, at a ContactState: that of the
+    contact point over the floor, (V_h - theta' l) h + (V_k + l') k, less the slip."""
+    contact, joint, spin_rate = state.contact, state.joint, state.twist.spin
+    along = shift(wheel, state.cos_q, spin_rate)
+    return Slip(spin_rate * wheel.radius - joint * contact.arm_h, along - joint * contact.arm_k)
+
+
+@kernel
 def slip_acceleration(wheel, state, motion):
     """v' (Slip, m/s^2) at a ContactState, from the accelerations `motion`; without friction in them it is b.
 
@@ -45,7 +60,7 @@ def slip_acceleration(wheel, state, motion):
     spin_rate, yaw_rate = state.twist.spin, state.twist.yaw
     h_q = wheel.radius - wheel.roller_distance / cos_q
     h_rate = wheel.roller_distance * sin_q / (cos_q * cos_q) * spin_rate
-    l_rate = -wheel.roller_distance * wheel.tan_psi / (cos_q * cos_q) * spin_rate
+    l_rate = shift(wheel, cos_q, spin_rate)
     arm_h_rate = -h_rate * wheel.sin_psi
     arm_k_rate = -wheel.cos_psi * (h_rate * cos_q + h_q * sin_q * spin_rate)
     axis_n_rate = wheel.cos_psi * cos_q * spin_rate

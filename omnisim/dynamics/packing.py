@@ -164,6 +164,7 @@ def machine_values(config: Config, types: list[WheelType], laws: list[DriveLaw])
         "law": LAWS[friction.law],
         "friction": friction.coefficient,
         "slip_speed": friction.slip_speed,
+        "creep_stiffness": friction.creep_stiffness,
         "viscosity": friction.viscosity,
         "slip_floor": slip_floor(friction, whole.mass * normal),
         "patch_radius": friction.patch_radius if friction.contact_torque != "none" else 0.0,
@@ -206,6 +207,8 @@ def slip_floor(friction: Friction, weight: float) -> float:
     """Slip over which friction changes near zero slip, m/s: of viscous friction that at which it carries the weight."""
     if friction.law == "viscous" and friction.viscosity > 0.0:
         return weight / friction.viscosity
+    if friction.law == "brush":
+        return friction.coefficient / friction.creep_stiffness * friction.slip_speed
     return {"coulomb": 0.0, "regularized": friction.slip_speed, "saturated": friction.slip_speed}.get(friction.law, 1.0)
 
 

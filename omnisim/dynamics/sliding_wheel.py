@@ -10,8 +10,8 @@ of rk4, minima of 450 marches in turn, all wheels by the one way or by the other
 
 from omnisim.base.kernel import kernel
 from omnisim.contact.frame import Slip, frame_on_chassis, outward
-from omnisim.contact.friction import VISCOUS, friction
-from omnisim.contact.kinematics import slip_jacobian
+from omnisim.contact.friction import BRUSH, VISCOUS, friction
+from omnisim.contact.kinematics import slip_jacobian, streaming
 from omnisim.contact.set_valued import SLIP
 from omnisim.dynamics.actuation import follow_angles
 from omnisim.dynamics.indices import rate_place
@@ -43,7 +43,8 @@ def slide_wheel(parameters, stage, w, body, load, equations):
     axis = free.state.axis
     slip = free.state.slip
     j = slip_jacobian(wheel, axis, state.contact)
-    factor, torque = friction(machine, mode.saturated[0], max(load, 0.0), slip, state.turn)
+    stream = streaming(wheel, state) if machine.law == BRUSH else slip
+    factor, torque = friction(machine, mode.saturated[0], max(load, 0.0), slip, state.turn, stream)
     force = Slip(-factor * slip.h, -factor * slip.k)
     rolling, spin, loss = yield_to(j, slip, force)
     yaw = j.yaw_h * force.h + j.yaw_k * force.k

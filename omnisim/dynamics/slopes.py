@@ -24,7 +24,7 @@ from omnisim.scene.drives import friction_torque
 from omnisim.scene.plausibility import most_torque
 from omnisim.scene.schema import Config
 
-RUBBING = ("coulomb", "regularized", "saturated")  # laws with a coefficient
+RUBBING = ("coulomb", "regularized", "saturated", "brush")  # laws with a coefficient
 STEEPEST = math.radians(89.999)
 HALVINGS = 40  # of a quarter turn, to 1e-12 rad
 DIRECTIONS = 24

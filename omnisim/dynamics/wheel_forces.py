@@ -7,8 +7,8 @@ import math
 
 from omnisim.base.kernel import kernel, outlined
 from omnisim.contact.frame import Axis, Slip
-from omnisim.contact.friction import VISCOUS, friction
-from omnisim.contact.kinematics import Jacobian, joint_rate, slip_acceleration, slip_jacobian
+from omnisim.contact.friction import BRUSH, VISCOUS, friction
+from omnisim.contact.kinematics import Jacobian, joint_rate, slip_acceleration, slip_jacobian, streaming
 from omnisim.contact.set_valued import CREEP, SLIP, STICK
 from omnisim.contact.tracking import roller_axis
 from omnisim.dynamics.actuation import actuate, follow_angles, followed
@@ -156,7 +156,8 @@ def find_friction(parameters, mode, w, side, body, state, j):
             set_holding(machine, wheel, contact, state.axis, j, bias)
             contact.factor = contact.torque = 0.0
             return
-    factor, torque = friction(machine, mode.saturated[side], 1.0, slip, state.turn)
+    stream = streaming(wheel, state) if machine.law == BRUSH else slip
+    factor, torque = friction(machine, mode.saturated[side], 1.0, slip, state.turn, stream)
     contact.factor, contact.unit_torque = factor, torque
     if machine.law == VISCOUS:  # knows no load
         contact.unit[0], contact.unit[1] = 0.0, 0.0

@@ -22,7 +22,8 @@ def relaxation_rate(config: Config, parameters: Parameters) -> float:
     if config.friction.law == "coulomb":
         return math.inf if machine.friction * normal > 0.0 else 0.0
     mobility = max(roller_mobility(machine, wheel, parameters.roller_rows) for wheel in parameters.wheels)
-    return friction_factor(machine, 0, normal, Slip(0.0, 0.0)) * mobility
+    still = Slip(0.0, 0.0)
+    return friction_factor(machine, 0, normal, still, still) * mobility
 
 
 def heaviest_load(config: Config, parameters: Parameters) -> float:

@@ -7,11 +7,17 @@ almost there is in friction_modes.py.
 
 import math
 
-from omnisim.base.kernel import kernel
+from omnisim.base.kernel import kernel, outlined
 from omnisim.base.methods import EXPLICIT, IMPLICIT
+from omnisim.contact.friction import BRUSH, passing_speed
+from omnisim.contact.kinematics import streaming
 from omnisim.contact.mobility import largest
 from omnisim.contact.set_valued import CREEP, SLIP, TINY
 from omnisim.dynamics.indices import contact_count
+from omnisim.dynamics.spatial import touching
+from omnisim.dynamics.spatial.pose import body_of
+from omnisim.dynamics.twist import body_motion
+from omnisim.dynamics.wheel import contact_state
 from omnisim.march.friction_modes import COARSE_STEP, CREEP_SPEED, slip_rate
 
 SLIP_FRACTION = 0.9  # of the time in which slip could stop, that one explicit sub-step may take at most
@@ -35,7 +41,7 @@ def step_length(parameters, run, t, h):
     """
     machine = parameters.machine
     clock = run.clock
-    floor = parameters.machine.slip_floor
+    floor = machine.slip_floor
     # rates at which friction relaxes slip or a roller's rate, or a current settles; at which slip turns; changes, 1/s
     relaxation = max(machine.bearing_relaxation, machine.current_relaxation, TINY)
     turning = TINY
@@ -50,6 +56,8 @@ def step_length(parameters, run, t, h):
             elif grip == SLIP and factor > 0.0:
                 rate, slip, a = slip_rate(parameters, run.mode[w], w, side, run.y, run.slopes[0])
                 mobility = largest(a)
+                if machine.law == BRUSH:
+                    floor = brush_floor(parameters, run.mode[w], w, side, run.y)
                 scale = run.monitors[w].slip_square[side] + floor * floor
                 size = math.sqrt((rate.h * rate.h + rate.k * rate.k) * scale)
                 sine = abs(slip.h * rate.k - slip.k * rate.h) / max(size, TINY)
@@ -70,6 +78,22 @@ def step_length(parameters, run, t, h):
         stiffness = h_explicit * relaxation
     clock.implicit = clock.choice == IMPLICIT or stiffness > AUTO_STIFF
     return min(h, fraction / pace) if clock.implicit else min(h_explicit, AUTO_ACCURATE / relaxation)
+
+
+@outlined
+def brush_floor(parameters, mode, w, side, y):
+    """The slip over which friction of a brush changes at a contact of wheel w, m/s: by as fast as it runs over its
+    roller, mu V / c."""
+    machine = parameters.machine
+    if parameters.space is not None:
+        stand = touching.standing(parameters, w, body_of(parameters, y), y)
+        touched = touching.touching_at(parameters, mode, w, side, stand)
+        rate = y[touching.rate_of_roller(parameters, mode, w, side)]
+        stream = touching.streaming(parameters, mode, w, side, stand, touched, rate)
+    else:
+        state = contact_state(parameters, mode, w, side, body_motion(parameters, y), y)
+        stream = streaming(parameters.wheels[w], state)
+    return machine.friction / machine.creep_stiffness * passing_speed(machine, stream)
 
 
 @kernel

@@ -134,7 +134,8 @@ def mobility_at(parameters, mode, y, w, c):
 def too_stiff(parameters, run, w):
     """Stop for friction at wheel w, with the largest rate at which it relaxes slip anywhere on a roller."""
     machine = parameters.machine
-    at_rest = friction_factor(machine, 0, run.monitors[w].normal_force, Slip(0.0, 0.0))
+    still = Slip(0.0, 0.0)
+    at_rest = friction_factor(machine, 0, run.monitors[w].normal_force, still, still)
     run.clock.rate = at_rest * roller_mobility(machine, parameters.wheels[w], parameters.roller_rows)
     run.clock.wheel, run.clock.status = w, TOO_STIFF
 

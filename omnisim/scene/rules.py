@@ -8,7 +8,7 @@ from omnisim.base.methods import EXPLICIT, METHODS
 from omnisim.scene.drive_schema import CONTROLLER, DATA_SHEET, DRIVE_KEYS, MOTOR_CONSTANTS, Drive
 from omnisim.scene.drives import SHEET_TOLERANCE, data_sheet, sheet_constants
 from omnisim.scene.problems import Problem, allowed_at, did_you_mean
-from omnisim.scene.roller_rules import row_rules, wheel_type_rules
+from omnisim.scene.roller_rules import DECIMAL_TOLERANCE, row_rules, wheel_type_rules
 from omnisim.scene.schema import FRICTION_KEYS, GRID_TOLERANCE, Config, Wheel, is_whole
 from omnisim.scene.toml_text import KeyPath
 
@@ -51,6 +51,16 @@ def _friction_rules(config: Config) -> Iterator[Problem]:
         if key not in config.friction.model_fields_set:
             allowed = allowed_at(("friction", key))
             yield Problem(("friction", key), f"missing; law = '{law}' needs {allowed}")
+
+
+def _creep_rules(config: Config) -> Iterator[Problem]:
+    """Rubber slides at a ratio of slip of 1 at most: F = -g v then relaxes slip at no more than the rate of g."""
+    friction = config.friction
+    least = 3.0 * friction.coefficient
+    given = friction.law == "brush" and "creep_stiffness" in friction.model_fields_set
+    if given and friction.creep_stiffness < least * (1.0 - DECIMAL_TOLERANCE):
+        allowed = f"at least 3 coefficient = {least:g}; at that it slides from a slip ratio of 1 on"
+        yield Problem(("friction", "creep_stiffness"), f"must be {allowed}")
 
 
 def _contact_torque_rules(config: Config) -> Iterator[Problem]:
@@ -257,6 +267,7 @@ RULES = (
     _time_rules,
     _formulation_rules,
     _friction_rules,
+    _creep_rules,
     _contact_torque_rules,
     wheel_type_rules,
     row_rules,

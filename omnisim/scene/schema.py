@@ -43,6 +43,7 @@ FRICTION_KEYS = {
     "regularized": ("coefficient", "slip_speed"),
     "saturated": ("coefficient", "slip_speed"),
     "coulomb": ("coefficient",),
+    "brush": ("coefficient", "slip_speed", "creep_stiffness"),
     "viscous": ("viscosity",),
     "none": (),
 }
@@ -133,12 +134,15 @@ class Solver(Table):
 class Friction(Table):
     """[friction]: a law, and the numbers it reads (slip_speed in m/s, viscosity in N s/m; 0 where absent).
 
+    creep_stiffness: force of rubber that creeps, by load, by ratio of its slip to the speed with which it rolls.
+
     contact_torque adds friction of the contact patch, of patch_radius (m), against turning about the normal.
     """
 
     law: Law
     coefficient: NonNegative = 0.0
     slip_speed: Positive = 0.0
+    creep_stiffness: Positive = 0.0
     viscosity: NonNegative = 0.0
     contact_torque: ContactTorque = "none"
     patch_radius: Positive = 0.0

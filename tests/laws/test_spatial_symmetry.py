@@ -9,12 +9,15 @@ from scenes import of_wheels, reference_scene
 TURN_DEG = 73.0
 TIME = {"end": 0.6, "step": 5e-5, "output_interval": 0.02}
 TILTED = {"height": 0.03, "roll_deg": 4.0, "pitch_deg": -3.0, "roll_rate": 0.5, "pitch_rate": 0.3}
-NAMES = ("kiwi_slope", "mecanum_springs", "double_row", "tumbling")
+NAMES = ("kiwi_slope", "mecanum_springs", "double_row", "tumbling", "creeping")
 
 
 def told(name: str) -> dict:
-    """A reference case, shorter; or one that falls aslant over bumps."""
-    data = tables(reference_scene(f"spatial_{'mecanum_springs' if name == 'tumbling' else name}")) | {"time": TIME}
+    """A reference case, shorter; one that falls aslant over bumps; one whose rubber creeps."""
+    source = {"tumbling": "mecanum_springs", "creeping": "kiwi_slope"}.get(name, name)
+    data = tables(reference_scene(f"spatial_{source}")) | {"time": TIME}
+    if name == "creeping":
+        data["friction"] |= {"law": "brush", "creep_stiffness": 5.0}
     if name == "tumbling":
         data["initial"] |= TILTED
         data["time"] = TIME | {"step": 1e-5}

@@ -13,6 +13,7 @@ PUSH = {
     "yaw_torque": [0.1, -0.2, 0.3, 0.0],
 }
 TURN_DEG = 73.0
+CREEP = "friction.creep_stiffness=4.0"
 
 # Scenes whose friction is smooth, and the largest share of rounding that their motion may show: they amplify little.
 SMOOTH = {
@@ -21,6 +22,7 @@ SMOOTH = {
     "kiwi pushed in its own axes": tables(reference_scene("kiwi", "time.step=2e-4"))
     | {"wrench": PUSH | {"frame": "body"}},
     "mecanum": tables(reference_scene("mecanum", "time.step=4e-5")),
+    "creeping kiwi": tables(reference_scene("kiwi", "time.step=2e-4", "friction.law=brush", CREEP)) | {"wrench": PUSH},
     "kiwi on a slope": tables(reference_scene("kiwi", "time.step=2e-4"))
     | {"floor": {"slope_deg": 9.0, "uphill_deg": 50.0}},
 }

@@ -53,6 +53,9 @@ the normal forces are N = B beta, and B^T g'' = 0 takes the place of the rows g'
 All joints held, the rows of the floor are affine in (X, Y) too: B^T g'' = 0 leaves g'' = 0 at every wheel. For three
 wheels B is invertible, which is no assumption on the forces at all.
 
+Rubber that creeps (brush) also asks for v_r = v_P - v, with v_P the velocity of the point of contact over the floor,
+v_c + p', whose p' is taken by differences of the lowest point as the axis turns.
+
 Friction on the roller at P, slip v = v_c + w_c x p: F = -mu N g(v) is proportional to the unknown N and so
 belongs to the column of N, whose wrench is (f, p x f), f = n - mu g(v). All accelerations and multipliers come from
 ONE dense solve of 6 N_bodies + 5 N_joints + 2 (bare wheel) or 3 (vehicle) equations:
@@ -63,6 +66,7 @@ ONE dense solve of 6 N_bodies + 5 N_joints + 2 (bare wheel) or 3 (vehicle) equat
 Nothing is stabilized: how well g = 0 still holds (`constraint_residual`) measures the integration.
 """
 
+from collections.abc import Callable
 from math import asin, cos, nan, pi, radians, sin, sqrt, tan
 from typing import NamedTuple
 
@@ -73,6 +77,7 @@ FLAT = np.array([1.0, 1.0, 0.0])
 # Places in the 18 numbers of a body; AXIS is the second column of its Q.
 POSITION, ROTATION, VELOCITY, OMEGA = slice(3), slice(3, 12), slice(12, 15), slice(15, 18)
 AXIS = slice(4, 12, 3)
+TURN = 1e-3  # rad, of differences: to 1e-13 of what they are of
 SKEW = np.zeros((3, 9))
 SKEW[[0, 1, 2], [7, 2, 3]], SKEW[[0, 1, 2], [5, 6, 1]] = 1.0, -1.0
 
@@ -178,6 +183,17 @@ class Wheel:
         return u * axis - r * (UP - s * axis) / sqrt(1.0 - s**2), q
 
 
+def along_turning(function: Callable[[np.ndarray], np.ndarray], axis: np.ndarray, w: np.ndarray) -> np.ndarray:
+    """Rate of a function of a unit axis that turns with the rate w: central differences of fourth order."""
+    rate = sqrt(w @ w)
+    if rate == 0.0:
+        return 0.0 * w
+    about, across = w / rate, cross(w / rate, axis)
+    level = (about @ axis) * about
+    at = [function(level + cos(k * TURN) * (axis - level) + sin(k * TURN) * across) for k in (-2, -1, 1, 2)]
+    return rate / (12.0 * TURN) * (at[0] - 8.0 * at[1] + 8.0 * at[2] - at[3])
+
+
 class Machine:
     """Bodies, joints, floor and loads of a scene, with the defaults of the scene format."""
 
@@ -189,13 +205,14 @@ class Machine:
             raise ValueError("without a chassis the oracle knows one wheel that a servo keeps upright")
         if self.upright == "contacts" and len(scene["wheels"]) < 3:
             raise ValueError("fewer than three contacts carry no vehicle")
-        if friction["law"] not in ("regularized", "saturated", "viscous", "none"):
+        if friction["law"] not in ("regularized", "saturated", "viscous", "brush", "none"):
             raise ValueError(f"the oracle has no friction law {friction['law']!r}")
         slope, uphill = (radians(scene.get("floor", {}).get(f"{key}_deg", 0.0)) for key in ("slope", "uphill"))
         down = np.array([-sin(slope) * cos(uphill), -sin(slope) * sin(uphill), -cos(slope)])
         self.gravity = general.get("gravity", 9.81) * down  # in axes of the floor
         self.law, self.slip_speed = friction["law"], friction.get("slip_speed", 1e-6)
-        self.mu = friction["coefficient"] if self.law in ("regularized", "saturated") else 0.0
+        self.mu = friction["coefficient"] if self.law in ("regularized", "saturated", "brush") else 0.0
+        self.creep_stiffness = friction.get("creep_stiffness", 0.0)
         self.viscosity = friction["viscosity"] if self.law == "viscous" else 0.0
         self.wheels, disk = [], 1 if self.chassis else 0
         for entry in scene["wheels"]:
@@ -273,9 +290,13 @@ class Machine:
         self.matrix[self.moves + self.hinge, self.turn[self.child] - 3] = 1.0
         self.matrix[self.moves + self.hinge, self.turn[self.parent] - 3] = -1.0
 
-    def friction(self, slip: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Force on the roller: what is multiplied by N [1], and what is not [N]."""
+    def friction(self, slip: np.ndarray, stream: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Force on the roller: what is multiplied by N [1], and what is not [N]; stream: v_r."""
         speed = sqrt(slip @ slip)
+        if self.law == "brush":
+            sigma = speed / sqrt(stream @ stream + self.slip_speed**2)
+            theta = min(self.creep_stiffness * sigma / (3.0 * self.mu), 1.0)
+            return -self.mu * (3.0 * theta - 3.0 * theta**2 + theta**3) * slip / speed, 0.0 * slip
         smooth = sqrt(speed**2 + self.slip_speed**2)
         scale = max(speed, self.slip_speed) if self.law == "saturated" else smooth
         return -self.mu * slip / scale, -self.viscosity * slip
@@ -375,7 +396,8 @@ class Machine:
         bias = slope * cross(w, axis_rate)[2] + curvature * axis_rate[2] ** 2
         slip = (body[VELOCITY] + cross(w, p)) * FLAT
         columns = slice(6 * index, 6 * index + 6)
-        return Touch(columns, p, body[POSITION] + p, bias, slip, *self.friction(slip))
+        stream = (body[VELOCITY] + along_turning(lambda axis: wheel.lowest_point(axis)[0], axis, w)) * FLAT - slip
+        return Touch(columns, p, body[POSITION] + p, bias, slip, *self.friction(slip, stream))
 
     def shares(self, bodies: np.ndarray, touches: list[Touch]) -> np.ndarray:
         """B of N = B beta, (wheels, beta): places on the floor are reckoned from the base."""

@@ -43,11 +43,13 @@ CASES["saturated"] = ("friction.law=saturated", "time.end=0.25")
 CASES["viscous"] = ("friction.law=viscous", "friction.viscosity=5.0", "time.end=0.5")
 CASES["on a slope"] = ("floor={slope_deg=20.0, uphill_deg=-35.0}", "time.end=0.5", *PUSHED)
 CASES["on two rows, pushed"] = (*BARE_ROWS, "time.end=0.5", *PUSHED)
+CASES["brush"] = ("friction.law=brush", "friction.creep_stiffness=6.0", "time.end=0.5")
 CASES["no friction"] = ("friction.law=none", "time.end=0.5")
 SKEW, MECANUM = Path(__file__).parent / "skew.toml", REFERENCE / "mecanum.toml"
 # rollers that spin, edges nearby, a yaw rate, and a slip speed that spares the oracle some of the stiffness
 HEAVY = (
     "wheel_types.mecanum.roller.inertia_axial=1e-5", "friction.slip_speed=0.2", "friction.viscosity=20.0",
+    "friction.creep_stiffness=6.0",
     "wheels.front_left.spin_angle_deg=25.0", "wheels.front_left.spin_rate=3.0",
     "wheels.front_right.phase_deg=-20.0", "wheels.front_right.spin_rate=-2.0",
     "wheels.rear_left.roller_rates=[9.0, -4.0, 2.0, -7.0, 1.0, 5.0]", "wheels.rear_left.heading_deg=4.0",
@@ -69,7 +71,7 @@ def following(*wheels):
     return tuple(overrides)
 
 
-LAWS = ("regularized", "saturated", "viscous", "none")
+LAWS = ("regularized", "saturated", "viscous", "brush", "none")
 MACHINES = {"three skew wheels": (SKEW, ()), "the same with a servo": (SKEW, ("scene.upright=servo",))}
 MACHINES["four mecanum wheels"] = (MECANUM, HEAVY)
 MACHINES["three skew wheels on rows"] = (SKEW, ROWS)

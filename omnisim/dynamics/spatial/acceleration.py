@@ -1,14 +1,11 @@
 """Accelerations of a machine free in space from the derivative of its state: of hubs, and of the slip at a contact."""
 
-import math
-
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3, combine, cross, dot, minus, plus, times
 from omnisim.contact.frame import Slip
-from omnisim.contact.support import support
 from omnisim.dynamics.spatial.pose import body_of, hub_of, inward, mounted, outward, tangent_of, turned, vector
-from omnisim.dynamics.spatial.touching import STANDING, rate_of_roller, react, shape_of, standing, touching_at
+from omnisim.dynamics.spatial.touching import rate_of_roller, react, running, shape_of, standing, touching_at
 from omnisim.dynamics.state import places
 
 MOMENT = 1e-6  # s: of differences of slip along the motion
@@ -98,19 +95,12 @@ def slip_change_on_plane(parameters, mode, w, c, stand, y, dy):
     joint = y[place] - dot(rate, roller.axis)
     joint_change = dy[place] - dot(bending, roller.axis)
     # X - B, and how it changes
-    tilt = touched.tilt
-    across = max(math.sqrt(max(1.0 - tilt * tilt, 0.0)), STANDING)
-    found = support(shape_of(parameters.space, w, mode.meeting[c]), mode.region[c], tilt, across)
+    run = running(shape_of(parameters.space, w, mode.meeting[c]), mode.region[c], touched, rate)
     axis_change = cross(rate, roller.axis)
-    tilt_change = dot(axis_change, normal)
-    radial = found.r / across
-    radial_change = (found.r_rate + radial * tilt / across) / across * tilt_change
-    along_change = found.u_rate * tilt_change + radial_change * tilt + radial * tilt_change
     arm = plus(roller.centre, touched.lever)
     velocity = plus(hub.velocity, plus(cross(rate, arm), times(joint, cross(roller.axis, touched.lever))))
     deeper = -dot(velocity, normal)
-    along = found.u + radial * tilt
-    lever_change = combine(along_change, roller.axis, along, axis_change, deeper - radial_change, normal)
+    lever_change = combine(run.along_rate, roller.axis, run.along, axis_change, deeper + run.deep_rate, normal)
     arm_change = plus(cross(rate, roller.centre), lever_change)
     disk = plus(lifted, plus(cross(bending, arm), cross(rate, arm_change)))
     turning = plus(cross(axis_change, touched.lever), cross(roller.axis, lever_change))

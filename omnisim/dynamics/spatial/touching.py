@@ -20,7 +20,7 @@ from omnisim.base.vector import Vec3, combine, cross, dot, plus, times
 from omnisim.contact.common_normal import ANY, touch
 from omnisim.contact.floor import pieces
 from omnisim.contact.frame import Slip
-from omnisim.contact.friction import friction
+from omnisim.contact.friction import BRUSH, friction
 from omnisim.contact.set_valued import SLIP
 from omnisim.contact.support import region_of, support
 from omnisim.dynamics.spatial.pose import Body, Hub, hub_of, inward, mounted, outward, tangent_of
@@ -61,6 +61,15 @@ class Touching(NamedTuple):
     tilt: float
     lever: Vec3
     within: float
+
+
+class Running(NamedTuple):
+    """X - B = g a + f nu of a roller and the rates of both: g, f (m), g' and the rate of f - delta (m/s)."""
+
+    along: float
+    deep: float
+    along_rate: float
+    deep_rate: float
 
 
 class Reaction(NamedTuple):
@@ -198,12 +207,43 @@ def react(parameters, mode, w, c, stand, touched, rate):
     turn = dot(turning, normal) + joint * touched.tilt
     factor, torque = 0.0, 0.0
     if mode.pressed[c]:
-        factor, torque = friction(machine, mode.saturated[c], load, slip, turn)
+        stream = streaming(parameters, mode, w, c, stand, touched, rate) if machine.law == BRUSH else slip
+        factor, torque = friction(machine, mode.saturated[c], load, slip, turn, stream)
     held = Slip(-factor * slip.h, -factor * slip.k)
     heat = factor * (slip.h * slip.h + slip.k * slip.k) - torque * turn
     if parameters.workspace.resting is not None and mode.grip[c] != SLIP:  # its force is found with those of others
         held, heat = Slip(0.0, 0.0), 0.0
     return Reaction(closing, press, load, slip, held, factor, combine(load, normal, held.h, h, held.k, k), torque, heat)
+
+
+@kernel
+def running(shape, region, touched, turning):
+    """The Running of a Touching whose disk turns with the rate `turning` (rad/s); nu is constant, as on a plane."""
+    tilt = touched.tilt
+    across = max(math.sqrt(max(1.0 - tilt * tilt, 0.0)), STANDING)
+    found = support(shape, region, tilt, across)
+    tilt_rate = dot(cross(turning, touched.roller.axis), touched.normal)
+    radial = found.r / across
+    radial_rate = (found.r_rate + radial * tilt / across) / across * tilt_rate
+    along_rate = found.u_rate * tilt_rate + radial_rate * tilt + radial * tilt_rate
+    return Running(found.u + radial * tilt, touched.depth - radial, along_rate, -radial_rate)
+
+
+@outlined
+def streaming(parameters, mode, w, c, stand, touched, rate):
+    """Velocity (Slip, m/s) with which contact c of wheel w runs over the surface of its roller, which has the absolute
+    axial rate `rate` (rad/s): that of X less that of the material there.
+
+    Of X - B = g a + f nu it is what the turning of the roller does not make: g' a - f w x nu. On curved ground nu is
+    taken to be constant: rollers are much more curved.
+    """
+    roller, normal = touched.roller, touched.normal
+    disk = plus(stand.hub.rate, Vec3(0.0, stand.spin_rate, 0.0))
+    turning = plus(disk, times(joint_rate(stand, roller, rate), roller.axis))
+    run = running(shape_of(parameters.space, w, mode.meeting[c]), mode.region[c], touched, disk)
+    velocity = combine(run.along_rate, roller.axis, -run.deep, cross(turning, normal), 0.0, normal)
+    h, k = tangent_of(normal)
+    return Slip(dot(velocity, h), dot(velocity, k))
 
 
 @kernel

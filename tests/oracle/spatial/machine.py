@@ -47,12 +47,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from oracle.machine import cross
+from oracle.machine import along_turning, cross
 from oracle.spatial.bodies import Bodies, Coordinates, Layout, placed, tilted_gravity
 from oracle.spatial.ground import Ground
 from oracle.spatial.wheel import Contact, Wheel
 
-LAWS = ("regularized", "saturated", "viscous", "coulomb", "none")
+LAWS = ("regularized", "saturated", "viscous", "coulomb", "brush", "none")
 
 
 class Touch(NamedTuple):
@@ -145,17 +145,31 @@ class Machine:
         rate = -float(velocity @ contact.normal)
         load = max(0.0, rubber["stiffness"] * contact.depth + rubber.get("damping", 0.0) * rate)
         slip = velocity + rate * contact.normal
-        force = self.given_friction.get((w, roller), self.friction_force(load, slip))
+        stream = np.zeros(3)
+        if self.friction["law"] == "brush":  # with nu as it is: the ground is taken to be straight
+            lowest = along_turning(
+                lambda axis: self.wheels[w].lowest(bodies.x[body], axis, contact.normal),
+                bodies.axis[body],
+                bodies.w[body],
+            )
+            stream = bodies.v[body] + lowest - slip
+            stream -= (stream @ contact.normal) * contact.normal
+        force = self.given_friction.get((w, roller), self.friction_force(load, slip, stream))
         shape = contact.piece, contact.point, contact.normal, contact.depth
         return Touch(w, roller, *shape, rate, load, slip, force)
 
-    def friction_force(self, load: float, slip: np.ndarray) -> np.ndarray:
+    def friction_force(self, load: float, slip: np.ndarray, stream: np.ndarray) -> np.ndarray:
         law, speed = self.friction["law"], sqrt(slip @ slip)
         if law == "none":
             return np.zeros(3)
         if law == "viscous":  # without N, as long as there is any
             return -self.friction["viscosity"] * slip if load > 0.0 else np.zeros(3)
         slow = self.friction.get("slip_speed", 1e-6)
+        if law == "brush":
+            mu = self.friction["coefficient"]
+            sigma = speed / sqrt(stream @ stream + slow**2)
+            theta = min(self.friction["creep_stiffness"] * sigma / (3.0 * mu), 1.0)
+            return -mu * load * (1.0 - (1.0 - theta) ** 3) / speed * slip
         scale = {"regularized": sqrt(speed**2 + slow**2), "saturated": max(speed, slow), "coulomb": speed}[law]
         return -self.friction["coefficient"] * load / scale * slip
 

@@ -133,6 +133,7 @@ def grid() -> dict:
     return changed("mecanum_bump", floor={"bumps": [], "grid": GRID})
 
 
+BRUSH = {"law": "brush", "slip_speed": 0.01, "creep_stiffness": 6.0}
 GRID = {"file": "heights.npy", "origin": [-0.5, -0.4], "spacing": [0.12, 0.14]}
 SCENES = {name: load(name)[0] for name in REFERENCES}
 LONG = [
@@ -153,6 +154,10 @@ SCENES |= {
     "shapes on bumps": shaped("mecanum_bump", *LONG),
     "viscous": changed("mecanum_bump", friction={"law": "viscous", "viscosity": 30.0}),
     "coulomb": changed("kiwi_slope", friction={"law": "coulomb"}),
+    "brush": changed("kiwi_slope", friction=BRUSH),
+    "brush on springs": changed("mecanum_springs", friction=BRUSH),
+    "brush on a bump": changed("mecanum_bump", friction=BRUSH),
+    "brush of two rows": changed("double_row", friction=BRUSH),
     "no friction": changed("double_row", friction={"law": "none"}),
     "unlike wheels": unlike(),
     "24 rollers": many_rollers(),
