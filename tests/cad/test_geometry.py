@@ -24,6 +24,7 @@ from omnisim.cad.geometry import (
 )
 from omnisim.contact.roller_profile import length, profile_radius
 from omnisim.dynamics.packing import pack
+from omnisim.scene.solids import gap_between_rows, gap_in_row
 
 pytestmark = pytest.mark.short
 SCENES = ("youbot", "kiwi", "six_rollers", "thirty_two_rollers")
@@ -79,6 +80,30 @@ def test_the_gap_is_the_smallest_distance_of_points_on_two_rollers_and_never_abo
     found = gap(wheel, pitches)
     assert found <= near.min() + 1e-15
     assert near.min() - found < 1e-5  # of a grid; measured 0 to 3.4e-6
+
+
+@pytest.mark.parametrize("angle", [0.0, 25.0, -25.0])
+def test_the_gap_between_rows_is_the_smallest_distance_of_points_on_their_rollers(angle):
+    """Neighbours ahead and behind on the other row are not equally far where rollers stand aslant."""
+    from scipy.spatial import cKDTree
+
+    rows = "wheel_types.omni.rows=[{offset=-0.009}, {offset=0.012, phase_deg=20.0}]"
+    aslant = f"wheel_types.omni.roller_angle_deg={angle!r}"
+    kind = omnisim.load("kiwi", ["wheel_types.omni.roller_count=9", rows, aslant]).config.wheel_types["omni"]
+    first, *others = (surface(of_type(kind), frame) for frame in roller_frames(kind))
+    near = [cKDTree(first).query(other)[0].min() for other in others]
+    assert -1e-15 <= min(near[::2]) - gap_between_rows(kind) < 2e-5  # of a grid
+    assert -1e-15 <= min(near[1::2]) - gap_in_row(kind) < 2e-5
+
+
+def test_rows_are_counted_in_order_of_azimuth():
+    """In the file, in kernels, in meshes: roller i stands 2 pi i / N_r from the first row's roller 0."""
+    rows = "wheel_types.omni.rows=[{offset=1, phase_deg=5}, {offset=2, phase_deg=-15}, {offset=3, phase_deg=85}]"
+    kind = omnisim.load("kiwi", ["wheel_types.omni.roller_count=6", rows]).config.wheel_types["omni"]
+    centres = np.array([centre for centre, _ in roller_frames(kind)])
+    np.testing.assert_array_equal(centres[:, 1], np.tile([1.0, 3.0, 2.0], 6))
+    azimuths = np.unwrap(np.arctan2(centres[:, 0], -centres[:, 2]))
+    np.testing.assert_allclose(azimuths, np.radians(5.0 + 20.0 * np.arange(18)), rtol=1e-14)
 
 
 @pytest.mark.parametrize("scene", ["kiwi", "six_rollers"])

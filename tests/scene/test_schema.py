@@ -122,6 +122,21 @@ DEFECTS = {
     "zero step": (STEP, "step = 0", 8, "time.step = 0", "must be a finite number > 0"),
     "negative mass": ("mass = 0.03", "mass = -1", 23, "wheel_types.omni.roller.mass = -1", "finite number > 0"),
     "two rollers": ("count = 6", "count = 2", 20, "wheel_types.omni.roller_count = 2", "an integer from 3"),
+    "rows that carry together": (
+        "count = 6", "count = 6\nrows = [{ offset = -0.01 }, { offset = 0.01 }]", 21, "wheel_types.omni.rows = [{offset = -0.01}, {off",
+        "must take turns, their phase_deg 360 / (roller_count * 2) = 30 apart; only upright = \"free\" in [scene] has wheels",
+    ),
+    "rows with gaps": (
+        "count = 6", "count = 6\nrows = [{}, { phase_deg = 20 }]", 21, "wheel_types.omni.rows = [{}, {phase_deg = 20}]", "must take turns",
+    ),
+    "a gap between rollers": (
+        "count = 6", "count = 6\ncovered_deg = 29", 21, "wheel_types.omni.covered_deg = 29", "must be absent or 180 / roller_count = 30; only upright",
+    ),
+    "rollers of rows that carry together": (
+        "count = 6", "count = 6\ncovered_deg = 30\nrows = [{}, { phase_deg = 30 }]", 21, "wheel_types.omni.covered_deg = 30", "must be absent or 180 / (roller_count * 2) = 15",
+    ),
+    "no row": ("count = 6", "count = 6\nrows = []", 21, "wheel_types.omni.rows = []", "must be a list of one or more rows"),
+    "misspelt row": ("count = 6", "count = 6\nrows = [{ ofset = 1 }]", 21, "wheel_types.omni.rows[0].ofset = 1", "unknown key; did you mean 'offset'?"),
     "float for an integer": ("count = 6", "count = 6.0", 20, "wheel_types.omni.roller_count = 6.0", "an integer from 3"),
     "psi of 90 deg": ("deg = 0.0", "deg = 90", 21, "roller_angle_deg = 90", "number between -90 and 90"),
     "string for a boolean": (SPIN, "mirrored = 'no'", 27, "wheels.wheel.mirrored = 'no'", "must be true or false"),
