@@ -47,6 +47,7 @@ from bench.hard_claims import (
     turns_on_the_edge,
     wrench,
 )
+from bench.hard_rows import ROW_CASES
 from bench.hard_spatial import SPATIAL_CASES
 from omnisim.results.comparison import energy_error
 
@@ -195,6 +196,7 @@ CASES = (
         "too stiff for rk4", "relaxes 3000 times in a step", "authors_sliding",
         (*VISCOUS, "time.end=0.01", "time.output_interval=0.01"), names_the_step, stops="use time.step <",
     ),
+    *ROW_CASES,
     *SPATIAL_CASES,
 )  # fmt: skip
 

@@ -143,6 +143,16 @@ def converged(bound: float, *overrides: str) -> Callable[[Case, Trajectory], Com
     return claim
 
 
+def provided(claim: Callable, happens: Callable[[Trajectory], bool], told: str) -> Callable:
+    """The claim of a run in which this happens, as told."""
+
+    def both(case: Case, run: Trajectory) -> Comparison:
+        found = claim(case, run)
+        return found._replace(error=found.error if happens(run) else np.inf, against=f"{found.against}; {told}")
+
+    return both
+
+
 def first_order(case: Case, run: Trajectory) -> Comparison:
     """The regularized law tends to coulomb friction, in proportion to slip_speed: a tenth of it, ten times nearer."""
     exact = case.run("friction.law=coulomb", "time.step=1e-4")

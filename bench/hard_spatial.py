@@ -3,12 +3,11 @@
 All of them change bench/scenes/platform.toml, four mecanum wheels of 47.5 mm with rollers of 11.5 mm.
 """
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
-from bench.hard_claims import Case, Comparison, converged, worst
+from bench.hard_claims import Case, Comparison, converged, provided, worst
 from omnisim.results.trajectory import Trajectory
 
 PLATFORM = str(Path(__file__).parent / "scenes/platform.toml")
@@ -31,16 +30,6 @@ def drives(speed: float) -> tuple[str, ...]:
 def each(setting: str) -> list[str]:
     """Overrides: the same for all wheels."""
     return [f"wheels.{name}.{setting}" for name in NAMES]
-
-
-def provided(claim: Callable, happens: Callable[[Trajectory], bool], told: str) -> Callable:
-    """The claim of a run in which this happens, as told."""
-
-    def both(case: Case, run: Trajectory) -> Comparison:
-        found = claim(case, run)
-        return found._replace(error=found.error if happens(run) else np.inf, against=f"{found.against}; {told}")
-
-    return both
 
 
 def two_in_the_air(run: Trajectory) -> bool:

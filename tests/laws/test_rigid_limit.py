@@ -65,7 +65,8 @@ def test_where_contacts_do_not_jump_exchanges_do_not_matter_so_much():
 
 def test_where_contacts_jump_from_row_to_row_both_machines_do_alike():
     """Between exchanges as on one row: powers of 1.000, 3.8e-6 m at 1e6 N/m. Through 11 exchanges 2.0e-5 m at 1e7
-    and 2.6e-7 m at 1e9; powers 0.94, 0.87 and 0.87: rollers of both rows carry for a while, as much before the edge as behind it."""
+    and 2.6e-7 m at 1e9; powers 0.94, 0.87 and 0.87: rollers of both rows carry together as long before the edge as
+    behind it."""
     still = exponents(on_rows(driven("omni", 0.4, 0.4)), (1e6, 1e8), (1e-5, 1e-5))
     assert np.abs(still - 1.0).max() < 1e-3, still
     found = exponents(on_rows(driven("omni", 1.0, 1.0)), (1e7, 1e9), (1e-5, 4e-6))

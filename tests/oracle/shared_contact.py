@@ -16,7 +16,7 @@ delta^0.85 after it, as the wheel leaves the layer slowly; the time of leaving d
 Equations of motion (z up, SI units, radians; h heading, k axle, q_i = gamma_i - phi azimuth of roller i from straight
 down towards h, a_i its axis, p_i its absolute axial rate, c = cos psi, s = sin psi; the axle is horizontal):
 
-    h_q = R - R1 / cos q     l = R1 tan q tan psi              contact point O - R n + l k
+    h_q = R - R1 / cos q     l = R1 tan q tan psi + offset     contact point O - R n + l k
     chi' = p - phi' s + theta' c sin q                         joint rate
     v_h = V_h - phi' R - theta' l - chi' h_q s                 slip
     v_k = V_k - chi' h_q c cos q
@@ -85,7 +85,11 @@ class Wheel:
         if self.law not in ("regularized", "viscous"):
             raise ValueError(f"this oracle has no friction law {self.law!r}")
         kind = scene["wheel_types"][wheel["type"]]
-        disk, roller, self.count = kind["disk"], kind["roller"], kind["roller_count"]
+        disk, roller, rows = kind["disk"], kind["roller"], kind.get("rows", [{}])
+        self.count, turn = kind["roller_count"] * len(rows), 360.0 / kind["roller_count"] / len(rows)
+        self.aside = [row.get("offset", 0.0) for row in rows]
+        if any(row.get("phase_deg", 0.0) != i * turn for i, row in enumerate(rows)) or sum(self.aside) != 0.0:
+            raise ValueError("this oracle knows rows in order that balance")
         self.radius, self.roller_distance, self.delta = kind["radius"], kind["roller_distance"], delta
         psi = radians(kind.get("roller_angle_deg", 0.0)) * (-1.0 if wheel.get("mirrored") else 1.0)
         self.c, self.s, self.alpha = cos(psi), sin(psi), pi / self.count
@@ -94,6 +98,7 @@ class Wheel:
         self.mass = disk["mass"] + rollers
         self.about_axle = disk["inertia_axle"] + offset + across * (1.0 - self.s**2)
         self.about_vertical = disk["inertia_diameter"] + offset / 2.0 + across * (1.0 - self.c**2 / 2.0)
+        self.about_vertical += roller["mass"] * kind["roller_count"] * sum(aside**2 for aside in self.aside)
         load = self.mass * general.get("gravity", 9.81)
         self.strength = friction["viscosity"] if self.law == "viscous" else friction["coefficient"] * load
         self.begin(wheel, scene.get("initial", {}))
@@ -141,7 +146,7 @@ class Wheel:
             if weight == 0.0:
                 continue
             height = radius - self.roller_distance / cos_q
-            l = self.roller_distance * tan(q) * s / c
+            l = self.roller_distance * tan(q) * s / c + self.aside[i % len(self.aside)]
             joint_rate = p - spin_rate * s + yaw_rate * c * sin_q
             slip_h = v_along - spin_rate * radius - yaw_rate * l - joint_rate * height * s
             slip_k = v_axle - joint_rate * height * c * cos_q

@@ -52,8 +52,11 @@ VISCOUS = (
     "initial.position=[0.0, 0.0]", "initial.velocity=[0.0, 0.1]", "initial.yaw_rate=2.0",
     "time.end=1.0", "time.output_interval=0.05", "time.step=1e-4",
 )  # fmt: skip
+# two rows aside of each other, with the rollers of VISCOUS
+ROWS = ("wheel_types.omni.roller_count=3", "wheel_types.omni.rows=[{offset=-0.03}, {offset=0.03, phase_deg=60.0}]")
 # overrides, the finest delta, and whether one share reaches zero before the end
 CASES = {"regularized": (coasting(-1, 2.0), 1e-8, False), "viscous": (VISCOUS, 1e-9, True)}
+CASES["viscous, on two rows"] = ((*VISCOUS, *ROWS), 1e-9, False)
 
 
 def test_the_oracle_reproduces_exchanges_without_rest():
@@ -74,7 +77,11 @@ TWISTED = (
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("overrides", [TWISTED, (*TWISTED, "friction.law=saturated"), VISCOUS], ids=range(3))
+ON_ROWS = (*TWISTED, *ROWS, "wheels.wheel.spin_angle_deg=30")
+TOGETHER = [TWISTED, (*TWISTED, "friction.law=saturated"), VISCOUS, ON_ROWS, (*VISCOUS, *ROWS)]
+
+
+@pytest.mark.parametrize("overrides", TOGETHER, ids=range(len(TOGETHER)))
 def test_shares_of_the_load_on_two_rollers_keep_a_wheel_at_rest(overrides):
     """With the shares of the run both rollers together leave a wheel of free bodies where it is."""
     scene = load(BASE, overrides)
