@@ -87,6 +87,20 @@ def test_loads_at_rest_are_those_of_the_places_where_rollers_touch(rows, turns):
     np.testing.assert_allclose(from_centres, abs(rows[round(turns / 36.0)][0]), rtol=1e-12)
 
 
+def test_a_machine_that_turns_in_place_turns_as_fast_as_the_row_that_carries_lets_it():
+    """Wheels that follow angles and do not slip: R phi' / (L - w), k points inwards. Between exchanges they roll."""
+    follow = {"kind": "follow", "times": [0.0, 1.0], "angle": [0.0, 4.0]}
+    data = on_rows(drives=[follow] * 3, **KIWI) | {"friction": {"law": "coulomb", "coefficient": 0.5}}
+    for wheel in data["wheels"]:
+        wheel["spin_rate"] = 4.0
+    motion = run(data)
+    rolling = np.linalg.norm(motion["wheels/w0/slip_velocity"], axis=1) < 1e-9
+    row = motion["wheels/w0/contact_roller"] % 2
+    expected = TYPES["omni"]["radius"] * 4.0 / (0.2 - np.where(row == 0, -0.011, 0.011))
+    assert {*row[rolling].tolist()} == {0, 1} and rolling.sum() > 50
+    np.testing.assert_allclose(motion["body/yaw_rate"][rolling], expected[rolling], rtol=1e-12)  # measured 2e-16
+
+
 def test_without_friction_the_centre_of_mass_of_a_wheel_moves_straight_and_its_middle_about_it():
     """A bare wheel whose rows stand on one side: C is o = sum m w / m_w aside. Measured 3e-16 m."""
     rows = "wheel_types.omni.rows=[{offset=0.01}, {offset=0.04, phase_deg=60.0}]"
