@@ -9,6 +9,7 @@ import click
 
 from .bench import bench
 from .compare import compare
+from .data import data
 from .export import export
 from .fit import fit
 from .info import info
@@ -65,6 +66,7 @@ def cli() -> None:
     SCENE is a TOML file, or else the name of a packaged scene.
 
     \b
+    omnisim data                            packaged scenes and wheels
     omnisim new robot.toml                  asks for a few numbers, and writes a scene
     omnisim info authors_testbench          what a scene models, and why
     omnisim run scene.toml                  writes scene.h5
@@ -82,7 +84,7 @@ def cli() -> None:
     """
 
 
-for command in (new, run, sweep, fit, info, plot, view, export, compare, bench, wheel, warmup):
+for command in (data, new, run, sweep, fit, info, plot, view, export, compare, bench, wheel, warmup):
     cli.add_command(command)
 
 

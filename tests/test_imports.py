@@ -40,7 +40,7 @@ ONLY = {
     "pyarrow": {"results.tables"},
     "scipy": {"results.tables", "studies.study", "fitting.least_squares", "fitting.uncertainty"},
     "distributed": {"studies.cluster"},
-    "matplotlib": {"results.trajectory", "cad.drawing"}
+    "matplotlib": {"results.trajectory", "cad.drawing", "cad.portrait"}
     | {
         f"pictures.plots.{name}"
         for name in (

@@ -32,6 +32,7 @@ from omnisim.scene.values import is_name
 
 Overrides = Iterable[str] | Mapping[str, Any]  # ["time.end=1"], or {"time.end": 1}, or {"time": {"end": 1}}
 SOURCE = "a path or the name of a packaged scene"
+WHEELS = "wheels"  # the folder of packaged wheels
 
 
 class SceneError(InputError):
@@ -99,11 +100,11 @@ def load(source: str | PathLike[str], overrides: Overrides = ()) -> Scene:
     path = Path(source)
     source = visible(str(source))
     try:
-        if path.exists() and not (path.is_dir() and source in packaged_scenes()):
+        if path.exists() and not (path.is_dir() and source in _packaged_names()):
             return parse(_text(path, source), source, overrides, path.parent)
     except OSError as error:
         raise SceneError(f"{source}: cannot read this file: {error.strerror}") from None
-    if source not in packaged_scenes():
+    if source not in _packaged_names():
         raise SceneError(_not_found(path, source))
     packaged = Path(str(_packaged(source)))
     return parse(_decode(packaged.read_bytes(), source), source, overrides, packaged.parent)
@@ -153,15 +154,37 @@ def parse(text: str, source: str = "<text>", overrides: Overrides = (), folder: 
 
 
 def packaged_scenes() -> list[str]:
-    """Names of the scenes that come with the package."""
-    return sorted(entry.name[:-5] for entry in _packaged().iterdir() if entry.name.endswith(".toml"))
+    """Names of the scenes that come with the package, but those of a wheel that is sold."""
+    return _names(_data())
 
 
-def _packaged(name: str | None = None) -> Any:
+def packaged_wheels() -> list[str]:
+    """Names of the wheels that come with the package, each a scene with one type of wheel."""
+    return _names(_data() / WHEELS)
+
+
+def packaged_text(name: str) -> str:
+    """The file of a packaged scene or wheel."""
+    return _decode(_packaged(name).read_bytes(), name)
+
+
+def _packaged_names() -> list[str]:
+    return packaged_scenes() + packaged_wheels()
+
+
+def _names(folder: Any) -> list[str]:
+    return sorted(entry.name[:-5] for entry in folder.iterdir() if entry.name.endswith(".toml"))
+
+
+def _packaged(name: str) -> Any:
+    folder = _data()
+    return (folder if name in packaged_scenes() else folder / WHEELS) / f"{name}.toml"
+
+
+def _data() -> Any:
     from importlib.resources import files  # here: slow to import, and a scene file does not need it
 
-    folder = files("omnisim.data")
-    return folder if name is None else folder / f"{name}.toml"
+    return files("omnisim.data")
 
 
 def _text(path: Path, source: str) -> str:
@@ -184,12 +207,12 @@ def _decode(content: bytes, source: str) -> str:
 
 
 def _not_found(path: Path, source: str) -> str:
-    known = packaged_scenes()
+    known = _packaged_names()
     if path.suffix == ".toml" or len(path.parts) > 1:
         hint = f"; did you mean the packaged scene '{path.stem}'?" if path.stem in known else ""
         return f"{source}: there is no such file{hint}"
     hint = did_you_mean(source, known) or "."
-    names = ", ".join(known) or "none"
+    names = ", ".join(packaged_scenes()) or "none"
     return f"{source}: no file and no packaged scene has this name{hint} Packaged scenes: {names}"
 
 

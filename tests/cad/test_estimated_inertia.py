@@ -9,7 +9,7 @@ import omnisim
 from omnisim.cad import mesh
 from omnisim.scene.estimates import estimates
 from omnisim.scene.rollers import drawn, roller_solid
-from omnisim.scene.scene import packaged_scenes, parse
+from omnisim.scene.scene import packaged_scenes, packaged_wheels, parse
 from omnisim.scene.schema import Disk
 from omnisim.scene.solids import disk_solid
 
@@ -61,7 +61,9 @@ def parts_of(disk):
 
 
 TYPES = {
-    f"{name} {key}": kind for name in packaged_scenes() for key, kind in omnisim.load(name).config.wheel_types.items()
+    f"{name} {key}": kind
+    for name in (*packaged_scenes(), *packaged_wheels())
+    for key, kind in omnisim.load(name).config.wheel_types.items()
 }
 
 
@@ -69,6 +71,17 @@ TYPES = {
 def test_the_solid_of_a_packaged_roller_is_that_of_its_mesh(name):
     kind = TYPES[name]
     assert roller_solid(kind) == pytest.approx(integrals(*bored_roller(kind)), rel=1e-4)  # measured up to 3.6e-5
+
+
+SHAPED_DISKS = [name for name, kind in TYPES.items() if kind.disk.hub_radius]
+
+
+@pytest.mark.parametrize("name", SHAPED_DISKS)
+def test_the_inertias_of_a_packaged_disk_that_has_a_shape_are_those_of_its_mesh(name):
+    disk = TYPES[name].disk
+    volume, axle, diameter = integrals(*parts_of(disk))
+    found = disk.mass * axle / volume, disk.mass * diameter / volume
+    assert (disk.inertia_axle, disk.inertia_diameter) == pytest.approx(found, rel=1e-4)  # measured up to 2.7e-5
 
 
 PLATED = {"hub_radius": 0.03, "width": 0.05, "bore_radius": 0.01, "plate_radius": 0.06, "plate_thickness": 0.003}

@@ -1,0 +1,82 @@
+"""Wheels that are sold: each number has its source or says how it is estimated, and every one of them runs."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import omnisim
+from omnisim.scene.rollers import roller_solid
+from omnisim.scene.scene import load, packaged_scenes, packaged_text, packaged_wheels
+from omnisim.scene.schema import unused_keys
+
+WHEELS = (
+    "gobilda_mecanum_104", "kornylak_omni_38", "lekiwi_omni_102", "mecanum_60", "omni_100", "omni_125", "omni_48",
+    "omni_58", "robocin_omni_50", "robomaster_mecanum_152", "robomaster_omni_152", "xrp_omni_70",
+)  # fmt: skip
+RIGID = [name for name in WHEELS if load(name).config.upright == "servo"]
+
+
+@pytest.mark.short
+def test_the_packaged_wheels_are_known_and_have_names_of_their_own():
+    assert tuple(packaged_wheels()) == WHEELS
+    assert not set(WHEELS) & set(packaged_scenes())
+    page = (Path(__file__).parents[2] / "docs/pages/wheels.md").read_text(encoding="utf-8")
+    assert tuple(re.findall(r"^\| `(\w+)` \|", page, re.MULTILINE)) == WHEELS
+
+
+@pytest.mark.short
+@pytest.mark.parametrize("name", WHEELS)
+def test_a_packaged_wheel_is_one_type_of_its_name_without_doubts_or_unused_keys(name):
+    scene = load(name)
+    assert list(scene.config.wheel_types) == [name] and {wheel.type for wheel in scene.config.wheels} == {name}
+    assert scene.warnings == () and unused_keys(scene.config) == ()
+
+
+@pytest.mark.short
+@pytest.mark.parametrize("name", WHEELS)
+def test_every_number_of_a_packaged_wheel_has_a_source_or_is_marked_as_estimated(name):
+    """A mark stands in the comment of its line, or in one just above."""
+    text = packaged_text(name)
+    head = text[: text.index("schema = 1")]
+    sources = set(re.findall(r"^#(?: Source:|        ) (\[\d\])", head, re.MULTILINE))
+    assert sources == {f"[{i + 1}]" for i in range(len(sources))} and sources
+    body = text[text.index("[wheel_types") :].split("\n\n")[0].splitlines()[1:]
+    above = ""
+    for line in body:
+        told = above + line.partition("#")[2]
+        if not line.startswith("#"):
+            assert re.search(r"\[\d\]|estimated", told), line
+        assert set(re.findall(r"\[\d\]", told)) <= sources, line
+        above = line if line.startswith("#") else ""
+
+
+@pytest.mark.parametrize("name", RIGID)
+def test_a_packaged_wheel_rolls_on_and_its_energy_is_balanced(name):
+    run = omnisim.simulate(load(name))
+    assert run.attributes["status"] == "complete"
+    kinetic = run["energy/kinetic"][0]
+    assert np.abs(run["energy/balance"]).max() < 1e-6 * kinetic  # measured up to 9.1e-8
+    start = run["body/velocity"][0, 0]
+    assert run["body/velocity"][-1, 0] == pytest.approx(start, rel=0.03)  # measured 0.018; it was thrown almost rolling
+
+
+@pytest.mark.short
+def test_the_estimate_of_a_roller_is_near_the_inertias_of_a_maker_s_model():
+    """Kornylak's roller in its CAD model: about its axis 1.007 of it, across 0.970."""
+    roller = load("kornylak_omni_38").config.wheel_types["kornylak_omni_38"].roller
+    volume, axial, across = roller_solid(load("kornylak_omni_38").config.wheel_types["kornylak_omni_38"])
+    assert roller.mass * axial / volume == pytest.approx(roller.inertia_axial, rel=0.01)
+    assert roller.mass * across / volume == pytest.approx(roller.inertia_transverse, rel=0.035)
+
+
+@pytest.mark.short
+def test_the_rubber_ring_of_the_soccer_wheel_is_the_torus_of_its_moments_of_inertia():
+    """m = 7.2860775354e-5 kg, 1.0045224022e-9 and 5.2234345231e-10 kg m^2 in the CAD model."""
+    kind = load("robocin_omni_50").config.wheel_types["robocin_omni_50"]
+    tube = kind.profile.curvature_radius
+    ring, mass = kind.profile.radius - tube, 7.2860775354338029e-05
+    assert mass * (ring**2 + 0.75 * tube**2) == pytest.approx(1.0045224022133389e-09, rel=1e-9)
+    assert mass * (0.5 * ring**2 + 0.625 * tube**2) == pytest.approx(5.2234345231370893e-10, rel=1e-9)
+    assert kind.radius == pytest.approx(kind.roller_distance + ring + tube, abs=1e-6)
