@@ -80,18 +80,20 @@ class Reading:
         return np.linalg.norm(array, axis=-1) if self.component == NORM else array[..., self.component]
 
     def ripple(self, rows: np.ndarray, found: Datasets, config: Config) -> float:
-        """RMS over the wheels of what repeats with every roller: of a wheel's dataset with its own, of any other with
-        those of the first wheel."""
+        """RMS over the wheels of what repeats with every roller, or with every roller of a row: of a wheel's dataset
+        with its own, of any other with those of the first wheel."""
         squares = []
         for path, values in zip(self.paths, rows, strict=True):
             name = path.split("/")[1] if path.startswith("wheels/") else config.wheels[0].name
             wheel = next(wheel for wheel in config.wheels if wheel.name == name)
-            angle = found[f"wheels/{name}/spin_angle"]
+            angle, kind = found[f"wheels/{name}/spin_angle"], config.type_of(wheel)
+            count = len(kind.rows)
             try:
-                orders, amplitudes = spectrum(angle, config.type_of(wheel).rollers, values)
+                orders, amplitudes = spectrum(angle, kind.rollers, values, count)
             except RippleError as error:
                 raise NoNumber(f"wheel '{name}' {error}") from None
-            squares.append(0.5 * amplitudes[np.argmin(np.abs(orders - 1.0))] ** 2)
+            whole = [amplitudes[np.argmin(np.abs(orders - (i + 1) / count))] for i in range(count)]
+            squares.append(0.5 * np.sum(np.square(whole)))
         return float(np.sqrt(np.mean(squares)))
 
 

@@ -26,6 +26,18 @@ def test_ripple_of_a_wheel_that_speeds_up_stands_at_its_order(direction):
     assert orders[0] > 0.0 and orders[-1] <= 5.0
 
 
+def test_what_repeats_with_every_roller_of_a_row_stands_at_one_over_the_rows():
+    """As does what repeats with every roller of all rows, at 1: amplitudes are as large as they were put in."""
+    angle = np.linspace(0.0, 60.0, 6001)
+    wave = 0.010 * np.cos(0.5 * angle / PITCH * 2.0 * np.pi) + 0.003 * np.sin(angle / PITCH * 2.0 * np.pi)
+    orders, amplitudes = spectrum(angle, ROLLERS, 0.1 * angle + wave, 2)
+    assert at_order(orders, amplitudes, 0.5) == pytest.approx(0.010, rel=1e-3)  # 3e-5 off
+    assert at_order(orders, amplitudes, 1.0) == pytest.approx(0.003, rel=1e-3)  # 1e-4 off
+    assert orders[-1] <= 5.0
+    with pytest.raises(RippleError, match="fewer than 5 rollers of a row"):
+        spectrum(angle[angle < 9.9 * PITCH], ROLLERS, wave[angle < 9.9 * PITCH], 2)
+
+
 def test_a_ramp_alone_has_no_ripple():
     angle = np.linspace(0.0, 40.0, 801)
     _, amplitudes = spectrum(angle, ROLLERS, 3.0 + 2.0 * angle)

@@ -23,6 +23,12 @@ def config_of(run: Trajectory) -> Config | None:
     return scene_of(run.attributes["scene"])
 
 
+def rows_of(run: Trajectory, wheel: str) -> int:
+    """How many rows of rollers a wheel has."""
+    config = config_of(run)
+    return next((len(config.type_of(one).rows) for one in config.wheels if one.name == wheel), 1) if config else 1
+
+
 def target_rates(run: Trajectory) -> dict[str, np.ndarray]:
     """Target spin rates (T), rad/s, of the wheels that have one."""
     return commanded.target_rates(run, config_of(run))

@@ -3,6 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from omnisim.pictures.plots.asked import rows_of
 from omnisim.pictures.plots.panels import WIDTH
 from omnisim.pictures.plots.style import PlotError, Runs, figure_of, finish, legend_of_parts, log_scale, look, view
 from omnisim.results.ripple import RippleError, of_wheel
@@ -24,7 +25,8 @@ def ripple(runs: Runs) -> Figure:
     for number, (name, found) in enumerate(spectra.items()):
         for wheel, spectrum in found.items():
             below.plot(*spectrum, label=wheel, **look(number, wheels.index(wheel), len(runs)))
-        speed = of_wheel(runs[name], next(iter(found)), forward_speed(runs[name]))
+        run, wheel = runs[name], next(iter(found))
+        speed = of_wheel(run, wheel, forward_speed(run), rows_of(run, wheel))
         above.plot(*speed, label=name, **look(number, 0, len(runs)))
     if len(wheels) > 1:
         legend_of_parts(below, wheels, runs, {})
@@ -50,7 +52,7 @@ def of_normal_forces(name: str, run: Trajectory) -> dict[str, tuple[np.ndarray, 
     reasons = []
     for wheel in run.wheels:
         try:
-            found[wheel] = of_wheel(run, wheel, run[f"wheels/{wheel}/normal_force"])
+            found[wheel] = of_wheel(run, wheel, run[f"wheels/{wheel}/normal_force"], rows_of(run, wheel))
         except RippleError as error:
             reasons.append(f"{name}: no ripple to show: wheel '{wheel}' {error}")
     if not found:
