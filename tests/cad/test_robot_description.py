@@ -16,7 +16,12 @@ from omnisim.cad.urdf import urdf
 from omnisim.dynamics.packing import bodies, pack
 from omnisim.scene.ideal_kinematics import wheel_rows
 
-SCENES = ("youbot", "kiwi", "mixed", "six_rollers", "authors_vehicle")
+ROWS = [
+    "wheel_types.omni.roller_count=9",
+    "wheel_types.omni.rows=[{offset=-0.004}, {offset=0.02, phase_deg=-20.0}]",
+]
+ON_ROWS = {"kiwi on rows": ("kiwi", ROWS)}
+SCENES = ("youbot", "kiwi", "mixed", "six_rollers", "authors_vehicle", *ON_ROWS)
 
 
 @pytest.fixture
@@ -51,7 +56,7 @@ def free_inertia(mujoco, model, joint, held):
 @pytest.mark.parametrize("name", SCENES)
 def test_mujoco_has_the_mass_the_yaw_inertia_and_the_spin_inertia_of_the_scene(mujoco, tmp_path, name):
     """On the plane: heave, roll and pitch are held."""
-    scene = omnisim.load(name)
+    scene = omnisim.load(*ON_ROWS.get(name, (name,)))
     model, whole = mujoco.MjModel.from_xml_path(written(tmp_path, scene, mjcf)), bodies(scene.config)
     assert model.body_mass.sum() == pytest.approx(whole.mass, rel=1e-12)
     yaw, held = (5, (2, 3, 4)) if scene.config.upright == "contacts" else (3, (2,))

@@ -7,7 +7,7 @@ from omnisim.pictures.viewer import (
     kept_rows,
 )
 
-SCENES = ("coulomb_wheel", "kiwi", "mixed", "youbot")
+SCENES = ("coulomb_wheel", "kiwi", "mixed", "youbot", "kiwi on rows")
 
 
 @pytest.mark.parametrize("name", SCENES)
