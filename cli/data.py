@@ -33,7 +33,7 @@ def data(names: tuple[str, ...], output: str | None, force: bool) -> None:
     omnisim data -o wheels.png                      pictures of all these wheels: .png, .svg, .pdf
     omnisim data youbot fm202 -o two.png            of the wheels of these
     """
-    from omnisim.scene.scene import packaged_text
+    from omnisim.scene.packaged import packaged_text
 
     chosen = [known(name) for name in names]
     if output is None:
@@ -51,8 +51,8 @@ def data(names: tuple[str, ...], output: str | None, force: bool) -> None:
 
 def known(name: str) -> str:
     """The name of a packaged scene or wheel; Failure for any other."""
+    from omnisim.scene.packaged import packaged_scenes, packaged_wheels
     from omnisim.scene.problems import did_you_mean
-    from omnisim.scene.scene import packaged_scenes, packaged_wheels
 
     names = [*packaged_scenes(), *packaged_wheels()]
     if name not in names:
@@ -67,7 +67,8 @@ def pictures(names: list[str], suffix: str) -> bytes:
         from omnisim.cad.portrait import sheet
     except ImportError:
         raise Failure("pictures need matplotlib: pip install 'omnisim-engine[plot]'", BAD_INPUT) from None
-    from omnisim.scene.scene import load, packaged_wheels
+    from omnisim.scene.packaged import packaged_wheels
+    from omnisim.scene.scene import load
 
     types: dict[str, WheelType] = {}
     for name in names or packaged_wheels():
@@ -91,7 +92,8 @@ def catalogue() -> str:
 
 
 def scene_table() -> str:
-    from omnisim.scene.scene import load, packaged_scenes
+    from omnisim.scene.packaged import packaged_scenes
+    from omnisim.scene.scene import load
 
     return columns([(name, load(name).config.title) for name in packaged_scenes()], indent="  ")
 
@@ -99,7 +101,8 @@ def scene_table() -> str:
 def wheel_table() -> str:
     """Sizes of each packaged wheel, as they are in its scene."""
     from omnisim.scene.masses import wheel_mass
-    from omnisim.scene.scene import load, packaged_wheels
+    from omnisim.scene.packaged import packaged_wheels
+    from omnisim.scene.scene import load
 
     rows: list[tuple[str, ...]] = [("", "diameter", "rollers", "angle", "mass", "")]
     for name in packaged_wheels():

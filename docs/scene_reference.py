@@ -86,6 +86,8 @@ RULES = """## Rules across keys
 - `rows` of an upright machine take turns: their `phase_deg` are `360 / (roller_count * rows)` apart, in any order, so that
   one roller carries at a time and the contact goes from row to row. Rollers of a wheel are counted in order of azimuth, from
   roller 0 of the first row on. A machine with `upright = "free"` may have any.
+- `from` takes over the keys of a [packaged wheel](wheels.md) that the table leaves out, those of `disk`, `roller` and `profile`
+  each on its own. What is loaded has these keys in its place, so that a trajectory's scene needs no wheel of that name.
 - Masses and inertias may be left out where shapes give them: a roller has a `mass` or a `density`; a disk has
   `inertia_axle` or `hub_radius`, and `inertia_diameter` or `width`; a chassis has a `size`, or both `center_of_mass`
   and `inertia`. Given numbers win; `omnisim info` lists the estimates, and what each does to the motion. The
@@ -117,6 +119,7 @@ DERIVED = {
     "[time] output_interval": "about `end / 100`, on the grid of the steps",
     "[solver] error": "none: `time.step` is used",
     "[friction] patch_radius": 'required by `contact_torque = "contensou"`',
+    "[wheel_types.NAME] from": "absent: no key is taken over",
     "[wheel_types.NAME] disk inertia_axle": "that of a cylinder, by `hub_radius`",
     "[wheel_types.NAME] disk inertia_diameter": "that of a cylinder, by `width`",
     "[wheel_types.NAME] disk hub_radius": "absent: not known",

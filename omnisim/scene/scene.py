@@ -14,6 +14,8 @@ from omnisim.base.files import is_hdf5, read_small
 from omnisim.base.formatting import visible
 from omnisim.scene.document import MOST_BYTES, Document, InputError, Override, by_name, decoded, parsed
 from omnisim.scene.heights import GRID_FILE, kept_heights
+from omnisim.scene.packaged import packaged_file as _packaged
+from omnisim.scene.packaged import packaged_scenes, packaged_wheels, taken_over
 from omnisim.scene.problems import ConfigError, did_you_mean
 from omnisim.scene.schema import FRICTION_KEYS, Config
 from omnisim.scene.toml_text import (
@@ -32,7 +34,6 @@ from omnisim.scene.values import is_name
 
 Overrides = Iterable[str] | Mapping[str, Any]  # ["time.end=1"], or {"time.end": 1}, or {"time": {"end": 1}}
 SOURCE = "a path or the name of a packaged scene"
-WHEELS = "wheels"  # the folder of packaged wheels
 
 
 class SceneError(InputError):
@@ -106,7 +107,7 @@ def load(source: str | PathLike[str], overrides: Overrides = ()) -> Scene:
         raise SceneError(f"{source}: cannot read this file: {error.strerror}") from None
     if source not in _packaged_names():
         raise SceneError(_not_found(path, source))
-    packaged = Path(str(_packaged(source)))
+    packaged = Path(_packaged(source))
     return parse(_decode(packaged.read_bytes(), source), source, overrides, packaged.parent)
 
 
@@ -139,8 +140,11 @@ def parse(text: str, source: str = "<text>", overrides: Overrides = (), folder: 
         raise SceneError(str(error)) from None
     applied = [_apply(document.data, origin, path, value) for origin, path, value in _values(overrides)]
     document = replace(document, applied=tuple(applied))
-    edits = [(override.path, override.value) for override in applied]
+    edits: list[tuple[KeyPath, Any]] = [(override.path, override.value) for override in applied]
     try:
+        for path, value in taken_over(document.data):
+            assign(document.data, path, value)
+            edits.append((path, value))
         config = validate(document.data)
         if heights := kept_heights(config, Path(source).parent if folder is None else folder):
             assign(document.data, GRID_FILE, heights)
@@ -153,38 +157,8 @@ def parse(text: str, source: str = "<text>", overrides: Overrides = (), folder: 
     return Scene(config, text, "scene" if source == "<text>" else Path(source).stem, source, document)
 
 
-def packaged_scenes() -> list[str]:
-    """Names of the scenes that come with the package, but those of a wheel that is sold."""
-    return _names(_data())
-
-
-def packaged_wheels() -> list[str]:
-    """Names of the wheels that come with the package, each a scene with one type of wheel."""
-    return _names(_data() / WHEELS)
-
-
-def packaged_text(name: str) -> str:
-    """The file of a packaged scene or wheel."""
-    return _decode(_packaged(name).read_bytes(), name)
-
-
 def _packaged_names() -> list[str]:
     return packaged_scenes() + packaged_wheels()
-
-
-def _names(folder: Any) -> list[str]:
-    return sorted(entry.name[:-5] for entry in folder.iterdir() if entry.name.endswith(".toml"))
-
-
-def _packaged(name: str) -> Any:
-    folder = _data()
-    return (folder if name in packaged_scenes() else folder / WHEELS) / f"{name}.toml"
-
-
-def _data() -> Any:
-    from importlib.resources import files  # here: slow to import, and a scene file does not need it
-
-    return files("omnisim.data")
 
 
 def _text(path: Path, source: str) -> str:

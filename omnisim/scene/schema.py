@@ -203,9 +203,10 @@ class WheelType(Table):
     """[wheel_types.NAME]: radius R and roller distance R1 (m), N_r, psi (deg), disk and roller.
 
     Also rows of rollers along the axle, and half the angle over which a roller of the exact profile is cut (deg); of a
-    machine free in space rubber and profile.
+    machine free in space rubber and profile. What is left out is taken over from the packaged wheel that `from` names.
     """
 
+    taken_from: Annotated[str | None, Field(alias="from", description="the name of a packaged wheel")] = None
     radius: Positive
     roller_distance: Positive
     roller_count: Count

@@ -5,7 +5,8 @@ from commands import command
 
 from omnisim.base.formatting import WIDTH
 from omnisim.fitting.fit_file import packaged_fits
-from omnisim.scene.scene import load, packaged_scenes, packaged_text, packaged_wheels
+from omnisim.scene.packaged import packaged_scenes, packaged_text, packaged_wheels
+from omnisim.scene.scene import load
 
 pytestmark = pytest.mark.short
 

@@ -5,11 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scene_text import message
 
 import omnisim
 from omnisim.scene.masses import point_masses
+from omnisim.scene.packaged import packaged_scenes, packaged_text, packaged_wheels
 from omnisim.scene.rollers import roller_solid
-from omnisim.scene.scene import load, packaged_scenes, packaged_text, packaged_wheels
+from omnisim.scene.scene import load, load_text
 from omnisim.scene.schema import unused_keys
 
 WHEELS = (
@@ -52,6 +54,47 @@ def test_every_number_of_a_packaged_wheel_has_a_source_or_is_marked_as_estimated
             assert re.search(r"\[\d\]|estimated", told), line
         assert set(re.findall(r"\[\d\]", told)) <= sources, line
         above = above + line if line.startswith("#") else ""
+
+
+MINE = """schema = 1
+time = { end = 0.1, step = 1e-3 }
+friction = { law = "coulomb", coefficient = 0.6 }
+wheels = [{ name = "wheel", type = "mine" }]
+
+[wheel_types.mine] # a comment of mine
+from = "lekiwi_omni_102"
+disk = { mass = 0.08 }
+"""
+
+
+@pytest.mark.short
+def test_a_wheel_type_takes_over_what_it_leaves_out_and_what_it_gives_wins():
+    scene, sold = load_text(MINE), load("lekiwi_omni_102").config.wheel_types["lekiwi_omni_102"]
+    mine = scene.config.wheel_types["mine"]
+    assert (mine.radius, mine.rows, mine.roller) == (sold.radius, sold.rows, sold.roller)
+    assert (mine.disk.mass, mine.disk.hub_radius) == (0.08, sold.disk.hub_radius)
+    assert mine.disk.inertia_axle == pytest.approx(0.5 * 0.08 * sold.disk.hub_radius**2)
+
+
+@pytest.mark.short
+def test_what_is_loaded_has_the_keys_of_the_wheel_and_not_its_name():
+    scene = load_text(MINE, ["wheel_types.mine.roller.density=1300"])
+    assert "from" not in scene.text and "# a comment of mine" in scene.text and "radius = 0.0508" in scene.text
+    assert load_text(scene.text).config == scene.config
+    assert scene.config.wheel_types["mine"].roller.density == 1300.0
+
+
+@pytest.mark.short
+@pytest.mark.parametrize(
+    ("wheel", "said"),
+    [
+        ('"lekiwi_omni_10"', "'lekiwi_omni_10': no packaged wheel has this name; did you mean 'lekiwi_omni_102'?"),
+        ('"x"', "'x': no packaged wheel has this name; must be one of andymark_mecanum_203, "),
+    ],
+)
+def test_the_name_of_no_wheel_is_one_line(wheel, said):
+    text = message(MINE.replace('"lekiwi_omni_102"', wheel))
+    assert text.startswith(f"s.toml:7: wheel_types.mine.from = {said}") and "\n" not in text
 
 
 @pytest.mark.parametrize("name", RIGID)
