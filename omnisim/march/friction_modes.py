@@ -33,7 +33,6 @@ from omnisim.dynamics.twist import acceleration_of, body_motion, wheel_motion
 from omnisim.dynamics.wheel import contact_state
 from omnisim.march.runge_kutta import refresh
 
-COARSE_STEP = 1e-2  # s: a grid step from which on sub-steps are as coarse as is safe
 DRIFTED = 0.01  # of the square of slip that no longer matters: more drift of a sticking contact is taken away
 REST = 1e-11  # of 1 m/s and of the speeds that make up the slip, below which it no longer matters
 CREEP_SPEED = 1e-7  # m/s: slip that has no direction of its own in any case
@@ -46,6 +45,8 @@ LEAST_ALIGNED = 1e-13  # m/s of slip, of the finest step: taking the last slip a
 MOST_FREED = 20  # times in a step, after which slip is followed by sub-steps to its end
 LEAST_STIFF = 2.0  # relaxation of slip within a step, below which sub-steps cost nothing
 STILL_STIFF = 0.5 * LEAST_STIFF  # the same of slip that creeps already: less, lest it begin and end in turn
+AT_EASE = 0.5  # of what a step does not see, that slip which lasts may turn in it: less, for the same reason
+NOT, SOON, LASTING = range(3)  # how slip goes on in the direction of the contact equation
 CREEP_ROUNDING = 1e-3  # of the slip that no longer matters: what contacts that let go together may slip back
 CONE = 1e-12  # of mu times load and weight, by which a sticking force may pass the cone in rounding
 
@@ -75,27 +76,36 @@ def upright_slip_rate(parameters, mode, w, side, y, slope):
     return slip_acceleration(wheel, state, motion), state.slip, mobility
 
 
-def alignment(dt: float, choice: int) -> float:
-    """Slip across the direction of the contact equation that a step dt (s) does not see, m/s: ~ dt^4, as its error."""
+def alignment(part: float, choice: int) -> float:
+    """Slip across the direction of the contact equation that a step does not see, m/s: ~ dt^4, as its error.
+
+    part: the step by a coarse one, at most 1.
+    """
     coarsest = ALIGNED if choice == EXPLICIT else FINE_ALIGNED
-    return max(coarsest * min(1.0, dt / COARSE_STEP) ** 4, LEAST_ALIGNED)
+    return max(coarsest * part**4, LEAST_ALIGNED)
 
 
-def stopping_alignment(dt: float, choice: int, lightness: float) -> float:
-    """Twice the error in the speed of slip that is about to stop, which a step dt (s) does not see, m/s.
+def stopping_alignment(part: float, choice: int, lightness: float) -> float:
+    """Twice the error in the speed of slip that is about to stop, which a step does not see, m/s.
 
     Friction would have turned it soon in any case: what remains of slip v_n across slip v is a speed v_n^2 / 2 v along
     it, and of that what the contact gives the machine; with dt^6 it stays behind the method's own error where slow slip
     lasts. Implicit steps follow it at no cost.
-    lightness: mass of the machine by that with which a contact resists its slip, 1.
+    part: the step by a coarse one, at most 1; lightness: mass of the machine by that with which a contact resists its
+    slip, 1.
     """
-    return lightness * STOPPING * min(1.0, dt / COARSE_STEP) ** 6 if choice == EXPLICIT else 0.0
+    return lightness * STOPPING * part**6 if choice == EXPLICIT else 0.0
 
 
 @kernel
-def unseen(clock, stopping, speed):
-    """Slip across the direction of the contact equation that a step does not see, m/s, of slip of this speed."""
-    return max(clock.aligned, math.sqrt(clock.stopping * speed)) if stopping else clock.aligned
+def unseen(parameters, clock, how, speed):
+    """Slip across the direction of the contact equation that a step does not see, m/s, of slip of this speed that goes
+    on there as SOON, LASTING or NOT says."""
+    if how == SOON:
+        return max(clock.aligned, math.sqrt(clock.stopping * speed))
+    if parameters.space is not None and how == LASTING:
+        return parameters.machine.mass * parameters.machine.slip_mobility * clock.aligned
+    return clock.aligned
 
 
 @kernel
@@ -105,7 +115,7 @@ def rests(parameters, run, w, side):
     monitors = run.monitors[w]
     if not parameters.machine.friction * load_at(parameters, run, w, side) > 0.0:
         return False
-    if mode.grip[side] == CREEP and mode.stopping[side]:  # together with another one whose end has been found
+    if mode.grip[side] == CREEP and mode.stopping[side] == SOON:  # together with another one whose end has been found
         return monitors.margin[side] <= stopped_speed(parameters, run, w, side)
     slow = monitors.slip_square[side] < rest_speed(parameters, mode, w, side, run.y) ** 2
     return mode.grip[side] == SLIP and slow
@@ -146,21 +156,33 @@ def stopped_speed(parameters, run, w, side):
 
 @kernel
 def stops(parameters, run, w, side):
-    """Whether a contact slips that will stop within a step in a direction that attracts, and is so near to it that the
-    error of a step hides what it slips across: by the turning of the slip, |v x v'|, and the rate of attraction."""
+    """SOON if a contact slips that will stop within a step in a direction that attracts, and is so near to it that the
+    error of a step hides what it slips across: by the turning of the slip, |v x v'|, and the rate of attraction.
+
+    LASTING if, in space, what it turns within a step moves the machine so little that the error of the step hides it: a
+    wheel on two rollers slips on one of them as slowly as their heights differ, for as long as it rolls over their
+    ends, and friction turns that slip a million times faster than anything moves. Implicit steps follow it all the
+    same. Else NOT.
+    """
     mode, monitors = run.mode[w], run.monitors[w]
     if mode.shared or mode.grip[side] != SLIP or monitors.factor[side] == 0.0:
-        return False
+        return NOT
     if mode.freed_step == run.clock.step and mode.freed >= MOST_FREED:
-        return False
+        return NOT
+    stiff = stiffness(parameters, run.clock, monitors, side) > LEAST_STIFF
     rate, slip, mobility = slip_rate(parameters, mode, w, side, run.y, run.slopes[0])
     along = slip.h * rate.h + slip.k * rate.k
     turn = slip.h * rate.k - slip.k * rate.h
     square = monitors.slip_square[side]
     attraction = monitors.factor[side] * across(mobility, slip.h, slip.k) + along
-    soon = square < -along * run.clock.dt and stiffness(parameters, run.clock, monitors, side) > LEAST_STIFF
+    soon = square < -along * run.clock.dt and stiff
     speed = math.sqrt(square)
-    return soon and abs(turn) * speed < attraction * unseen(run.clock, True, speed)
+    if soon and abs(turn) * speed < attraction * unseen(parameters, run.clock, SOON, speed):
+        return SOON
+    if parameters.space is None or run.newton is not None or not stiff:
+        return NOT
+    lightness = parameters.machine.mass * across(mobility, slip.h, slip.k) / square
+    return LASTING if abs(turn) * run.clock.dt < AT_EASE * lightness * run.clock.aligned * speed else NOT
 
 
 @kernel
@@ -181,7 +203,7 @@ def youth(parameters, clock, mode, monitors, side):
     the direction of the contact equation that the error of a step hides it, while sub-steps would have to be short."""
     speed = math.sqrt(monitors.slip_square[side])
     hidden = min(
-        unseen(clock, mode.stopping[side], speed) - slip_across(monitors, side),
+        unseen(parameters, clock, mode.stopping[side], speed) - slip_across(monitors, side),
         stiffness(parameters, clock, monitors, side) - STILL_STIFF,
     )
     return max(CREEP_SPEED - speed, hidden)
@@ -260,7 +282,7 @@ def come_to_rest(parameters, run, w, side, others, t):
 def start_creep(parameters, run, w, side, t):
     """Let a contact at rest slip off in the direction of the contact equation."""
     mode = run.mode[w]
-    mode.grip[side], mode.stopping[side] = CREEP, 0
+    mode.grip[side], mode.stopping[side] = CREEP, NOT
     mode.creep[side, 0] = mode.creep[side, 1] = 0.0
     refresh(parameters, run, t)
     keep_creep(parameters, run, w, side)
@@ -268,13 +290,14 @@ def start_creep(parameters, run, w, side, t):
 
 @kernel
 def begin_to_stop(parameters, run, t):
-    """Let slips that are about to stop go on in the direction of the contact equation, in which they will."""
+    """Let slips that are about to stop, or last, go on in the direction of the contact equation, in which they will."""
     for w in range(len(run.mode)):
         mode = run.mode[w]
         for side in range(contact_count(mode)):
-            if stops(parameters, run, w, side):
+            how = stops(parameters, run, w, side)
+            if how != NOT:
                 slip = slip_of(parameters, mode, w, side, run.y)
-                mode.grip[side], mode.stopping[side] = CREEP, 1
+                mode.grip[side], mode.stopping[side] = CREEP, how
                 speed = math.sqrt(run.monitors[w].slip_square[side])
                 mode.creep[side, 0], mode.creep[side, 1] = slip.h / speed, slip.k / speed
     refresh(parameters, run, t)

@@ -8,12 +8,15 @@ from omnisim.base.methods import EXPLICIT, METHODS
 from omnisim.base.records import blank, plain, records
 from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.spatial.records import SPATIAL_MODE, SPATIAL_MONITORS
+from omnisim.dynamics.spatial.swings import fastest_swing
 from omnisim.dynamics.state import CLOCK, EXTREME, MODE, MONITORS, YAW, Newton, Recording, Run, X, Y, places_in
 from omnisim.march.friction_modes import alignment, stopping_alignment
 from omnisim.march.spatial_start import pose_at_start, state_in_space
 from omnisim.march.stiffness import resolve
 from omnisim.march.substeps import fineness
 from omnisim.scene.schema import Config, Time
+
+COARSE_STEP = 1e-2  # s: of an upright machine, and of methods that are there for their accuracy
 
 
 def begin(config: Config, parameters: Parameters) -> Run:
@@ -38,15 +41,17 @@ def begin(config: Config, parameters: Parameters) -> Run:
         mode=blank(mode, count),
         monitors=blank(monitors, count),
         monitors_end=blank(monitors, count),
-        clock=clock_at_start(config.time, choice, tableau.stability_limit, machine.mass * machine.slip_mobility),
+        clock=clock_at_start(config.time, choice, tableau.stability_limit, parameters),
         newton=newton_workspace(parameters, len(y)) if choice != EXPLICIT else None,
     )
 
 
-def clock_at_start(time: Time, choice: int, stability_limit: float, lightness: float) -> np.record:
-    """The record CLOCK at t = 0; lightness: of the contacts, as `stopping_alignment` wants it."""
+def clock_at_start(time: Time, choice: int, stability_limit: float, parameters: Parameters) -> np.record:
+    """The record CLOCK at t = 0."""
     steps_per_row = time.steps_per_output
     steps, dt = time.outputs * steps_per_row, time.output_interval / steps_per_row
+    part = min(1.0, dt / coarse_step(parameters, choice))
+    lightness = parameters.machine.mass * parameters.machine.slip_mobility
     begun = {
         "steps": steps,
         "steps_per_row": steps_per_row,
@@ -54,13 +59,21 @@ def clock_at_start(time: Time, choice: int, stability_limit: float, lightness: f
         "wheel": -1,
         "choice": choice,
         "dt": dt,
-        "fineness": fineness(dt, choice),
-        "aligned": alignment(dt, choice),
-        "stopping": stopping_alignment(dt, choice, lightness),
+        "fineness": fineness(part, choice),
+        "aligned": alignment(part, choice),
+        "stopping": stopping_alignment(part, choice, lightness),
         "reach": dt,
         "stability_limit": stability_limit,
     }
     return records(CLOCK, [dict.fromkeys(CLOCK.names or (), 0) | begun])[0]
+
+
+def coarse_step(parameters: Parameters, choice: int) -> float:
+    """A grid step from which on sub-steps of slip are as coarse as is safe, s: of explicit ones in space one in which
+    the machine swings by 1 rad on its rubber, as they err by powers of that."""
+    if parameters.space is None or choice != EXPLICIT:
+        return COARSE_STEP
+    return min(COARSE_STEP, 1.0 / fastest_swing(parameters))
 
 
 def newton_workspace(parameters: Parameters, states: int) -> Newton:

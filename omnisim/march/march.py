@@ -31,7 +31,7 @@ from omnisim.march.events import (
     transition,
 )
 from omnisim.march.extremes import begin_interval, follow, follow_again
-from omnisim.march.friction_modes import begin_to_stop, rests, stops, take_drift_away
+from omnisim.march.friction_modes import NOT, begin_to_stop, rests, stops, take_drift_away
 from omnisim.march.grip_events import end_slips
 from omnisim.march.onset import stand
 from omnisim.march.roller_exchange import release_rollers
@@ -221,7 +221,7 @@ def end_old_slips(parameters, run, rows, log, t):
         follow_again(parameters, run, rows, run.clock.row)
     for w in range(len(run.mode)):
         for side in range(contact_count(run.mode[w])):
-            stopping = stopping or stops(parameters, run, w, side)
+            stopping = stopping or stops(parameters, run, w, side) != NOT
     if stopping:
         begin_to_stop(parameters, run, t)
 

@@ -18,7 +18,7 @@ from omnisim.dynamics.spatial import touching
 from omnisim.dynamics.spatial.pose import body_of
 from omnisim.dynamics.twist import body_motion
 from omnisim.dynamics.wheel import contact_state
-from omnisim.march.friction_modes import COARSE_STEP, CREEP_SPEED, slip_rate
+from omnisim.march.friction_modes import CREEP_SPEED, slip_rate
 
 SLIP_FRACTION = 0.9  # of the time in which slip could stop, that one explicit sub-step may take at most
 FINE_FRACTION = 0.2  # the same for methods "auto" and "radau5", which are there for their accuracy
@@ -110,10 +110,10 @@ def slip_fraction(coarsest, pace, clock):
     return coarsest if less >= ratio**5 else largest_slip * less**0.2
 
 
-def fineness(dt: float, choice: int) -> float:
-    """Part of the coarsest fraction that a step dt (s) allows for the largest slip: ~ dt of explicit methods, and
-    ~ dt^(3/4) of the others, whose fraction is less and whose steps cost more."""
-    return min(1.0, (dt / COARSE_STEP) ** (1.0 if choice == EXPLICIT else 0.75))
+def fineness(part: float, choice: int) -> float:
+    """Part of the coarsest fraction that a step allows for the largest slip: ~ dt of explicit methods, and ~ dt^(3/4)
+    of the others, whose fraction is less and whose steps cost more. part: the step by a coarse one, at most 1."""
+    return part if choice == EXPLICIT else part**0.75
 
 
 @kernel

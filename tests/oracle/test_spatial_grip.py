@@ -1,12 +1,15 @@
 """Contacts of machines free in space that stick or creep, against the oracle: what their forces do, and that they hold.
 
-The engine finds the forces; the oracle is given them, and must find the same accelerations. The slip, differenced along
-the motion that follows, must not change where a contact sticks, and change along itself where it creeps.
+The engine finds the forces; the oracle is given them, and must find the same accelerations and the same loads of
+every bearing. The slip, differenced along the motion that follows, must not change where a contact sticks, and change
+along itself where it creeps.
 """
 
 import numpy as np
 import pytest
 import tomlkit
+from machines import run
+from scenes import of_wheels
 
 from omnisim.contact.set_valued import CREEP, STICK
 from omnisim.dynamics.spatial.acceleration import slip_change_on_ground
@@ -15,11 +18,14 @@ from omnisim.dynamics.spatial.records import SLOTS
 from omnisim.dynamics.spatial.touching import standing
 from omnisim.march.runge_kutta import refresh
 from omnisim.scene.scene import parse
+from oracle.machine import cross
+from oracle.spatial.bodies import Coordinates, rotation, turned
 from oracle.spatial.machine import Machine
 from oracle.spatial.states import states
-from oracle.test_spatial import SCENES, Engine, Pairs, add_accelerations, add_energy, assert_equal
+from oracle.test_spatial import SCENES, Engine, Pairs, add_accelerations, add_energy, add_joints, assert_equal
 
 CASES = ("kiwi_slope", "mecanum_springs", "double_row")
+LOADS = tuple(f"{name} of {axles}" for name in ("forces", "moments") for axles in ("axles", "roller axles"))
 FEW = 6
 
 
@@ -60,10 +66,12 @@ def test_forces_of_contacts_at_rest_do_what_the_oracle_says(name):
             held += engine.run.mode[w].grip[0] == STICK
         reactions = machine.solve(0.0, now)
         add_accelerations(pairs, engine, now, reactions)
+        add_joints(pairs, engine, now, reactions)
         add_energy(pairs, machine, engine, now, reactions)
         machine.given_friction.clear()
     assert held >= FEW
     assert_equal(pairs, {"acceleration": 1e-10, "angular acceleration": 1e-10, "spin acceleration": 1e-10})
+    assert_equal(pairs, dict.fromkeys(LOADS, 1e-10))  # MEASURED_LOADS
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -85,3 +93,46 @@ def test_slip_that_sticks_does_not_change_and_slip_that_creeps_changes_along_its
                 assert abs(np.hypot(*touch.force) - scene["friction"]["coefficient"] * touch.normal_force) < 1e-12
     assert min(len(found) for found in largest.values()) > 1
     assert max(map(max, largest.values())) < 1e-6, {grip: max(found) for grip, found in largest.items()}
+
+
+def told(motion, row: int) -> Coordinates:
+    """A row of a trajectory of a machine whose wheels are fixed to the chassis."""
+    body = [motion[f"body/{name}"][row] for name in ("position", "orientation", "velocity", "angular_velocity")]
+    spins, rates = (of_wheels(motion, name)[row] for name in ("spin_angle", "spin_rate"))
+    none, rollers = np.zeros(len(spins)), list(of_wheels(motion, "rollers/axial_rate")[row])
+    return Coordinates(*body, spins, rates, none, none, none[:0], none[:0], rollers)
+
+
+def friction_told(machine: Machine, motion, row: int, now: Coordinates) -> None:
+    """Give the oracle the friction of the file, along the heading in the tangent plane and across."""
+    normal, axes = np.array([0.0, 0.0, 1.0]), rotation(now.quaternion)
+    for w, name in enumerate(motion.wheels):
+        heading = np.radians(machine.wheels[w].entry.get("heading_deg", 0.0))
+        h = cross((axes @ turned(normal, heading))[:, 1], normal)
+        h /= np.sqrt(h @ h)
+        force = motion[f"wheels/{name}/friction_force"][row] @ np.stack([h, cross(normal, h)])
+        machine.given_friction[w, int(motion[f"wheels/{name}/contact_roller"][row])] = force
+
+
+def test_bearing_loads_of_a_run_through_sticks_and_slips_are_the_multipliers_of_the_joints():
+    """Those in the file, of all rows in which each wheel stands on one roller."""
+    scene = gripping("kiwi_slope") | {"time": {"end": 0.2, "step": 1e-4, "output_interval": 4e-3}}
+    machine, motion = Machine(scene), run(scene | {"output": {"bearing_loads": True}})
+    alone = np.flatnonzero(np.all(of_wheels(motion, "contact_share") == 1.0, axis=1))
+    stuck = np.linalg.norm(of_wheels(motion, "slip_velocity")[alone], axis=2) < 1e-9
+    assert stuck.any(axis=0).all() and (~stuck).any(axis=0).all(), "each wheel sticks in some rows and slips in others"
+    apart = {"force": 0.0, "moment": 0.0}
+    for row in alone:
+        now = told(motion, row)
+        friction_told(machine, motion, row, now)
+        held, layout = machine.solve(0.0, now).joints, machine.layout
+        machine.given_friction.clear()
+        for w, name in enumerate(motion.wheels):
+            for k, part in enumerate(apart):
+                axle = motion[f"wheels/{name}/bearing_{part}"][row]
+                theirs = np.linalg.norm(held[layout.disk[w], 3 * k : 3 * k + 3])
+                apart[part] = max(apart[part], abs(np.linalg.norm(axle) - theirs))
+                own = np.linalg.norm(motion[f"wheels/{name}/rollers/bearing_{part}"][row], axis=1)
+                theirs = np.linalg.norm(held[layout.rollers[w], 3 * k : 3 * k + 3], axis=1)
+                apart[part] = max(apart[part], np.abs(own - theirs).max())
+    assert apart["force"] < 1e-9 and apart["moment"] < 1e-10, apart  # N, N m; MEASURED_FILE

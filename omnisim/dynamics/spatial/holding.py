@@ -13,7 +13,7 @@ rounds of the proximal point method.
 import math
 
 from omnisim.base.kernel import kernel, outlined
-from omnisim.base.vector import dot, minus, plus, times
+from omnisim.base.vector import combine, dot, minus, plus, times
 from omnisim.contact.frame import Slip
 from omnisim.contact.mobility import Symmetric, across
 from omnisim.contact.set_valued import CREEP, SLIP, TINY, slip_direction, turned
@@ -36,7 +36,7 @@ ROUNDING = 1e-9  # rad, below which a correction that no longer falls is roundin
 @outlined
 def hold(parameters, stage, body):
     """Forces at the contacts that stick or creep, and what they change in y'; their heat, W."""
-    count = gather(parameters, stage.mode, body, stage.y)
+    count = gather(parameters, stage.mode, body, stage.y, False)
     if count == 0:
         return 0.0
     holding = parameters.space.holding
@@ -66,24 +66,24 @@ def hold(parameters, stage, body):
 @outlined
 def align_in_space(parameters, mode, y):
     """Change the speeds in y by the impulses that leave no slip to sticking contacts, and none across their direction
-    to creeping ones, all at once."""
+    to creeping ones, all at once.
+
+    Friction turns creeping slip by forces across it, and these impulses are across it too: a wheel that stands on two
+    rollers slips on one of them as it must, and whatever held that slip would move the machine.
+    """
     body = body_of(parameters, y)
-    count = gather(parameters, mode, body, y)
+    count = gather(parameters, mode, body, y, True)
     if count == 0:
         return
     holding, at = parameters.space.holding, places(parameters)
     for m in range(count):
         held = holding.contacts[m]
-        slip, u = (
-            slip_at(parameters, mode[held.wheel], held.wheel, held.contact, y),
-            mode[held.wheel].creep[held.contact],
-        )
-        along = slip.h * u[0] + slip.k * u[1] if held.creeps else 0.0
-        held.bias[0], held.bias[1] = slip.h - along * u[0], slip.k - along * u[1]
+        slip = slip_at(parameters, mode[held.wheel], held.wheel, held.contact, y)
+        held.bias[0], held.bias[1] = slip.h, slip.k
+        if held.creeps:
+            u = mode[held.wheel].creep[held.contact]
+            held.bias[0], held.bias[1] = slip.k * u[0] - slip.h * u[1], 0.0
         held.force[0] = held.force[1] = 0.0
-        held.creeps = 0
-        mean_h, mean_k = slip.h - 0.5 * held.bias[0], slip.k - 0.5 * held.bias[1]
-        held.middle[0], held.middle[1] = mean_h, mean_k
     find_mobility(parameters, count)
     stick(holding, count)
     before = parameters.space.shifted
@@ -117,7 +117,7 @@ def kick(parameters, body, mode, y, m):
     w, impulse = held.wheel, held.force
     wheel = parameters.wheels[w]
     place = rate_of_roller(parameters, mode[w], w, held.contact)
-    for e in range(2):
+    for e in range(held.firm):
         given = space.holding.given[m, e]
         linear = outward(body.rotation, times(impulse[e], vector(given, 3)))
         put_at(y, at.velocity, plus(vector(y, at.velocity), linear))
@@ -128,12 +128,13 @@ def kick(parameters, body, mode, y, m):
         y[at.spin_rate + w] += wheel.spin_mobility * held.spin[e] * impulse[e]
         if wheel.follows:  # its drive holds the rate against the impulse
             y[at.drive_work] -= held.spin[e] * impulse[e] * y[at.spin_rate + w]
-        y[at.friction_loss] -= impulse[e] * held.middle[e]
+        y[at.friction_loss] -= 0.5 * impulse[e] * held.bias[e]  # the slip between before and after
 
 
 @kernel
-def gather(parameters, mode, body, y):
-    """The contacts at rest into the workspace, with their levers: how many."""
+def gather(parameters, mode, body, y, aligning):
+    """The contacts at rest into the workspace, with their levers: how many. `aligning`: those of creeping ones are
+    across and along their direction."""
     space = parameters.space
     holding = space.holding
     count = 0
@@ -147,8 +148,12 @@ def gather(parameters, mode, body, y):
             held.wheel, held.contact, held.roller = w, c, mode[w].slot[c]
             held.creeps = mode[w].grip[c] == CREEP
             held.limit = parameters.machine.friction * max(space.touches[w * SLOTS + c].normal_force, 0.0)
+            held.firm = (1 if aligning else 0) if held.creeps else 2
             held.turned = 0.0
             h, k = tangent_of(touched.normal)
+            if aligning and held.creeps:
+                along = combine(creep[0], h, creep[1], k, 0.0, h)
+                h, k = combine(creep[0], k, -creep[1], h, 0.0, h), along
             feel(parameters, w, stand, touched, held, holding.felt[count], (h, k))
             begun = -held.limit if held.creeps else 0.0
             held.force[0], held.force[1] = begun * creep[0], begun * creep[1]
@@ -208,24 +213,19 @@ def find_mobility(parameters, count):
 
 @kernel
 def stick(holding, count):
-    """Forces of those that stick, with those of the others as they stand."""
+    """Forces along what is held, with those of creeping contacts as they stand."""
     system, side = holding.system, holding.side
     largest, unknowns = TINY, 0
     for m in range(count):
-        if holding.contacts[m].creeps:
-            continue
-        for e in range(2):
+        for e in range(holding.contacts[m].firm):
             largest = max(largest, holding.mobility[2 * m + e, 2 * m + e])
     for m in range(count):
-        if holding.contacts[m].creeps:
-            continue
-        for e in range(2):
+        for e in range(holding.contacts[m].firm):
             column = 0
             for n in range(count):
-                if not holding.contacts[n].creeps:
-                    for f in range(2):
-                        system[unknowns, column] = holding.mobility[2 * m + e, 2 * n + f]
-                        column += 1
+                for f in range(holding.contacts[n].firm):
+                    system[unknowns, column] = holding.mobility[2 * m + e, 2 * n + f]
+                    column += 1
             system[unknowns, unknowns] += PROXIMAL * largest
             unknowns += 1
     if unknowns == 0:
@@ -234,30 +234,25 @@ def stick(holding, count):
     for _ in range(MOST_PROXIMAL):
         row = 0
         for m in range(count):
-            if holding.contacts[m].creeps:
-                continue
-            rate_h, rate_k = rate_of(holding, m, count)
-            side[row], side[row + 1] = -rate_h, -rate_k
-            row += 2
+            for e in range(holding.contacts[m].firm):
+                side[row] = -rate_of(holding, m, e, count)
+                row += 1
         substitute(system[:unknowns, :unknowns], side[:unknowns])
         row = 0
         for m in range(count):
-            if not holding.contacts[m].creeps:
-                force = holding.contacts[m].force
-                force[0] += side[row]
-                force[1] += side[row + 1]
-                row += 2
+            for e in range(holding.contacts[m].firm):
+                holding.contacts[m].force[e] += side[row]
+                row += 1
 
 
 @kernel
-def rate_of(holding, m, count):
-    """Slip acceleration of contact m under all forces as they stand (h, k), m/s^2."""
-    rate_h, rate_k = holding.contacts[m].bias[0], holding.contacts[m].bias[1]
+def rate_of(holding, m, e, count):
+    """Slip acceleration of contact m along its axis e under all forces as they stand, m/s^2."""
+    rate = holding.contacts[m].bias[e]
     for n in range(count):
         force = holding.contacts[n].force
-        rate_h += holding.mobility[2 * m, 2 * n] * force[0] + holding.mobility[2 * m, 2 * n + 1] * force[1]
-        rate_k += holding.mobility[2 * m + 1, 2 * n] * force[0] + holding.mobility[2 * m + 1, 2 * n + 1] * force[1]
-    return rate_h, rate_k
+        rate += holding.mobility[2 * m + e, 2 * n] * force[0] + holding.mobility[2 * m + e, 2 * n + 1] * force[1]
+    return rate
 
 
 @kernel
@@ -267,7 +262,7 @@ def turn_creep(holding, m, count):
     a = Symmetric(
         holding.mobility[2 * m, 2 * m], holding.mobility[2 * m, 2 * m + 1], holding.mobility[2 * m + 1, 2 * m + 1]
     )
-    rate_h, rate_k = rate_of(holding, m, count)
+    rate_h, rate_k = rate_of(holding, m, 0, count), rate_of(holding, m, 1, count)
     force = held.force
     if force[0] == 0.0 and force[1] == 0.0:  # no direction is known yet
         u = slip_direction(a, Slip(rate_h, rate_k), held.limit)

@@ -95,12 +95,12 @@ HELD = np.dtype(
         ("contact", np.int64),
         ("roller", np.int64),
         ("creeps", np.int64),  # 1: it creeps, 0: it sticks
+        ("firm", np.int64),  # along how many of its axes its slip is held
         ("limit", np.float64),  # mu N, N
         ("spin", np.float64, (2,)),  # torque on the axle and on the roller by a unit force along h and k, m
         ("arm", np.float64, (2,)),
-        ("bias", np.float64, (2,)),  # slip acceleration without the force of any of them, m/s^2
+        ("bias", np.float64, (2,)),  # slip acceleration without the force of any of them, m/s^2; slip to be taken away
         ("force", np.float64, (2,)),  # N; N s of an impulse
-        ("middle", np.float64, (2,)),  # slip, before and after an impulse, m/s
         ("turned", np.float64),  # by the last correction of its direction, rad
     ],
     align=True,
