@@ -2,7 +2,7 @@
 
     SLIP   ---- slip below rest_speed, F inside the cone ---->  STICK
     SLIP   ---- slip below rest_speed, F outside ------------>  CREEP  (through zero without sticking)
-    SLIP   ---- slip about to stop, turning no more --------->  CREEP
+    SLIP   ---- slip about to stop, turning no more --------->  CREEP  (in space also slow slip that lasts)
     STICK  ---- |F| reaches mu N ---------------------------->  CREEP
     CREEP  ---- slip no longer young ------------------------>  SLIP
     CREEP  ---- slip turns back ----------------------------->  STICK or CREEP again
@@ -98,14 +98,9 @@ def stopping_alignment(part: float, choice: int, lightness: float) -> float:
 
 
 @kernel
-def unseen(parameters, clock, how, speed):
-    """Slip across the direction of the contact equation that a step does not see, m/s, of slip of this speed that goes
-    on there as SOON, LASTING or NOT says."""
-    if how == SOON:
-        return max(clock.aligned, math.sqrt(clock.stopping * speed))
-    if parameters.space is not None and how == LASTING:
-        return parameters.machine.mass * parameters.machine.slip_mobility * clock.aligned
-    return clock.aligned
+def unseen(clock, stopping, speed):
+    """Slip across the direction of the contact equation that a step does not see, m/s, of slip of this speed."""
+    return max(clock.aligned, math.sqrt(clock.stopping * speed)) if stopping else clock.aligned
 
 
 @kernel
@@ -115,7 +110,7 @@ def rests(parameters, run, w, side):
     monitors = run.monitors[w]
     if not parameters.machine.friction * load_at(parameters, run, w, side) > 0.0:
         return False
-    if mode.grip[side] == CREEP and mode.stopping[side] == SOON:  # together with another one whose end has been found
+    if mode.grip[side] == CREEP and mode.stopping[side]:  # together with another one whose end has been found
         return monitors.margin[side] <= stopped_speed(parameters, run, w, side)
     slow = monitors.slip_square[side] < rest_speed(parameters, mode, w, side, run.y) ** 2
     return mode.grip[side] == SLIP and slow
@@ -159,10 +154,9 @@ def stops(parameters, run, w, side):
     """SOON if a contact slips that will stop within a step in a direction that attracts, and is so near to it that the
     error of a step hides what it slips across: by the turning of the slip, |v x v'|, and the rate of attraction.
 
-    LASTING if, in space, what it turns within a step moves the machine so little that the error of the step hides it: a
-    wheel on two rollers slips on one of them as slowly as their heights differ, for as long as it rolls over their
-    ends, and friction turns that slip a million times faster than anything moves. Implicit steps follow it all the
-    same. Else NOT.
+    LASTING if, in space, it turns so little within a step that the error of the step hides it: a wheel on two rollers
+    slips on one of them as slowly as their heights differ, for as long as it rolls over their ends, and friction turns
+    that slip a million times faster than anything moves. Implicit steps follow it all the same. Else NOT.
     """
     mode, monitors = run.mode[w], run.monitors[w]
     if mode.shared or mode.grip[side] != SLIP or monitors.factor[side] == 0.0:
@@ -177,12 +171,11 @@ def stops(parameters, run, w, side):
     attraction = monitors.factor[side] * across(mobility, slip.h, slip.k) + along
     soon = square < -along * run.clock.dt and stiff
     speed = math.sqrt(square)
-    if soon and abs(turn) * speed < attraction * unseen(parameters, run.clock, SOON, speed):
+    if soon and abs(turn) * speed < attraction * unseen(run.clock, True, speed):
         return SOON
     if parameters.space is None or run.newton is not None or not stiff:
         return NOT
-    lightness = parameters.machine.mass * across(mobility, slip.h, slip.k) / square
-    return LASTING if abs(turn) * run.clock.dt < AT_EASE * lightness * run.clock.aligned * speed else NOT
+    return LASTING if abs(turn) * run.clock.dt < AT_EASE * run.clock.aligned * speed else NOT
 
 
 @kernel
@@ -203,7 +196,7 @@ def youth(parameters, clock, mode, monitors, side):
     the direction of the contact equation that the error of a step hides it, while sub-steps would have to be short."""
     speed = math.sqrt(monitors.slip_square[side])
     hidden = min(
-        unseen(parameters, clock, mode.stopping[side], speed) - slip_across(monitors, side),
+        unseen(clock, mode.stopping[side], speed) - slip_across(monitors, side),
         stiffness(parameters, clock, monitors, side) - STILL_STIFF,
     )
     return max(CREEP_SPEED - speed, hidden)
@@ -282,7 +275,7 @@ def come_to_rest(parameters, run, w, side, others, t):
 def start_creep(parameters, run, w, side, t):
     """Let a contact at rest slip off in the direction of the contact equation."""
     mode = run.mode[w]
-    mode.grip[side], mode.stopping[side] = CREEP, NOT
+    mode.grip[side], mode.stopping[side] = CREEP, 0
     mode.creep[side, 0] = mode.creep[side, 1] = 0.0
     refresh(parameters, run, t)
     keep_creep(parameters, run, w, side)
@@ -297,16 +290,35 @@ def begin_to_stop(parameters, run, t):
             how = stops(parameters, run, w, side)
             if how != NOT:
                 slip = slip_of(parameters, mode, w, side, run.y)
-                mode.grip[side], mode.stopping[side] = CREEP, how
+                mode.grip[side], mode.stopping[side] = CREEP, how == SOON
                 speed = math.sqrt(run.monitors[w].slip_square[side])
                 mode.creep[side, 0], mode.creep[side, 1] = slip.h / speed, slip.k / speed
     refresh(parameters, run, t)
+    if parameters.space is not None:
+        slip_on(parameters, run, t)
     for w in range(len(run.mode)):
         for side in range(contact_count(run.mode[w])):
             if run.mode[w].grip[side] == CREEP and not run.mode[w].shared:
                 keep_creep(parameters, run, w, side)
     align_slip(parameters, run)
     refresh(parameters, run, t)
+
+
+@kernel
+def slip_on(parameters, run, t):
+    """Let creeping contacts slip whose direction, found with all that hold, is not that of their slip: one that another
+    contact of its wheel holds across is turned far less easily than it would be alone."""
+    changed = False
+    for w in range(len(run.mode)):
+        mode = run.mode[w]
+        for side in range(contact_count(mode)):
+            if mode.grip[side] == CREEP and youth(parameters, run.clock, mode, run.monitors[w], side) < 0.0:
+                mode.grip[side] = SLIP
+                mode.freed = mode.freed + 1 if mode.freed_step == run.clock.step else 1
+                mode.freed_step = run.clock.step
+                changed = True
+    if changed:
+        refresh(parameters, run, t)
 
 
 @kernel
