@@ -13,8 +13,7 @@ G = 9.81
 FRICTION = 0.6
 LOCKED = {"kind": "follow", "times": [0.0, 2000.0], "angle": [0.0, 0.0]}
 STEEPEST = {0.0: np.arctan(FRICTION / np.sqrt(2.0)), 45.0: np.arctan(FRICTION / 2.0)}  # by uphill_deg: of its wheels
-RHO = 0.999  # tan S / tan S*, just below; 2 - RHO just above
-SLIP_SPEED = 1e-11  # m/s, of friction that creeps
+RHO = 0.999  # tan S / tan S*, just below
 
 
 def locked(part: float, uphill_deg: float, end: float, **changed) -> dict:
@@ -43,34 +42,7 @@ def test_below_the_limit_of_friction_nothing_moves(uphill_deg):
 @pytest.mark.parametrize(("uphill_deg", "method", "step"), [(0.0, "rk4", 1e-3), (45.0, "radau5", 0.1)])
 def test_just_below_it_stands_for_a_thousand_seconds(uphill_deg, method, step):
     motion = run(locked(RHO, uphill_deg, 1000.0), f"solver.method={method}", f"time.step={step!r}")
-    assert moved(motion) < 1e-12  # m: a creep of 1e-15 m/s; MEASURED_STAND
-
-
-def creep(data: dict, step: float) -> float:
-    """Speed of the second half of 1000 s with regularized friction, m/s."""
-    data["friction"] |= {"law": "regularized", "slip_speed": SLIP_SPEED}
-    motion = run(data, f"time={{end=1000.0, step={step!r}, output_interval=100.0}}", "solver.method=radau5")
-    return float(np.linalg.norm(motion["body/position"][-1] - motion["body/position"][5])) / 500.0
-
-
-@pytest.mark.long
-def test_smooth_friction_creeps_below_the_limit():
-    """At sqrt 2 eps rho / sqrt(1 - rho^2), and an eps of 1e-11 m/s below a nanometre a second."""
-    found = creep(locked(RHO, 0.0, 1000.0), 0.5)
-    expected = np.sqrt(2.0) * SLIP_SPEED * RHO / np.sqrt(1.0 - RHO**2)
-    assert abs(found / expected - 1.0) < 1e-3 and found < 1e-9, (found, expected)  # MEASURED_CREEP
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("law", ["coulomb", "regularized"])
-def test_just_above_the_limit_it_slides_for_a_thousand_seconds(law):
-    """As far as g cos S (tan S - tan S*) t^2 / 2, but for the small inertia of rollers that turn."""
-    data = locked(2.0 - RHO, 0.0, 1000.0)
-    data["friction"] |= {"law": law} | ({"slip_speed": 1e-3} if law == "regularized" else {})
-    motion = run(data, "time={end=1000.0, step=0.1, output_interval=100.0}", "solver.method=radau5")
-    limit = np.tan(STEEPEST[0.0])
-    expected = 0.5 * G * np.cos(np.arctan((2.0 - RHO) * limit)) * (1.0 - RHO) * limit * 1000.0**2
-    assert abs(moved(motion) / expected - 1.0) < 0.02  # MEASURED_SLIDE
+    assert moved(motion) < 1e-12  # m: a creep of 1e-15 m/s; radau5 measured 2.8e-13
 
 
 @pytest.mark.parametrize("uphill_deg", STEEPEST)
@@ -99,7 +71,7 @@ def test_energy_is_balanced_through_sticking_and_slipping():
     motion = simulate("spatial_kiwi_slope", "friction={law='coulomb',coefficient=0.5}", "time.step=5e-5",
                       "time.end=0.4", "time.output_interval=0.01")  # fmt: skip
     assert {"stick", "slip"} <= set(motion["events/kind"])
-    assert np.abs(motion["energy/balance"]).max() < 3e-9  # J, of 3
+    assert np.abs(motion["energy/balance"]).max() < 3e-9  # J, of 3; measured 1.6e-10
 
 
 def final(method: str, step: float) -> dict[str, np.ndarray]:
@@ -127,4 +99,4 @@ def test_a_method_keeps_its_order_through_sticks_and_slips(method, steps, exact)
     for name, value in exact.items():
         errors = [np.abs(end[name] - value).max() for end in runs]
         order = np.log(errors[0] / errors[1]) / np.log(steps[0] / steps[1])
-        assert order > least, (name, errors)  # measured at least 4.8, 4.5 and 6.9
+        assert order > least, (name, errors)  # over 0.4 s measured at least 4.8, 4.5 and 6.9
