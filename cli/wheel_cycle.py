@@ -63,10 +63,10 @@ def cells(found: Found | str) -> tuple[str, ...]:
     height = "-" if found.height is None else f"{1e3 * found.height:.3f}"
     return (
         f"{1e2 * found.speed:+.2f}",
-        f"{1e3 * found.ripple:.3g}",
+        f"{1e3 * found.ripple:.2f}",
         height,
-        f"{found.drag:.3g}",
-        f"{found.energy:.3g}",
+        f"{found.drag:.3f}",
+        f"{found.energy:.3f}",
         f"{found.load:.3f}",
     )
 
