@@ -1,5 +1,6 @@
 """Wheels that are sold: each number has its source or says how it is estimated, and every one of them runs."""
 
+import math
 import re
 from pathlib import Path
 
@@ -10,7 +11,7 @@ from scene_text import message
 import omnisim
 from omnisim.scene.masses import point_masses
 from omnisim.scene.packaged import packaged_scenes, packaged_text, packaged_wheels
-from omnisim.scene.rollers import roller_solid
+from omnisim.scene.rollers import roller_solid, rolling
 from omnisim.scene.scene import load, load_text
 from omnisim.scene.schema import unused_keys
 
@@ -135,3 +136,12 @@ def test_the_rubber_ring_of_the_soccer_wheel_is_the_torus_of_its_moments_of_iner
     assert mass * (ring**2 + 0.75 * tube**2) == pytest.approx(1.0045224022133389e-09, rel=1e-9)
     assert mass * (0.5 * ring**2 + 0.625 * tube**2) == pytest.approx(5.2234345231370893e-10, rel=1e-9)
     assert kind.radius == pytest.approx(kind.roller_distance + ring + tube, abs=1e-6)
+
+
+@pytest.mark.short
+def test_the_wheels_that_are_not_round_go_up_and_down_as_the_page_says():
+    """(R - rho) (1 - cos 10 deg) between two rings; a step of a roller stands out of the wheel's circle."""
+    lowest, _, highest = rolling(load("robocin_omni_50").config.wheel_types["robocin_omni_50"])
+    assert highest - lowest == pytest.approx((0.024993 - 0.00105) * (1.0 - math.cos(math.radians(10.0))), abs=1e-7)
+    lowest, _, highest = rolling(load("andymark_mecanum_203").config.wheel_types["andymark_mecanum_203"])
+    assert (lowest, highest) == pytest.approx((0.09996, 0.10179), abs=5e-6)
