@@ -4,35 +4,23 @@ import numpy as np
 import pytest
 
 from omnisim import Loop, load
-from omnisim.base.records import blank, records
+from omnisim.base.records import blank
 from omnisim.dynamics.indices import carries, roller_index, roller_of, row_index
-from omnisim.dynamics.parameters import ROLLER_ROW, WHEEL
+from omnisim.dynamics.parameters import WHEEL
 from omnisim.dynamics.state import MODE
-from omnisim.march.initial_state import begin, blank_rows
 from omnisim.march.runge_kutta import evaluate
 
 OFFSET = 0.01  # m, of the rows from the middle of their wheel
-
-
-def on_two_rows(scene) -> Loop:
-    """A Loop at the start whose wheels have every other roller on a row of its own, and the inertia of that."""
-    loop = Loop(scene)
-    parameters, config = loop.parameters, scene.config
-    wheels, machine = parameters.wheels, parameters.machine
-    rows = [{"phase": wheel.phase, "offset": side * OFFSET} for wheel in wheels for side in (1.0, -1.0)]
-    wheels.row, wheels.rows = 2 * np.arange(len(wheels)), 2
-    machine.yaw_inertia += np.sum(wheels.rollers * wheels.roller_mass) * OFFSET**2
-    machine.yaw_mobility = 1.0 / machine.yaw_inertia
-    loop.parameters = parameters._replace(roller_rows=records(ROLLER_ROW, rows))
-    loop.run = begin(config, loop.parameters)
-    loop.rows = blank_rows(loop.run, config.time.outputs + 1, config.bearing_loads, bool(machine.odometry))
-    return loop
+ROWS = [
+    "wheel_types.omni.roller_count=9",
+    f"wheel_types.omni.rows=[{{offset={OFFSET}}}, {{offset={-OFFSET}, phase_deg=20.0}}]",
+]
 
 
 @pytest.mark.short
 def test_the_contact_of_a_roller_stands_on_its_row():
     """To rounding; and two neighbours stand on different rows."""
-    loop = on_two_rows(load("kiwi", ["time.end=0.005", "time.output_interval=0.005"]))
+    loop = Loop(load("kiwi", [*ROWS, "time.end=0.005", "time.output_interval=0.005"]))
     loop.march(1)
     run, parameters = loop.run, loop.parameters
     evaluate(parameters, run.mode, 0, 0.0, run.y, run.slopes[0], run.monitors)
@@ -51,7 +39,7 @@ def test_two_rows_move_alike_in_both_formulations():
     the loads differ by 0.6 N from those on one row; the contacts of two wheels pass from row to row."""
     at_once = ["time.end=0.4", "time.output_interval=0.005"]
     reduced, multibody = (
-        on_two_rows(load("kiwi", [*at_once, f"solver.formulation={name}"])) for name in ("reduced", "multibody")
+        Loop(load("kiwi", [*ROWS, *at_once, f"solver.formulation={name}"])) for name in ("reduced", "multibody")
     )
     for loop in (reduced, multibody):
         loop.march()
