@@ -6,6 +6,7 @@ import pytest
 from omnisim import Loop, load
 from omnisim.base.records import blank
 from omnisim.dynamics.indices import carries, roller_index, roller_of, row_index
+from omnisim.dynamics.packing import pack
 from omnisim.dynamics.parameters import WHEEL
 from omnisim.dynamics.state import MODE
 from omnisim.march.runge_kutta import evaluate
@@ -32,6 +33,20 @@ def test_the_contact_of_a_roller_stands_on_its_row():
         middle = wheel.roller_distance * np.tan(q) * wheel.tan_psi
         assert contact.l - middle == pytest.approx(offset, abs=1e-15)
         assert row_index(wheel, run.mode[w].roller) != row_index(wheel, run.mode[w].roller - 1)
+
+
+@pytest.mark.short
+def test_a_machine_free_in_space_counts_its_rollers_as_an_upright_one_does():
+    """Rows out of order, one of them turned by whole pitches: roller i is at the same azimuth, on the same row."""
+    rows = "[{offset=-0.02, phase_deg=7.0}, {offset=0.02, phase_deg=107.0}, {offset=0.0, phase_deg=-33.0}]"
+    scene = ["wheel_types.omni.roller_count=6", f"wheel_types.omni.rows={rows}", "friction.law=coulomb"]
+    rubber = ["scene.upright=free", "wheel_types.omni.contact={stiffness=1e5}"]
+    upright, free = (pack(load("kiwi", [*scene, *more]).config) for more in ([], rubber))
+    for w, wheel in enumerate(upright.wheels):
+        own = upright.roller_rows[wheel.row : wheel.row + wheel.rows]
+        angle = wheel.phase + 2.0 * wheel.alpha * np.arange(18)
+        places = np.column_stack([np.cos(angle), np.sin(angle), np.tile(own.offset, 6)])
+        np.testing.assert_allclose(free.space.disk[w], places, atol=1e-15)
 
 
 def test_two_rows_move_alike_in_both_formulations():

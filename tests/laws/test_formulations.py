@@ -8,6 +8,7 @@ import pytest
 from machines import CHASSIS, machine, wheel_mass
 from machines import run as simulate
 from oracle.cases import REFERENCE
+from oracle.scenes import ROWS, SKEW
 
 import omnisim
 from omnisim.results.comparison import distance, divergence, energy_error
@@ -26,6 +27,8 @@ SCENES = {
     "mecanum, coulomb": (REFERENCE / "mecanum.toml", 1e-4, [COULOMB]),
     "bare wheel on a slope, coulomb": ("coulomb_wheel", 2e-4, [SLOPE]),
     "kiwi on a slope, regularized": (REFERENCE / "kiwi.toml", 1e-4, [SLOPE]),
+    "unlike wheels on rows, viscous": (SKEW, 5e-5, [*ROWS, "friction.law=viscous"]),
+    "unlike wheels on rows, coulomb": (SKEW, 1e-4, [*ROWS, COULOMB]),
     "bearing friction, three types": ("mixed", 2e-4, ["wheel_types.omni.roller.bearing_viscosity=1e-6"]),
 }
 

@@ -10,6 +10,8 @@ from scenes import REFERENCE, final_state, reference_scene
 
 import omnisim
 from omnisim.base.methods import TABLEAUX
+from omnisim.dynamics.packing import pack
+from omnisim.dynamics.static_loads import static_loads
 
 # of each: path, wheel type, its rollers, overrides
 SHORT = "time={end=0.2, step=5e-5, output_interval=0.01}"
@@ -85,6 +87,16 @@ def test_loads_at_rest_are_those_of_the_places_where_rollers_touch(rows, turns):
     np.testing.assert_allclose(found, expected, rtol=1e-13)
     from_centres = np.linalg.norm(at - [wheel["position"] for wheel in data["wheels"]], axis=1)
     np.testing.assert_allclose(from_centres, abs(rows[round(turns / 36.0)][0]), rtol=1e-12)
+
+
+def test_static_loads_are_those_under_the_middle_of_the_rows():
+    """Exact where both rows stand in one plane beside the wheel's centre; `info` tells them."""
+    beside = scene(
+        on_rows(((0.03, 0.0), (0.03, 36.0)), **KIWI, chassis=CHASSIS | {"center_of_mass": [0.05, 0.02, 0.1]})
+    )
+    motion = omnisim.simulate(beside)
+    found = [motion[f"wheels/{wheel}/normal_force"][0] for wheel in motion.wheels]
+    np.testing.assert_allclose(static_loads(pack(beside.config)), found, rtol=1e-13)
 
 
 def test_a_machine_that_turns_in_place_turns_as_fast_as_the_row_that_carries_lets_it():
