@@ -16,7 +16,8 @@ import math
 
 import numpy as np
 
-from omnisim.dynamics.packing import axle_inertia, bodies
+from omnisim.dynamics.inertia import axle_inertia
+from omnisim.dynamics.packing import bodies
 from omnisim.scene.ideal_kinematics import wheel_rows
 from omnisim.scene.scene import Scene, parse
 

@@ -12,7 +12,7 @@ pytestmark = pytest.mark.short
 UPRIGHT = {  # that a wheel's frame is a turn about the vertical: one file of kernels; the others count in arrays
     "contact/frame.py",
     "dynamics/multibody/residuals.py",
-    "dynamics/packing.py",
+    "dynamics/wheel_values.py",
     "dynamics/parameters.py",
     "dynamics/slopes.py",
     "dynamics/static_loads.py",

@@ -11,7 +11,7 @@ def direct(function, *arguments):
     From the second call on it is called at once: finding out the types of so many arrays takes longer than handing
     them over.
     """
-    key = function, *map(members, arguments)
+    key = function, *[members(argument) for argument in arguments if isinstance(argument, tuple)]
     call = DIRECT.get(key)
     if call is not None:
         return call(*arguments)
@@ -22,10 +22,8 @@ def direct(function, *arguments):
 
 
 def members(argument):
-    """The Python types of the members of a NamedTuple, and of theirs; of anything else nothing."""
-    if not isinstance(argument, tuple):
-        return None
-    return tuple([members(member) if isinstance(member, tuple) else type(member) for member in argument])
+    """The Python types of the members of a NamedTuple, then those of theirs."""
+    return *map(type, argument), *[members(member) for member in argument if isinstance(member, tuple)]
 
 
 def by_columns(function, *arguments):

@@ -177,7 +177,7 @@ class Method:
     choice: int  # EXPLICIT, IMPLICIT or AUTO
     tableau: Tableau
 
-    @property
+    @cached_property
     def stages(self) -> Stages:
         a = self.tableau.a
         return Stages(a, self.tableau.b, self.tableau.c, (a != 0.0).argmax(axis=1).astype(np.uint32), RADAU)

@@ -1,26 +1,86 @@
 """Records as Python makes and reads them: what kernels know by field.
 
-An array of np.record is at once what a recarray wants; viewing others as one takes longer than all the rest.
+An array of np.record is at once what a recarray wants; viewing others as one takes longer than all the rest. NumPy
+would fill and copy records field by field, so their bytes are packed and copied here.
 """
 
+import struct
+from collections.abc import Sequence
+from functools import lru_cache
+from math import prod
+from operator import itemgetter
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+
+CODES = {"f8": "d", "i8": "q", "u4": "I"}  # of numbers, for struct
+
+
+class Packer(NamedTuple):
+    """How rows become records: what reads all values of a row, which of them are several numbers, and their bytes."""
+
+    values: Any
+    several: tuple[bool, ...]
+    bytes: struct.Struct
 
 
 def blank(dtype: np.dtype, *shape: int) -> np.recarray:
     """Records of zeros."""
-    return np.zeros(shape, (np.record, dtype)).view(np.recarray)
+    return np.zeros(shape, recorded(dtype)).view(np.recarray)
 
 
-def records(dtype: np.dtype, rows: list[dict]) -> np.recarray:
-    """Rows with a value for every field."""
-    values = [tuple([row[name] for name in dtype.names or ()]) for row in rows]
-    return np.array(values, (np.record, dtype)).view(np.recarray)
+def records(dtype: np.dtype, rows: Sequence[dict]) -> np.recarray:
+    """Rows with a value for every field: a number, or a list of as many as the field has."""
+    values, several, packed = packer(dtype)
+    content = bytearray()
+    for row in rows:
+        numbers: list[Any] = []
+        for value, many in zip(values(row), several, strict=True):
+            if many:
+                numbers.extend(value)
+            else:
+                numbers.append(value)
+        content += packed.pack(*numbers)
+    return np.frombuffer(content, recorded(dtype)).view(np.recarray)
+
+
+def copy_of(array: Any) -> Any:
+    """A copy of a record or of records in one piece."""
+    if not array.size:
+        return array.copy()
+    copy = np.frombuffer(bytearray(array.tobytes()), array.dtype)
+    return copy[0] if isinstance(array, np.void) else copy.reshape(array.shape).view(type(array))
 
 
 def plain(record: np.record) -> Any:
     """A copy of a record for Python, which reads all of its fields at once as fast as one or two of the record: whoever
     reads a record by its fields reads it too."""
     return SimpleNamespace(**dict(zip(record.dtype.names or (), record.item(), strict=True)))
+
+
+@lru_cache
+def recorded(dtype: np.dtype) -> np.dtype:
+    """Of np.record with these fields."""
+    return np.dtype((np.record, dtype))
+
+
+@lru_cache
+def packer(dtype: np.dtype) -> Packer:
+    names = dtype.names or ()
+    several = tuple(bool(dtype[name].names or dtype[name].shape) for name in names)
+    return Packer(itemgetter(*names), several, struct.Struct(f"={code(dtype)}"))
+
+
+def code(dtype: np.dtype) -> str:
+    """What struct calls a dtype, bytes between its fields included."""
+    if dtype.subdtype:
+        base, shape = dtype.subdtype
+        return code(base) * prod(shape)
+    if dtype.fields is None:
+        return CODES[dtype.str[1:]]
+    told, at = "", 0
+    for field, offset in sorted(((field[0], field[1]) for field in dtype.fields.values()), key=itemgetter(1)):
+        told += "x" * (offset - at) + code(field)
+        at = offset + field.itemsize
+    return told + "x" * (dtype.itemsize - at)

@@ -15,8 +15,8 @@ import numpy as np
 
 from omnisim.base.records import records
 from omnisim.contact.roller_profile import length, profile_radius
-from omnisim.dynamics.packing import wheel_values
 from omnisim.dynamics.parameters import WHEEL
+from omnisim.dynamics.wheel_values import placed_values, shared_values
 from omnisim.scene import rollers
 from omnisim.scene.drives import drive_law
 from omnisim.scene.schema import Wheel, WheelType
@@ -45,7 +45,7 @@ SHORTFALL = 2.5e-3  # of the wheel radius: how much lower a row of spheres may c
 def of_type(kind: WheelType) -> np.record:
     """The record of a wheel of this type, not mirrored."""
     wheel = Wheel(name="wheel", type="wheel")
-    values = wheel_values(kind, wheel, drive_law(wheel.drive), (0.0, 0.0))
+    values = shared_values(kind, drive_law(wheel.drive), False, None) | placed_values(kind, wheel, (0.0, 0.0))
     return records(WHEEL, [values | {"rates": 0, "contacts": 0, "row": 0, "rows": 1, "holding_mobility": 0.0}])[0]
 
 

@@ -2,6 +2,7 @@
 
 import math
 
+from omnisim.base.keeping import kept
 from omnisim.scene.masses import row_shift, wheel_mass
 from omnisim.scene.schema import WheelType
 
@@ -22,6 +23,7 @@ def diameter_inertia(kind: WheelType) -> float:
     return inertia + kind.roller_count * roller.mass * math.fsum(row.offset**2 for row in kind.rows)
 
 
+@kept
 def central_inertia(kind: WheelType) -> float:
     """J_t - m_w o^2: the same about the diameter through its centre of mass, which rows may put aside by o."""
     return diameter_inertia(kind) - wheel_mass(kind) * row_shift(kind) ** 2

@@ -16,6 +16,7 @@ the motion. Bodies are held where these joint coordinates put them, at the end o
 distance (m or rad; m/s or rad/s) by which a step has taken a body from there so far.
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -68,7 +69,10 @@ def places(parameters):
 
 def places_in(parameters):
     """The same outside kernels: Places."""
-    return Places(*map(int, parameters.machine.places))
+    machine = parameters.machine
+    if isinstance(machine, np.void):  # all of a record at once: what nests in it takes longer to read
+        return Places(*machine.item()[machine.dtype.names.index("places")])
+    return Places(*machine.places)
 
 
 class Contents(NamedTuple):
@@ -87,6 +91,7 @@ class Contents(NamedTuple):
     carriers: int = 0
 
 
+@lru_cache
 def places_of(contents):
     """The Places of a state with such Contents."""
     wheels, slots, integrals, currents, bearing_friction, motors, odometry, rhos, bodies, _ = contents
@@ -105,6 +110,7 @@ def places_of(contents):
     return Places(3, rates, rates + 2, rates + 3, rollers, *drives, pose, rho, first, drift)
 
 
+@lru_cache
 def places_in_space(contents):
     """The same of a machine free in space, whose state spatial/records.py describes."""
     wheels, slots, integrals, currents, bearing_friction, motors, odometry, _, _, carriers = contents

@@ -29,6 +29,7 @@ from omnisim.march.spatial_contacts import release
 LEAST, MOST = range(2)
 OF_WHEELS = ("normal_force", "drive_torque", "drive_power")
 OF_MOTORS = ("voltage", "current", "electrical_power")
+LENGTHS = {"friction_force": "friction_square", "slip_velocity": "slip_square"}
 RADIAL_SQUARE, LEAST_AXIAL, MOST_AXIAL, TILTING_SQUARE = range(4)
 POSITION_SQUARE, LEAST_YAW, MOST_YAW = range(3)
 
@@ -190,16 +191,12 @@ def follow_joint(joint, axis, found):
     widen(found[LEAST_AXIAL : MOST_AXIAL + 1], dot(force, axis))
 
 
-def wheel_extremes(extremes: np.ndarray, motor: bool) -> dict[str, np.ndarray]:
-    """Datasets of one wheel, by path with {} for its name, from its extremes (T,), an array that is none of records,
-    which are slow; motor: whether it has one."""
-    found = {}
-    for name in OF_WHEELS + OF_MOTORS * motor:
-        found[f"interval_max/wheels/{{}}/{name}"] = extremes[name][:, MOST]
-        found[f"interval_min/wheels/{{}}/{name}"] = extremes[name][:, LEAST]
-    found["interval_max/wheels/{}/friction_force"] = np.sqrt(extremes["friction_square"])
-    found["interval_max/wheels/{}/slip_velocity"] = np.sqrt(extremes["slip_square"])
-    return found
+def extremes_of(quantity: str, extremes: np.ndarray) -> dict[str, np.ndarray]:
+    """The datasets (T, W) of all wheels, by group of the file, from their extremes (T, W), an array that is none of
+    records, which are slow."""
+    if quantity in LENGTHS:
+        return {"interval_max": np.sqrt(extremes[LENGTHS[quantity]])}
+    return {"interval_max": extremes[quantity][..., MOST], "interval_min": extremes[quantity][..., LEAST]}
 
 
 def bearing_extremes(found: np.ndarray, rollers: int, chassis: bool) -> dict[str, np.ndarray]:

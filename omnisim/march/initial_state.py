@@ -4,12 +4,13 @@ import math
 
 import numpy as np
 
-from omnisim.base.methods import EXPLICIT, METHODS
-from omnisim.base.records import blank, plain, records
+from omnisim.base.keeping import kept
+from omnisim.base.methods import EXPLICIT, METHODS, Method
+from omnisim.base.records import blank, recorded, records
 from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.spatial.records import SPATIAL_MODE, SPATIAL_MONITORS
 from omnisim.dynamics.spatial.swings import fastest_swing
-from omnisim.dynamics.state import CLOCK, EXTREME, MODE, MONITORS, YAW, Newton, Recording, Run, X, Y, places_in
+from omnisim.dynamics.state import CLOCK, EXTREME, MODE, MONITORS, YAW, Newton, Recording, Run, places_in
 from omnisim.march.friction_modes import alignment, stopping_alignment
 from omnisim.march.spatial_start import pose_at_start, state_in_space
 from omnisim.march.stiffness import resolve
@@ -21,37 +22,44 @@ COARSE_STEP = 1e-2  # s: of an upright machine, and of methods that are there fo
 
 def begin(config: Config, parameters: Parameters) -> Run:
     """A Run at t = 0; the march itself finds the rollers in contact."""
-    machine = plain(parameters.machine)
     choice = resolve(config, parameters)
     if parameters.space is not None:
         y, rates = state_in_space(config, parameters, pose_at_start(config, parameters))
     else:
-        parameters = parameters._replace(machine=machine)
         y, rates = initial_state(config, parameters)
     count = len(parameters.wheels)
     mode, monitors = (MODE, MONITORS) if parameters.space is None else (SPATIAL_MODE, SPATIAL_MONITORS)
-    tableau = METHODS[config.solver.method].tableau
+    method = METHODS[config.solver.method]
     return Run(
         y=y,
         trial=np.empty_like(y),
         carry=np.zeros_like(y),
         increment=np.zeros_like(y),
-        slopes=np.zeros((tableau.stages + 1, len(y))),
+        slopes=np.zeros((method.tableau.stages + 1, len(y))),
         rates=rates,
         mode=blank(mode, count),
         monitors=blank(monitors, count),
         monitors_end=blank(monitors, count),
-        clock=clock_at_start(config.time, choice, tableau.stability_limit, parameters),
+        clock=clock_at_start(config.time, method, choice, parameters),
         newton=newton_workspace(parameters, len(y)) if choice != EXPLICIT else None,
     )
 
 
-def clock_at_start(time: Time, choice: int, stability_limit: float, parameters: Parameters) -> np.record:
+def clock_at_start(time: Time, method: Method, choice: int, parameters: Parameters) -> np.record:
     """The record CLOCK at t = 0."""
+    clock = np.frombuffer(bytearray(clock_of(time, method, choice)), recorded(CLOCK))[0]
+    part = min(1.0, float(clock["dt"]) / coarse_step(parameters, choice))
+    lightness = parameters.machine["mass"] * parameters.machine["slip_mobility"]
+    clock["fineness"], clock["aligned"] = fineness(part, choice), alignment(part, choice)
+    clock["stopping"] = stopping_alignment(part, choice, lightness)
+    return clock
+
+
+@kept
+def clock_of(time: Time, method: Method, choice: int) -> bytes:
+    """The same without what depends on the machine."""
     steps_per_row = time.steps_per_output
     steps, dt = time.outputs * steps_per_row, time.output_interval / steps_per_row
-    part = min(1.0, dt / coarse_step(parameters, choice))
-    lightness = parameters.machine.mass * parameters.machine.slip_mobility
     begun = {
         "steps": steps,
         "steps_per_row": steps_per_row,
@@ -59,13 +67,10 @@ def clock_at_start(time: Time, choice: int, stability_limit: float, parameters: 
         "wheel": -1,
         "choice": choice,
         "dt": dt,
-        "fineness": fineness(part, choice),
-        "aligned": alignment(part, choice),
-        "stopping": stopping_alignment(part, choice, lightness),
         "reach": dt,
-        "stability_limit": stability_limit,
+        "stability_limit": method.tableau.stability_limit,
     }
-    return records(CLOCK, [dict.fromkeys(CLOCK.names or (), 0) | begun])[0]
+    return records(CLOCK, [dict.fromkeys(CLOCK.names or (), 0) | begun]).tobytes()
 
 
 def coarse_step(parameters: Parameters, choice: int) -> float:
@@ -113,34 +118,43 @@ def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, n
     count, rollers = parameters.sector.shape[:2]
     states = at.drift + 2 if parameters.workspace.articulated is not None else at.bodies
     y = np.zeros(states)
-    rates = np.zeros((count, rollers))
     yaw = math.radians(config.initial.yaw_deg)
     yaw_rate = config.initial.yaw_rate
-    velocity = config.initial.velocity
+    velocity, position = config.initial.velocity, config.initial.position
     cos = math.cos(yaw)
     sin = math.sin(yaw)
-    x, y_centre = machine.centre
+    x, y_centre = machine["centre"].tolist()
     to_centre = (x * cos - y_centre * sin, x * sin + y_centre * cos)  # C from the chassis origin, world axes
-    y[YAW], y[at.yaw_rate] = yaw, yaw_rate
-    y[X], y[Y] = np.add(config.initial.position, to_centre)
+    y[: YAW + 1] = position[0] + to_centre[0], position[1] + to_centre[1], yaw
     y[at.velocity : at.yaw_rate] = velocity[0] - yaw_rate * to_centre[1], velocity[1] + yaw_rate * to_centre[0]
-    if machine.odometry:
-        y[at.odometry : at.odometry + 2] = config.initial.position
-    spin_angles = np.array([wheel.spin_angle for wheel in config.wheels])
-    spin_rates = np.array([wheel.spin_rate for wheel in config.wheels])
-    y[at.spin_angle :][:count], y[at.spin_rate :][:count] = spin_angles, spin_rates
-    for own, wheel, number in zip(rates, config.wheels, wheels["rollers"].tolist(), strict=True):
-        own[:number] = wheel.roller_rates
-    rates += (spin_rates * wheels["sin_psi"])[:, None]  # p = chi' + w . a
+    y[at.yaw_rate] = yaw_rate
+    if machine["odometry"]:
+        y[at.odometry : at.odometry + 2] = position
+    spin_angles = y[at.spin_angle : at.spin_angle + count]
+    spin_angles[:] = [wheel.spin_angle for wheel in config.wheels]
+    spin_rates = y[at.spin_rate : at.spin_rate + count]
+    spin_rates[:] = [wheel.spin_rate for wheel in config.wheels]
+    rates = (spin_rates * wheels["sin_psi"])[:, None] + rates_given(config, rollers)  # p = chi' + w . a
     if yaw_rate:
-        rates -= yaw_rate * (wheels["cos_psi"][:, None] * np.sin(roller_azimuths(wheels, spin_angles)))
+        rates = rates - yaw_rate * (wheels["cos_psi"][:, None] * np.sin(roller_azimuths(wheels, spin_angles)))
     there = np.arange(rollers) < wheels["rollers"][:, None]
-    rates[~there] = 0.0
-    if parameters.machine.implicit_tracking:
+    rates = np.where(there, rates, 0.0)
+    if machine["implicit_tracking"]:
         q = roller_azimuths(wheels, spin_angles)
         headings = yaw + np.radians([wheel.heading_deg for wheel in config.wheels])
         y[at.rho : at.bodies].reshape(count, rollers, 3)[there] = -roller_directions(q, headings)[there]
     return y, rates
+
+
+def rates_given(config: Config, rollers: int) -> np.ndarray:
+    """Axial rates of the rollers about their wheels, as the scene has them: (W, N), or (W, 1) where each has one."""
+    given = [wheel.roller_rates for wheel in config.wheels]
+    if not any(isinstance(own, tuple) for own in given):
+        return np.array(given)[:, None]
+    rates = np.zeros((len(given), rollers))
+    for row, own, wheel in zip(rates, given, config.wheels, strict=True):
+        row[: config.type_of(wheel).rollers] = own
+    return rates
 
 
 def roller_azimuths(wheels: np.ndarray | np.record, spin_angles: np.ndarray | float) -> np.ndarray:

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from omnisim.base import status
+from omnisim.base.keeping import kept_by_first
 from omnisim.base.records import plain
 from omnisim.base.status import EVENT_KINDS
 from omnisim.base.version import VERSION
@@ -25,15 +26,13 @@ MODERATE = 1e50  # rad/s, m/s, and what else a state holds
 def collect(
     scene: Scene, parameters: Parameters, run: Run, rows: Recording, log: np.ndarray, wall_time: float
 ) -> Trajectory:
-    """The Trajectory of a march as far as it has come; the Run may go on."""
+    """The Trajectory of a march as far as it has come. Its datasets are computed when somebody asks for one of them:
+    until then parameters and rows must stay as they are; the workspace may change."""
     config = scene.config
     names = [wheel.name for wheel in scene.config.wheels]
     interval = config.time.output_interval
     found = Observables(parameters, so_far(rows, run.clock), interval, config)
-    sampled = found.everything()
     kept = finite_count(found)
-    if kept < run.clock.row:  # a state that overflows only when it is squared, say
-        sampled = {path: values[:kept] for path, values in sampled.items()}
     end = ending(config, run, kept)
     clock = end.clock
     attributes = {
@@ -41,7 +40,7 @@ def collect(
         "title": config.title,
         "scene": scene.text,
         "wheels": names,
-        "model": describe(config, parameters).line,
+        "model": model_line(config, parameters),
         "tracking": config.solver.tracking,
         "formulation": config.solver.formulation,
         "method": end.method,
@@ -53,10 +52,14 @@ def collect(
         "stop_time": end.time,
         "stop_wheel": end.wheel,
     }
-    happened = events(np.asarray(log)[: clock.events], names)
-    if clock.status != status.COMPLETE:
-        happened = with_stop(happened, end.time, end.wheel)
-    return Trajectory(attributes, sampled | happened)
+    log = np.asarray(log)[: clock.events]
+    return Trajectory(attributes, lambda: datasets(found, kept, end, log))
+
+
+@kept_by_first
+def model_line(config: Config, parameters: Parameters) -> str:
+    """What the scene makes a model of, in a line."""
+    return describe(config, parameters).line
 
 
 class Ending(NamedTuple):
@@ -92,6 +95,17 @@ def outcome(config: Config, run: Run, found: Observables) -> Ending:
     return ending(config, run, finite_count(found))
 
 
+def datasets(found: Observables, kept: int, end: Ending, log: np.ndarray) -> dict[str, np.ndarray]:
+    """All datasets of a march with this end, of which so many rows are finite."""
+    sampled = found.everything()
+    if kept < len(found.times):  # a state that overflows only when it is squared, say
+        sampled = {path: values[:kept] for path, values in sampled.items()}
+    happened = events(log, list(found.names))
+    if end.clock.status != status.COMPLETE:
+        happened = with_stop(happened, end.time, end.wheel)
+    return sampled | happened
+
+
 def finite_count(found: Observables) -> int:
     """Number of rows before the first that holds NaN or infinity in any dataset; all are computed only in doubt."""
     return len(found.times) if moderate(found.rows) else finite_rows(found.everything())
@@ -115,8 +129,9 @@ def finite_rows(sampled: dict[str, np.ndarray]) -> int:
 
 
 def moderate(rows: Recording) -> bool:
-    """Whether speeds are. If so nothing is infinite: every dataset is a product of few of them."""
-    return all(np.abs(values).max(initial=0.0) < MODERATE for values in (rows.y, rows.rates))
+    """Whether speeds are, all their squares together. If so nothing is infinite: every dataset is a product of few of
+    them."""
+    return all(np.vdot(values, values) < MODERATE**2 for values in (rows.y, rows.rates))
 
 
 def events(log: np.ndarray, names: list[str]) -> dict[str, np.ndarray]:

@@ -206,7 +206,9 @@ class Recorded(Protocol):
     """What files, tables and reports need of a trajectory: attributes and datasets as the table has them."""
 
     attributes: dict[str, Any]
-    data: dict[str, np.ndarray]
+
+    @property
+    def data(self) -> dict[str, np.ndarray]: ...
 
     @property
     def quantities(self) -> tuple[Quantity, ...]: ...

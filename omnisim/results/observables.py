@@ -5,17 +5,25 @@ from functools import cached_property
 import numpy as np
 
 from omnisim.base.calls import by_columns
+from omnisim.base.copying import copied
 from omnisim.base.records import plain
 from omnisim.dynamics.energy import kinetic_energy, potential_energy
 from omnisim.dynamics.multibody.residuals import residuals
 from omnisim.dynamics.parameters import DRIVE_INPUT, SERVO, Parameters
 from omnisim.dynamics.state import YAW, Places, Recording, places_in
-from omnisim.march.extremes import bearing_extremes, odometry_extremes, wheel_extremes
+from omnisim.march.extremes import (
+    LENGTHS,
+    OF_MOTORS,
+    OF_WHEELS,
+    bearing_extremes,
+    extremes_of,
+    odometry_extremes,
+)
 from omnisim.march.observation import Observed, observed_rows
 from omnisim.results.spatial import balanced_in_space, body_in_space, origin_in_space, yaw_in_space
 from omnisim.scene.schema import Config
 
-EXTREMES = "extremes"  # a group for each wheel
+EXTREMES, BEARINGS = "extremes", "bearings"  # a group for each quantity, a group for each wheel
 WORKS = ("energy/friction_loss", "energy/bearing_loss", "energy/drive_work", "energy/wrench_work")
 
 
@@ -28,7 +36,6 @@ class Observables:
 
     def __init__(self, parameters: Parameters, rows: Recording, interval: float, config: Config):
         self.parameters = parameters
-        self.plain = parameters._replace(machine=plain(parameters.machine))  # quicker than a record
         self.rows = rows
         self.config = config
         self.times = np.arange(len(rows.y)) * interval
@@ -41,15 +48,22 @@ class Observables:
 
     def everything(self) -> dict[str, np.ndarray]:
         """All of them."""
-        wheels = [f"{folder}/{name}" for folder in ("wheels", EXTREMES) for name in self.names]
+        wheels = [f"{folder}/{name}" for folder in ("wheels", BEARINGS) for name in self.names]
+        extremes = [f"{EXTREMES}/{name}" for name in (*OF_WHEELS, *OF_MOTORS, *LENGTHS)]
         found: dict[str, np.ndarray] = {}
-        for group in ("time", "body", "energy", "odometry", "constraints", *wheels):
+        for group in ("time", "body", "energy", "odometry", "constraints", *wheels, *extremes):
             found |= self._group(group)
         return found
 
     @cached_property
+    def plain(self) -> Parameters:
+        """Whose machine is read quicker than a record."""
+        return self.parameters._replace(machine=plain(self.parameters.machine))
+
+    @cached_property
     def observed(self) -> Observed:
-        return observed_rows(self.parameters, self.rows, self.times, self.config.bearing_loads)
+        own = self.parameters._replace(workspace=copied(self.parameters.workspace))  # who marches on has the other
+        return observed_rows(own, self.rows, self.times, self.config.bearing_loads)
 
     def _group(self, name: str) -> dict[str, np.ndarray]:
         if name not in self._groups:
@@ -58,11 +72,13 @@ class Observables:
         return self._groups[name]
 
     def _computed(self, name: str) -> dict[str, np.ndarray]:
-        parameters = self.plain
-        machine = parameters.machine
-        folder, _, wheel = name.rpartition("/")
+        folder, _, last = name.rpartition("/")
         if name == "time":
             return {"time": self.times}
+        if folder == EXTREMES:
+            return self._extremes(last)
+        parameters = self.plain
+        machine = parameters.machine
         if name == "body" and parameters.space is not None:
             return body_in_space(parameters, self.rows.y, self.observed.slopes)
         if name == "body":
@@ -80,8 +96,8 @@ class Observables:
             return odometry(parameters, self.rows.y) | extremes
         if name == "constraints" and parameters.workspace.articulated is not None:
             return residuals(parameters, self.rows.y)
-        if folder and wheel in self.names:
-            return self._of_wheel(folder, wheel)
+        if folder and last in self.names:
+            return self._bearing_extremes(last) if folder == BEARINGS else self._of_wheel(last)
         return {}
 
     def _balanced(self, done: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -90,19 +106,37 @@ class Observables:
             return balanced(self.plain, self.rows, done)
         return balanced_in_space(self.plain, self.rows.y, self.observed.energies, done)
 
-    def _of_wheel(self, folder: str, name: str) -> dict[str, np.ndarray]:
-        """Of one wheel: its extremes, or all else."""
+    def _extremes(self, quantity: str) -> dict[str, np.ndarray]:
+        """Of all wheels that have this quantity."""
+        has = {
+            name: w
+            for name, w in self.names.items()
+            if quantity not in OF_MOTORS or self.config.wheels[w].drive.kind == "dc_motor"
+        }
+        found = extremes_of(quantity, np.asarray(self.rows.extremes)) if has else {}
+        return {
+            f"{group}/wheels/{name}/{quantity}": values[:, w]
+            for group, values in found.items()
+            for name, w in has.items()
+        }
+
+    def _bearing_extremes(self, name: str) -> dict[str, np.ndarray]:
+        """Of the bearings of one wheel, if anybody asks for them."""
+        if not self.config.bearing_loads:
+            return {}
+        w = self.names[name]
+        number = self.config.type_of(self.config.wheels[w]).rollers
+        extremes = bearing_extremes(self.rows.bearing_extremes[:, w], number, self.config.chassis is not None)
+        return {path.format(name): values for path, values in extremes.items()}
+
+    def _of_wheel(self, name: str) -> dict[str, np.ndarray]:
+        """All else of one wheel."""
         w = self.names[name]
         config = self.config
         motor = config.wheels[w].drive.kind == "dc_motor"
         number = config.type_of(config.wheels[w]).rollers
         chassis = config.chassis is not None
-        if folder == EXTREMES:
-            extremes = wheel_extremes(np.asarray(self.rows.extremes)[:, w], motor)
-            if config.bearing_loads:
-                extremes |= bearing_extremes(self.rows.bearing_extremes[:, w], number, chassis)
-            return {path.format(name): values for path, values in extremes.items()}
-        group = wheel_datasets(places_in(self.parameters), w, number, self.rows, self.observed)
+        group = wheel_datasets(places_in(self.plain), w, number, self.rows, self.observed)
         if config.wheels[w].drive.controlled:
             group["target_rate"] = targets(self.parameters, w, self.rows.piece, self.times)
         if motor:
@@ -123,7 +157,9 @@ def group_of(path: str) -> str:
     """The group that a dataset is computed with."""
     first, *rest = path.split("/")
     if first in ("interval_max", "interval_min"):
-        return f"{EXTREMES}/{rest[1]}" if rest[0] == "wheels" else rest[0]
+        if rest[0] != "wheels":
+            return rest[0]
+        return f"{BEARINGS}/{rest[1]}" if rest[-1].startswith("bearing_") else f"{EXTREMES}/{rest[2]}"
     if path in WORKS:
         return "works"
     return f"{first}/{rest[0]}" if first == "wheels" else first

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Set
+from collections.abc import Callable, Iterator, Mapping, Set
 from difflib import get_close_matches
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
+Data = Mapping[str, np.ndarray]
+
 
 class Trajectory:
     """The motion of one run: T rows at equal intervals, N_r rollers per wheel, E events.
@@ -33,29 +35,47 @@ class Trajectory:
     attributes  root attributes of the file by name (ATTRIBUTES has the types); `format` and `format_version`
                 are filled in
     data        arrays by path in the file, no leading slash (TABLE has axes, units and meaning); the scales
-                axis, tangent, rollers/roller and events/event follow from the rest and may be left out
+                axis, tangent, rollers/roller and events/event follow from the rest and may be left out. Or what
+                makes them, which is called when somebody asks for the first of them
 
     Raises ValueError, naming the attribute or dataset, when one is unknown, missing, of the wrong type or
     shape, or not finite.
     """
 
-    def __init__(self, attributes: Mapping[str, Any], data: Mapping[str, np.ndarray]):
+    def __init__(self, attributes: Mapping[str, Any], data: Data | Callable[[], Data]):
         given = {**attributes, "format": FORMAT, "format_version": FORMAT_VERSION}
         _same_names("attribute", given, ATTRIBUTES, OPTIONAL_ATTRIBUTES)
         self.attributes: dict[str, Any] = {name: _attribute(name, given[name]) for name in ATTRIBUTES if name in given}
         if not self.wheels:
             raise ValueError("attribute wheels: a trajectory has at least one wheel")
-        table = layout(self.wheels)
-        completed = _scales(self.wheels, data) | dict(data)
-        _same_names("dataset", completed, table, {path for path, row in table.items() if row.optional})
-        self.data: dict[str, np.ndarray] = {path: completed[path] for path in table if path in completed}
-        self.validate()
+        self._finite_attributes()
+        self._given: Data | Callable[[], Data] = data
+        if not callable(data):
+            _ = self.data
 
-    def validate(self) -> None:
-        """Raise ValueError unless every dataset is as TABLE says, and every number finite."""
+    @cached_property
+    def data(self) -> dict[str, np.ndarray]:
+        """All datasets, in the order of the file."""
+        given = self._given() if callable(self._given) else self._given
+        self._given = {}
+        table = layout(self.wheels)
+        completed = _scales(self.wheels, given) | dict(given)
+        _same_names("dataset", completed, table, {path for path, row in table.items() if row.optional})
+        self.data = {path: completed[path] for path in table if path in completed}
+        self.validate()
+        return self.data
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"attributes": self.attributes, "data": self.data}
+
+    def _finite_attributes(self) -> None:
         for name, kind in ATTRIBUTES.items():
             if kind is float and not math.isfinite(self.attributes.get(name, 0.0)):
                 raise ValueError(f"attribute {name} is {self.attributes[name]}: it must be finite")
+
+    def validate(self) -> None:
+        """Raise ValueError unless every dataset is as TABLE says, and every number finite."""
+        self._finite_attributes()
         sizes: dict[str, int] = {}
         for quantity in self.quantities:
             array = self.data[quantity.path]

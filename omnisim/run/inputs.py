@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from omnisim.dynamics.packing import WRENCH
+from omnisim.dynamics.input_tables import WRENCH
 from omnisim.dynamics.parameters import DRIVE_INPUT, YAW_TORQUE, Parameters
 from omnisim.scene.scene import Scene
 from omnisim.scene.schema import Config

@@ -18,19 +18,20 @@ from dataclasses import replace
 from functools import cached_property
 from os import PathLike
 from types import MappingProxyType
+from weakref import ref
 
 import numpy as np
 
 from omnisim.base import status
 from omnisim.base.arguments import finite, number, shown
 from omnisim.base.copying import copied
-from omnisim.dynamics.packing import WRENCH
+from omnisim.dynamics.input_tables import WRENCH
 from omnisim.dynamics.parameters import DRIVE_INPUT
 from omnisim.dynamics.state import places_in
 from omnisim.results.assembly import collect
 from omnisim.results.trajectory import Trajectory
 from omnisim.run.inputs import Held, hold_inputs, with_tables
-from omnisim.run.marching import FOR_EVER, Marching
+from omnisim.run.marching import FOR_EVER, Marching, packed_once
 from omnisim.run.sensors import Sensors
 from omnisim.scene.ideal_kinematics import wheel_rows
 from omnisim.scene.problems import ConfigError
@@ -47,10 +48,14 @@ class Loop(Marching, Sensors):
     cannot begin where it is put, or if the rows of all of it do not fit into memory, and as `load` does.
     """
 
+    _told: "ref[Trajectory] | None" = (
+        None  # the trajectory that was told last, whose datasets nobody may have asked for
+    )
+
     def __init__(self, scene: Scene | str | PathLike[str]):
         self.scene = scene = stepped(as_scene("Loop", scene))
         try:
-            super().__init__(scene.config)
+            super().__init__(scene.config, start=copied(packed_once(scene.config)))
         except ConfigError as error:
             raise SceneError(scene.document.told(error.problems)) from None
         except MemoryError as error:
@@ -64,6 +69,7 @@ class Loop(Marching, Sensors):
 
     def march(self, work: int = FOR_EVER) -> int:
         """March up to the goal, or for about so many right-hand sides; the status."""
+        self._settle()
         self._seen = None
         return super().march(work)
 
@@ -150,14 +156,16 @@ class Loop(Marching, Sensors):
 
     def trajectory(self) -> Trajectory:
         """The run so far, at the output times it has passed; the Loop may go on."""
+        self._settle()
         here = self
         piece = int(self.run.clock["piece"]) + 1
         if piece < self._held.pieces and self.parameters.starts[piece] <= self.time:
             here = self.copy()
             here.march(0)  # the row of this instant is renewed by what was set last
-        parameters = here.parameters._replace(workspace=copied(here.parameters.workspace))
-        scene = with_tables(self.scene, parameters, self._held)
-        return collect(scene, parameters, here.run, here.rows, here.log, self.wall_time)
+        scene = with_tables(self.scene, here.parameters, self._held)
+        found = collect(scene, here.parameters, here.run, here.rows, here.log, self.wall_time)
+        self._told = ref(found)
+        return found
 
     def __repr__(self) -> str:
         end = self.scene.config.time.end
@@ -171,8 +179,16 @@ class Loop(Marching, Sensors):
     def _followers(self) -> list[int]:
         return [w for w, wheel in enumerate(self.scene.config.wheels) if wheel.drive.controlled]
 
+    def _settle(self) -> None:
+        """Let the trajectory that was told last have its datasets while all that they follow from stands still."""
+        told = self._told and self._told()
+        if told:
+            _ = told.data
+        self._told = None
+
     def _hold(self, values: dict[int, float]) -> None:
         """Hold these values of channels from now on."""
+        self._settle()
         piece = int(self.run.clock["piece"]) + 1
         self.parameters, self._held = hold_inputs(self.parameters, self._held, piece, self.time, values)
 

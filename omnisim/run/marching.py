@@ -1,14 +1,19 @@
 """One march of a scene, from its packed numbers to the rows that it records."""
 
 import time
+from typing import NamedTuple
 
 import numpy as np
 
 from omnisim.base import status
 from omnisim.base.calls import direct
+from omnisim.base.keeping import kept
 from omnisim.base.methods import METHODS
+from omnisim.base.records import recorded
 from omnisim.base.status import EVENTS_PER_STEP
 from omnisim.dynamics.packing import pack
+from omnisim.dynamics.parameters import Parameters
+from omnisim.dynamics.state import Run
 from omnisim.march.event_log import EVENT
 from omnisim.march.initial_state import begin, blank_rows
 from omnisim.march.march import march
@@ -19,20 +24,40 @@ from omnisim.scene.schema import Config
 FOR_EVER = np.iinfo(np.int64).max
 
 
+class Start(NamedTuple):
+    """A scene as it begins."""
+
+    parameters: Parameters
+    run: Run
+
+
+def packed(config: Config) -> Start:
+    parameters = pack(config)
+    return Start(parameters, begin(config, parameters))
+
+
+packed_once = kept(packed)  # to be copied: of scenes that are run again
+
+
+def blank_log() -> np.recarray:
+    """Space for events; to clear it takes long."""
+    return np.empty(4 * EVENTS_PER_STEP, recorded(EVENT)).view(np.recarray)
+
+
 class Marching:
     """A march as far as it has come: parameters, the run, its rows and events, and the wall time that it took, s.
 
-    Raises MemoryError if the rows do not fit into memory.
+    log: where its events go, by default one of its own; runs of which nobody reads them may have one in common. start:
+    what the scene begins with, packed anew unless it is given. Raises MemoryError if the rows do not fit into memory.
     """
 
-    def __init__(self, config: Config):
+    def __init__(self, config: Config, log: np.recarray | None = None, start: Start | None = None):
         self.config = config
         self.stages = METHODS[config.solver.method].stages
-        self.parameters = pack(config)
-        self.run = begin(config, self.parameters)
+        self.parameters, self.run = start or packed(config)
         has_odometry = bool(self.parameters.machine.odometry)
         self.rows = blank_rows(self.run, config.time.outputs + 1, config.bearing_loads, has_odometry)
-        self.log = np.empty(4 * EVENTS_PER_STEP, (np.record, EVENT)).view(np.recarray)  # to clear it takes long
+        self.log = blank_log() if log is None else log
         self.wall_time = 0.0
 
     def march(self, work: int = FOR_EVER) -> int:

@@ -17,6 +17,7 @@ over the rate r. The rotor appears at the axle with g^2 times its inertia.
 import math
 from typing import NamedTuple
 
+from omnisim.base.keeping import kept
 from omnisim.scene.drive_schema import DATA_SHEET, Drive
 
 SHEET_TOLERANCE = 0.05  # of the stall torque: data sheets are rounded
@@ -57,6 +58,7 @@ class DriveLaw(NamedTuple):
         return self.integral > 0.0 and self.sample_time == 0.0
 
 
+@kept
 def drive_law(drive: Drive) -> DriveLaw:
     if drive.kind == "follow":
         return DriveLaw(0.0, follows=True)

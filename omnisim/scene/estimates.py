@@ -12,6 +12,7 @@ that always wins; the text of the scene stays as it is.
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple, TypeVar
 
+from omnisim.base.keeping import kept
 from omnisim.scene.masses import clearance
 from omnisim.scene.problems import Problem, allowed_at
 from omnisim.scene.roller_rules import DECIMAL_TOLERANCE
@@ -137,6 +138,7 @@ def _filled(table: AnyTable, **estimated: Any) -> AnyTable:
     return type(table).model_construct(_fields_set=table.model_fields_set, **(values | new))
 
 
+@kept
 def _complete_type(kind: WheelType) -> WheelType:
     roller, disk = kind.roller, kind.disk
     if _left_out(roller, "mass", "inertia_axial", "inertia_transverse"):

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from operator import mul
 
+from omnisim.base.keeping import kept
 from omnisim.scene.schema import Chassis, Config, WheelType
 
 CLEARANCE = 0.5  # of the smallest wheel radius: how high a chassis box lies where the scene does not say
@@ -33,11 +34,13 @@ def point_masses(config: Config) -> tuple[list[float], list[tuple[float, float, 
     return masses, points
 
 
+@kept
 def wheel_mass(kind: WheelType) -> float:
     """Of a wheel with its rollers, kg."""
     return kind.disk.mass + kind.rollers * kind.roller.mass
 
 
+@kept
 def row_shift(kind: WheelType) -> float:
     """o: of the centre of mass of a wheel from its middle along the axle, m."""
     moment = kind.roller_count * kind.roller.mass * math.fsum(row.offset for row in kind.rows)

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 from itertools import pairwise
 
+from omnisim.base.keeping import kept
 from omnisim.base.methods import EXPLICIT, METHODS
 from omnisim.scene.drive_schema import CONTROLLER, DATA_SHEET, DRIVE_KEYS, MOTOR_CONSTANTS, Drive
 from omnisim.scene.drives import SHEET_TOLERANCE, data_sheet, sheet_constants
@@ -95,7 +96,8 @@ def _wheel_rules(config: Config) -> Iterator[Problem]:
                 product = "roller_count" if rows == 1 else f"roller_count * {rows}"
                 allowed = f"one finite number, or a list of {product} = {count} finite numbers"
                 yield Problem((*path, "roller_rates"), f"must be {allowed}, not {given}")
-        yield from _drive_rules((*path, "drive"), wheel.drive)
+        for problem in _drive_problems(wheel.drive):
+            yield problem._replace(path=(*path, *problem.path[2:]))
         if wheel.drive.kind == "follow":
             yield from _follow_rules(path, wheel, config.time.end)
 
@@ -121,6 +123,12 @@ def _bare_wheel_rules(wheel: Wheel) -> Iterator[Problem]:
         if value not in (0.0, (0.0, 0.0)):
             allowed = f"absent or {zero} for a wheel without a chassis; [initial] {instead} places it"
             yield Problem(("wheels", 0, key), f"must be {allowed}")
+
+
+@kept
+def _drive_problems(drive: Drive) -> tuple[Problem, ...]:
+    """Of a drive, as if it were that of the first wheel."""
+    return tuple(_drive_rules(("wheels", 0, "drive"), drive))
 
 
 def _drive_rules(path: KeyPath, drive: Drive) -> Iterator[Problem]:

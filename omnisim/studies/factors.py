@@ -229,17 +229,17 @@ def settings(varied: Sequence[Factor], values: Sequence[Sequence[Any]]) -> list[
 
 def with_values(data: Any, values: Sequence[tuple[KeyPath, Any]]) -> Any:
     """The data of a scene with these values; only what contains them is new."""
+    below: dict[Any, list[tuple[KeyPath, Any]]] = {}
     for path, value in values:
-        data = _with(data, path, value)
-    return data
-
-
-def _with(data: Any, path: KeyPath, value: Any) -> Any:
-    if not path:
-        return value
-    first, *rest = path
+        if not path:
+            data, below = value, {}
+        else:
+            below.setdefault(path[0], []).append((path[1:], value))
+    if not below:
+        return data
     if isinstance(data, dict):
-        return {**data, first: _with(data.get(first, {}), tuple(rest), value)}
+        return data | {key: with_values(data.get(key, {}), own) for key, own in below.items()}
     changed = list(data)
-    changed[int(first)] = _with(changed[int(first)], tuple(rest), value)
+    for index, own in below.items():
+        changed[int(index)] = with_values(changed[int(index)], own)
     return type(data)(changed)

@@ -66,9 +66,10 @@ class Reading:
         if self.followed:
             groups = EXTREMES[self.reduce or ""]
             return reduced(self.reduce, np.array([found[f"{group}/{path}"] for group in groups for path in self.paths]))
-        rows = np.array([self.part(found[path]) for path in self.paths])  # (wheels, T, ...)
         if self.time is not None:
-            return reduced(self.reduce, rows[:, row_at(self.time, config)])
+            row = row_at(self.time, config)
+            return reduced(self.reduce, np.array([self.part(found[path][row]) for path in self.paths]))
+        rows = np.array([self.part(found[path]) for path in self.paths])  # (wheels, T, ...)
         if self.reduce == "ripple":
             return self.ripple(rows, found, config)
         return reduced(self.reduce, np.moveaxis(rows, 1, -1), durations(found[TIME]))
@@ -77,7 +78,7 @@ class Reading:
         """The component, or the length, of a dataset."""
         if self.component is None:
             return array
-        return np.linalg.norm(array, axis=-1) if self.component == NORM else array[..., self.component]
+        return np.sqrt(np.add.reduce(array * array, axis=-1)) if self.component == NORM else array[..., self.component]
 
     def ripple(self, rows: np.ndarray, found: Datasets, config: Config) -> float:
         """RMS over the wheels of what repeats with every roller, or with every roller of a row: of a wheel's dataset

@@ -17,8 +17,9 @@ from omnisim.base.formatting import visible
 from omnisim.scene.document import MOST_BYTES, Document, InputError, decoded, parsed
 from omnisim.scene.problems import Problem, schema_problems
 from omnisim.scene.scene import Scene, load
+from omnisim.scene.schema import Config
 from omnisim.scene.toml_text import KeyPath, rewrite
-from omnisim.scene.validation import tuples
+from omnisim.scene.validation import checked, settled, tuples
 from omnisim.studies.factors import Distribution, Factor, drawn_values, factors, settings, with_values
 from omnisim.studies.schema import MOST_RUNS, StudyConfig
 
@@ -52,7 +53,7 @@ class Study:
         """Stem of the default output file."""
         return Path(self.document.source).stem if self.document.source != TEXT else "study"
 
-    @property
+    @cached_property
     def kind(self) -> str:
         """Of the design."""
         return kind_of(self.config)
@@ -101,9 +102,21 @@ class Study:
         """What the scene says, lists as tuples."""
         return tuples(self.scene.document.data)
 
+    @cached_property
+    def settled(self) -> dict[str, Any]:
+        """The same with what does not vary validated."""
+        return settled(self.base, [target for factor in self.factors for target in factor.targets])
+
     def data(self, run: int) -> dict[str, Any]:
-        """The same of a run."""
-        return with_values(self.base, [(path, tuples(value)) for path, value in self.settings(run)])
+        """What the scene of a run says."""
+        return self._varied(self.base, run)
+
+    def checked(self, run: int) -> Config:
+        """The scene of a run. Raises ConfigError where there is none."""
+        return checked(self._varied(self.settled, run))
+
+    def _varied(self, data: dict[str, Any], run: int) -> dict[str, Any]:
+        return with_values(data, [(path, tuples(value)) for path, value in self.settings(run)])
 
 
 def kind_of(config: StudyConfig) -> str:

@@ -7,18 +7,20 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from omnisim.results.assembly import outcome
 from omnisim.results.layout import COMPLETE
 from omnisim.results.observables import Observables
 from omnisim.results.trajectory import Trajectory
-from omnisim.run.marching import Marching
+from omnisim.run.marching import Marching, blank_log
 from omnisim.run.simulation import simulate
 from omnisim.scene.document import by_name, sentence
 from omnisim.scene.problems import ConfigError, Problem
 from omnisim.scene.scene import SceneError, changed
 from omnisim.scene.schema import Config
 from omnisim.scene.toml_text import show_path
-from omnisim.scene.validation import checked, validate
+from omnisim.scene.validation import validate
 from omnisim.studies.factors import Distribution, with_values
 from omnisim.studies.measures import NoNumber, Reading, last_values, readings
 from omnisim.studies.study import Study, StudyError
@@ -71,7 +73,7 @@ class Task:
 
         Raises OSError where a trajectory cannot be kept; nothing else that fails in a run ends the study.
         """
-        found: list[Any] = [None] * len(runs)
+        found: list[Any] = [blank_log()] * len(runs)  # one for all, whose events nobody reads
         with no_collection():
             for stage in (self.begun, self.marched, self.measured):
                 found = [
@@ -91,13 +93,13 @@ class Task:
         except Exception as error:
             return self.nothing(run, f"failed: a bug in omnisim: {type(error).__name__}: {error}".replace("\n", " "))
 
-    def begun(self, run: int, _: None) -> Marching | Row:
+    def begun(self, run: int, log: np.recarray) -> Marching | Row:
         """A run that can march; its Row if its scene is impossible, or if it needs more than that."""
-        data = self.study.data(run)
         try:
-            config = checked(data)
-            return self.whole(run) if self.folder or config.solver.error is not None else Marching(config)
+            config = self.study.checked(run)
+            return self.whole(run) if self.folder or config.solver.error is not None else Marching(config, log)
         except ConfigError as error:
+            data = self.study.data(run)
             told = "; ".join(sentence(problem, data) for problem in error.problems)
             return self.nothing(run, f"{IMPOSSIBLE}: {told}")
         except SceneError as error:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scenes import packed, reference_scene
 
-from omnisim.dynamics.packing import lines
+from omnisim.dynamics.input_tables import lines
 from omnisim.dynamics.parameters import DRIVE_INPUT, FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE
 
 pytestmark = pytest.mark.short

@@ -261,7 +261,7 @@ def test_ripple_is_the_rms_of_what_repeats_with_every_roller():
 
 def test_what_nobody_has_thought_of_is_a_row_too(monkeypatch):
     task = Task(load_study(GRID))
-    monkeypatch.setattr(type(task.study), "data", lambda *_: 1 / 0)
+    monkeypatch.setattr(type(task.study), "checked", lambda *_: 1 / 0)
     assert task([2])[0].status == "failed: a bug in omnisim: ZeroDivisionError: division by zero"
 
 

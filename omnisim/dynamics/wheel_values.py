@@ -1,0 +1,142 @@
+"""From a wheel of a scene to the numbers that kernels know of it: values of its WHEEL record."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from omnisim.base.keeping import kept
+from omnisim.base.records import recorded, records
+from omnisim.base.trigonometry import exact_cos_sin
+from omnisim.dynamics.inertia import axle_inertia
+from omnisim.dynamics.parameters import WHEEL
+from omnisim.dynamics.state import TOUCHING, Places
+from omnisim.scene.drives import DriveLaw, Motor
+from omnisim.scene.schema import Roller, Wheel, WheelType
+
+# What follows from where a wheel stands, and from the machine; all else is the same for many wheels and machines.
+OWN = ("cos_heading", "sin_heading", "offset", "phase", "holding_mobility", "odometry")
+
+
+@kept
+def shared_values(kind: WheelType, law: DriveLaw, mirrored: bool, step: float | None) -> dict:
+    """Those that wheels of one type and with one drive share, if they have the same hand."""
+    psi = math.radians(-kind.roller_angle_deg if mirrored else kind.roller_angle_deg)
+    alpha = kind.covered
+    axle = axle_inertia(kind, math.sin(psi))
+    return {
+        "radius": kind.radius,
+        "roller_distance": kind.roller_distance,
+        "rollers": kind.rollers,
+        "alpha": alpha,
+        "sin_alpha": math.sin(alpha),
+        "cos_alpha": math.cos(alpha),
+        "cos_psi": math.cos(psi),
+        "sin_psi": math.sin(psi),
+        "tan_psi": math.tan(psi),
+        "axle_inertia": axle,
+        "rotor_inertia": law.rotor_inertia,
+        "disk_mass": kind.disk.mass,
+        "disk_inertia": (kind.disk.inertia_diameter, kind.disk.inertia_axle),
+        "roller_mass": kind.roller.mass,
+        "transverse_inertia": kind.roller.inertia_transverse,
+        "axial_inertia": kind.roller.inertia_axial,
+        "rotor_part": 1.0 if law.follows else law.rotor_inertia / (axle + law.rotor_inertia),
+        "spin_mobility": 0.0 if law.follows else 1.0 / (axle + law.rotor_inertia),
+        "follows": law.follows,
+        "axial_mobility": 1.0 / kind.roller.inertia_axial,
+        "bearing_viscosity": kind.roller.bearing_viscosity,
+        "bearing_torque": kind.roller.bearing_torque,
+        "bearing_rate": kind.roller.bearing_rate,
+        **drive_values(law, step),
+    }
+
+
+def placed_values(kind: WheelType, wheel: Wheel, centre: Sequence[float]) -> dict:
+    """Those that tell where a wheel stands; centre: of the machine's mass, chassis axes, m. Its odometry is still to
+    be found."""
+    cos, sin = exact_cos_sin(wheel.heading_deg)
+    x, y = wheel.position[0] - centre[0], wheel.position[1] - centre[1]
+    return {
+        "cos_heading": cos,
+        "sin_heading": sin,
+        "offset": (x * cos + y * sin, y * cos - x * sin),
+        "phase": math.radians(wheel.phase_deg + kind.rows[0].phase_deg),
+        "odometry": (0.0, 0.0, 0.0),
+    }
+
+
+def drive_values(law: DriveLaw, step: float | None) -> dict:
+    """Values of a WHEEL record that tell its drive; step: None if it is not known yet."""
+    motor = law.motor or Motor(0.0, 1.0, 0.0, math.inf, 0.0, 0.0, 1.0)
+    return {
+        "drive_gain": law.gain,
+        "drive_damping": law.damping,
+        "drive_integral": law.integral,
+        "drive_derivative": law.derivative,
+        "drive_limit": law.limit,
+        "sample_time": law.sample_time,
+        "sample_steps": round(law.sample_time / step) if step else 0,
+        "motor": law.motor is not None,
+        "motor_constant": motor.constant,
+        "resistance": motor.resistance,
+        "inductance": motor.inductance,
+        "current_limit": motor.current_limit,
+        "drive_viscosity": motor.viscosity,
+        "drive_friction": motor.friction_torque,
+        "drive_friction_rate": motor.friction_rate,
+    }
+
+
+def bearing_relaxation(roller: Roller) -> float:
+    """Fastest rate at which friction of its bearing stops a roller, 1/s."""
+    return (roller.bearing_viscosity + roller.bearing_torque / roller.bearing_rate) / roller.inertia_axial
+
+
+def wheel_records(wheels: list[dict], shared: list[dict], types: list[WheelType], machine: dict) -> np.recarray:
+    """Records WHEEL with these values; shared: the `shared_values` of each; types: of all wheels; machine: values of
+    its record."""
+    found = np.frombuffer(
+        bytearray(shared_records(machine["slots"], machine["places"], *shared, *types)), recorded(WHEEL)
+    )
+    for name in OWN:
+        found[name] = [wheel[name] for wheel in wheels]
+    return found.view(np.recarray)
+
+
+@kept
+def shared_records(slots: int, places: Places, *known: Any) -> bytes:
+    """Bytes of records WHEEL with zeros in the place of what is their own; known: `shared_values` of all wheels, then
+    their types."""
+    count = len(known) // 2
+    shared, rows = known[:count], [len(kind.rows) for kind in known[count:]]
+    none = {"offset": (0.0, 0.0), "odometry": (0.0, 0.0, 0.0)}
+    own = {name: none.get(name, 0.0) for name in OWN}
+    starts = [
+        {
+            "rates": places.roller_rate + slots * w,
+            "contacts": TOUCHING * w,
+            "row": sum(rows[:w]),
+            "rows": rows[w],
+        }
+        for w in range(count)
+    ]
+    return records(WHEEL, [own | values | start for values, start in zip(shared, starts, strict=True)]).tobytes()
+
+
+def slip_mobility_bound(machine: dict, wheel: dict, kind: WheelType) -> float:
+    """Upper bound of the trace of `mobility.inverse_mass` over the whole roller, on any row, 1/kg.
+
+    Each entry of the Jacobian is bounded by its largest magnitude on [-alpha, alpha].
+    """
+    radius, distance = wheel["radius"], wheel["roller_distance"]
+    h_0 = radius - distance
+    c = wheel["cos_psi"]
+    s = abs(wheel["sin_psi"])
+    l = distance * math.tan(wheel["alpha"]) * abs(wheel["tan_psi"]) + max(abs(row.offset) for row in kind.rows)
+    spin = (radius + s * s * h_0) ** 2 + (s * c * h_0) ** 2
+    e_h, e_k = map(abs, wheel["offset"])
+    yaw = (e_k + l + c * wheel["sin_alpha"] * s * h_0) ** 2 + (e_h + c * c * wheel["sin_alpha"] * h_0) ** 2
+    roller = h_0**2 * wheel["axial_mobility"]
+    return 2.0 / machine["mass"] + spin * wheel["spin_mobility"] + yaw / machine["yaw_inertia"] + roller
