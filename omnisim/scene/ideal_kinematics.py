@@ -1,7 +1,7 @@
 """The ideal wheel: no slip along the axis of the roller in contact, so that the motion gives the spin rates.
 
     phi' = (V_h - tan(psi) V_k) / R             V_h, V_k  velocity of the wheel centre along heading and axle, m/s
-    V    = (vx - yaw_rate y, vy + yaw_rate x)   x, y      wheel centre, m
+    V    = (vx - yaw_rate y, vy + yaw_rate x)   x, y      wheel centre, m; the middle of rows that stand beside it
 
 The twist (vx, vy, yaw_rate) is that of the chassis origin in chassis axes (m/s, m/s, rad/s).
 
@@ -37,7 +37,11 @@ def _stances(config: Config) -> tuple[Stance, ...]:
     for wheel in config.wheels:
         kind = config.type_of(wheel)
         angle = -kind.roller_angle_deg if wheel.mirrored else kind.roller_angle_deg
-        found.append(Stance(wheel.heading_deg, angle, *wheel.position, kind.radius))
+        x, y = wheel.position
+        if kind.middle:
+            heading = math.radians(wheel.heading_deg)
+            x, y = x - kind.middle * math.sin(heading), y + kind.middle * math.cos(heading)
+        found.append(Stance(wheel.heading_deg, angle, x, y, kind.radius))
     return tuple(found)
 
 

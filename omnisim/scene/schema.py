@@ -239,6 +239,11 @@ class WheelType(Table):
         return tuple(Row(offset=self.rows[i].offset, phase_deg=start + turn) for turn, i in ahead)
 
     @property
+    def middle(self) -> float:
+        """Of its rows along the axle, from the wheel's centre, m."""
+        return math.fsum(row.offset for row in self.rows) / len(self.rows)
+
+    @property
     def spread(self) -> bool:
         """Whether the rollers of all rows together are spread evenly around the turn."""
         share = 360.0 / self.rollers

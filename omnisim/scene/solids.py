@@ -116,21 +116,20 @@ def disk_solid(disk: Disk) -> Solid:
 # --- rollers on their wheel -----------------------------------------------------------------------
 
 
-def gap(wheel: Shape, pitches: float = 1, aside: float = 0.0) -> float:
-    """Distance between the surfaces of two rollers `pitches` apart, m, of which the one behind stands `aside` (m) of
-    the one ahead along the axle; below 0 they overlap.
+def gap(wheel: Shape, pitches: float = 1) -> float:
+    """Distance between the surfaces of two rollers `pitches` apart, m; below 0 they overlap.
 
     Between convex bodies A and B every unit vector n has n . (B - A) - reach of A along n - reach of B along -n, and
     the largest of these is the distance: a finite number of n never makes it too large. Half a turn about the radius
     midway swaps the rollers, so the best n is at right angles to it: n = cos b along the rim + sin b along the axle,
 
-        distance = 2 max_b [cos b R1 sin g + sin b aside / 2 - reach(cos b c cos g + sin b s)],    g = pitches * alpha
+        distance = 2 max_b [cos b R1 sin g - reach(cos b c cos g + sin b s)],    g = pitches * alpha
     """
     g = pitches * wheel.alpha
     b = np.linspace(-0.5 * np.pi, 0.5 * np.pi, DIRECTIONS)
     along = np.cos(b) * wheel.cos_psi * math.cos(g) + np.sin(b) * wheel.sin_psi
-    apart = np.cos(b) * wheel.roller_distance * math.sin(g) + np.sin(b) * 0.5 * aside
-    return 2.0 * float((apart - support(wheel, np.clip(along, -1.0, 1.0))).max())
+    room = np.cos(b) * wheel.roller_distance * math.sin(g) - support(wheel, np.clip(along, -1.0, 1.0))
+    return 2.0 * float(room.max())
 
 
 def pitches(kind: WheelType, turn_deg: float) -> float:

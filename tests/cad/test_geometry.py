@@ -24,7 +24,7 @@ from omnisim.cad.geometry import (
 )
 from omnisim.contact.roller_profile import length, profile_radius
 from omnisim.dynamics.packing import pack
-from omnisim.scene.solids import gap_between_rows, gap_in_row
+from omnisim.scene.rollers import gap_between_rows, gap_in_row
 
 pytestmark = pytest.mark.short
 SCENES = ("youbot", "kiwi", "six_rollers", "thirty_two_rollers")

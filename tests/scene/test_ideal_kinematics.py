@@ -46,6 +46,23 @@ def test_a_contact_point_slips_across_the_axis_of_its_roller_only():
     assert slip @ axis == pytest.approx(0.0, abs=1e-15)
 
 
+def test_a_wheel_whose_rows_stand_beside_its_centre_stands_there():
+    """As one whose centre is in the middle of its rows; rows that balance change nothing."""
+    heading = 'name = "rl", heading_deg = 25'
+    for offsets, aside in (((-0.01, 0.01), 0.0), ((0.01, 0.03), 0.02)):
+        rows = "rows = [{{offset = {}}}, {{offset = {}, phase_deg = 30.0}}]".format(*offsets)
+        config = machine("roller_count = 6", f"roller_count = 6\n{rows}", 'name = "rl"', heading)
+        moved = [
+            np.add(wheel.position, aside * np.array([-np.sin(turn), np.cos(turn)]))
+            for wheel in config.wheels
+            for turn in [np.radians(wheel.heading_deg)]
+        ]
+        own = machine('name = "rl"', heading)
+        wheels = [w.model_copy(update={"position": tuple(p)}) for w, p in zip(own.wheels, moved, strict=True)]
+        expected = wheel_rows(own.model_copy(update={"wheels": tuple(wheels)}))
+        np.testing.assert_allclose(wheel_rows(config), expected, rtol=1e-14, atol=1e-15)
+
+
 def test_the_inverse_gives_the_motion_back():
     config, twist = machine(), np.array([0.3, -0.7, 1.1])
     rows = wheel_rows(config)
