@@ -17,9 +17,9 @@ Each piece of a floor is asked for its own: see floor.py. `Touch.inside` tells w
 import math
 from typing import NamedTuple
 
-from omnisim.base.kernel import kernel
+from omnisim.base.kernel import kernel, outlined
 from omnisim.base.vector import Vec3, combine, cross, dot, minus, plus, times
-from omnisim.contact.floor import GROUND, beyond, inside_piece, smooth_ground
+from omnisim.contact.floor import GROUND, beyond, highest_around, inside_piece, smooth_ground
 from omnisim.contact.patch import Coordinates, edge_patch, patch
 from omnisim.contact.support import Support, region_of, support
 
@@ -99,15 +99,25 @@ def room(floor, piece, roller):
     """How far above or beside this piece a Roller is that cannot touch it, m; 0 where it may: cheap, and not told of
     all that cannot. Over a level top it ends where the roller touches: a root for that event to find."""
     centre, reach = roller.centre, roller.shape.reach
-    above = lowest(roller, ANY, Vec3(0.0, 0.0, 1.0)).point.z - floor.highest
-    if above > 0.0:
-        return above
+    bottom = lowest(roller, ANY, Vec3(0.0, 0.0, 1.0)).point.z
+    if bottom > floor.highest:
+        return bottom - floor.highest
     if piece:
         step = floor.steps[piece - 1]
         s = beyond(step, centre.x, centre.y)
         return max(-reach - s, s - step[6] - reach, 0.0)
-    height = centre.z - smooth_ground(floor, centre.x, centre.y).height - floor.stairs
-    return max(height - reach * math.sqrt(1.0 + floor.steepest * floor.steepest), 0.0)
+    over = highest_around(floor, centre.x, centre.y, reach)
+    if bottom > over:
+        return bottom - over
+    ground = smooth_ground(floor, centre.x, centre.y)
+    nu = unit(Vec3(-ground.slope_x, -ground.slope_y, 1.0))
+    below = minus(lowest(roller, ANY, nu).point, Vec3(centre.x, centre.y, ground.height + floor.stairs))
+    return max(dot(below, nu) - 0.5 * floor.bend * reach * reach, 0.0)
+
+
+@kernel
+def unit(a):
+    return times(1.0 / math.sqrt(dot(a, a)), a)
 
 
 @kernel
@@ -205,7 +215,7 @@ def around_edge(floor, piece, roller):
     return here, False
 
 
-@kernel
+@outlined
 def newton(floor, piece, roller, region, at):
     """The Look at the common normal to which these Coordinates lead, and whether they do."""
     here = look(floor, piece, roller, region, at)
@@ -258,15 +268,14 @@ def lowest(roller, region, nu):
 def look(floor, piece, roller, region, at):
     """The Look from these Coordinates of a piece."""
     here = patch(floor, piece, at)
-    p, q = here.p, here.q
-    normal = cross(p, q)
+    p, q, normal = here.p, here.q, here.normal
     size = math.sqrt(dot(normal, normal))
     low = lowest(roller, region, times(1.0 / size, normal))
     gap = minus(low.point, here.point)
-    by_first = turning(low.nu, size, plus(cross(here.p_first, q), cross(p, here.q_first)))
-    by_last = turning(low.nu, size, plus(cross(here.p_last, q), cross(p, here.q_last)))
-    gap_first = minus(moving(low, roller.axis, by_first), times(here.reach, p))
-    gap_last = minus(moving(low, roller.axis, by_last), q)
+    b, found = cross(roller.axis, low.e), low.support
+    # P moves by `tipping` (a . dnu) - `swinging` (b . dnu), and dnu by that of the normal over its size, but along nu
+    tipping = plus(times(found.u_rate / size, roller.axis), times(found.r_rate / size, low.e))
+    swinging = times(found.r / (low.across * size), b)
     return Look(
         at,
         here.point,
@@ -274,29 +283,23 @@ def look(floor, piece, roller, region, at):
         gap,
         dot(gap, p),
         dot(gap, q),
-        dot(gap_first, p) + dot(gap, here.p_first),
-        dot(gap_last, p) + dot(gap, here.p_last),
-        dot(gap_first, q) + dot(gap, here.q_first),
-        dot(gap_last, q) + dot(gap, here.q_last),
+        moving(low, roller.axis, b, here.normal_first, dot(tipping, p), dot(swinging, p))
+        + (dot(gap, here.p_first) - here.reach * dot(p, p)),
+        moving(low, roller.axis, b, here.normal_last, dot(tipping, p), dot(swinging, p))
+        + (dot(gap, here.p_last) - dot(p, q)),
+        moving(low, roller.axis, b, here.normal_first, dot(tipping, q), dot(swinging, q))
+        + (dot(gap, here.q_first) - here.reach * dot(p, q)),
+        moving(low, roller.axis, b, here.normal_last, dot(tipping, q), dot(swinging, q))
+        + (dot(gap, here.q_last) - dot(q, q)),
         here.reach,
     )
 
 
 @kernel
-def turning(nu, size, change):
-    """The change of a unit normal when the vector of this size along it changes (Vec3)."""
-    return combine(1.0 / size, change, -dot(nu, change) / size, nu, 0.0, nu)
-
-
-@kernel
-def moving(low, axis, turn):
-    """The change of P when nu changes by `turn` (Vec3), m:
-
-    (u' a + r' e) (a . dnu) - (r / across) b (b . dnu),   b = a x e
-    """
-    b = cross(axis, low.e)
-    tilting, found = dot(axis, turn), low.support
-    return combine(found.u_rate * tilting, axis, found.r_rate * tilting, low.e, -found.r * dot(b, turn) / low.across, b)
+def moving(low, axis, b, change, tipping, swinging):
+    """How fast P moves along a tangent with the normal, which changes by `change` (Vec3): of it the part along nu does
+    not turn nu, and none of that is along b."""
+    return tipping * (dot(axis, change) - low.tilt * dot(low.nu, change)) - swinging * dot(b, change)
 
 
 @kernel

@@ -28,7 +28,6 @@ from omnisim.contact.height_grid import grid_bounds, grid_hollowness, grid_surfa
 from omnisim.contact.surface import Surface, add, level_ground
 
 GROUND = 0  # the piece that is no step
-FLANK = math.sqrt(2.0 / math.e)  # the largest slope of a bump, by height / radius
 SKIRT = 4.0 * math.exp(-1.5)  # curvature of a bump where it is hollow most, by height / radius^2
 
 
@@ -43,7 +42,7 @@ class Floor(NamedTuple):
     level: float  # of the ground before all steps
     stairs: float  # all steps together
     highest: float  # nothing of the floor is above
-    steepest: float  # no slope exceeds it but those of steps
+    bend: float  # nowhere but on steps does the ground rise faster from its tangent plane: second derivative, 1/m
     hollow: float  # about the largest curvature of hollow ground, 1/m
 
 
@@ -73,7 +72,7 @@ def floor_of(
         level,
         stairs,
         level + stairs + float(np.maximum(bumps[:, 2], 0.0).sum()) + grid.highest,
-        FLANK * float(np.abs(bumps[:, 2] / bumps[:, 3]).sum()) + grid.steepest,
+        hollowness(bumps) + grid.bend,
         hollowness(bumps) + grid_hollowness(nodes, spacing),
     )
 
@@ -102,6 +101,19 @@ def bump_surface(bump, x, y):
         2.0 * bend * dx * dy,
         bend * (2.0 * dy * dy - 1.0),
     )
+
+
+@kernel
+def highest_around(floor, x, y, reach):
+    """What nothing of the floor within this reach of a place is above, m: exp(-q) < (1 + q / 4)^-4."""
+    found = floor.highest
+    for bump in floor.bumps:
+        if bump[2] > 0.0:
+            dx, dy = x - bump[0], y - bump[1]
+            apart = max(math.sqrt(dx * dx + dy * dy) - reach, 0.0) / bump[3]
+            square = (1.0 + 0.25 * apart * apart) ** 2
+            found -= bump[2] * (1.0 - 1.0 / (square * square))
+    return found
 
 
 @kernel

@@ -1,6 +1,5 @@
 """A bicubic spline through a grid of heights, level at the border and beyond it: two continuous derivatives inside."""
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -35,20 +34,28 @@ def differences(values: np.ndarray) -> np.ndarray:
 
 
 class Bounds(NamedTuple):
-    """What a grid is never above (m), and what its slope never exceeds."""
+    """What a grid is never above (m), and what its second derivative along no direction exceeds (1/m)."""
 
     highest: float
-    steepest: float
+    bend: float
 
 
 def grid_bounds(nodes: np.ndarray, spacing: tuple[float, float]) -> Bounds:
-    """Bounds of a grid: a cell lies within the hull of its Bezier points, and its slopes within those between them."""
+    """Bounds of a grid: a cell lies within the hull of its Bezier points, its derivatives within their differences."""
     if not nodes.size:
         return Bounds(0.0, 0.0)
     height, along_x, along_y, both = np.moveaxis(nodes, -1, 0)
-    points = bezier_points(bezier_points(height, along_y).T, bezier_points(along_x, both).T)
-    slopes = [3.0 * float(np.abs(np.diff(points, axis=axis)).max()) / spacing[axis] for axis in (0, 1)]
-    return Bounds(float(points.max()), math.hypot(*slopes))
+    points = bezier_points(bezier_points(height, along_y).T, bezier_points(along_x, both).T)  # along x, then y
+    bends = [6.0 * most_bent(points, axis) / spacing[axis] ** 2 for axis in (0, 1)]
+    twist = 9.0 * float(np.abs(np.diff(np.diff(points, axis=0), axis=1)).max()) / (spacing[0] * spacing[1])
+    return Bounds(float(points.max()), max(bends) + twist)
+
+
+def most_bent(points: np.ndarray, axis: int) -> float:
+    """Largest second difference of Bezier points of one cell along an axis."""
+    second = np.abs(np.diff(points, 2, axis=axis))
+    across = np.arange(second.shape[axis]) % 3 == 2  # of two cells
+    return float(second.compress(~across, axis=axis).max())
 
 
 def bezier_points(values: np.ndarray, slopes: np.ndarray) -> np.ndarray:

@@ -4,7 +4,7 @@ import math
 from typing import NamedTuple
 
 from omnisim.base.kernel import kernel
-from omnisim.base.vector import Vec3
+from omnisim.base.vector import Vec3, cross, plus
 from omnisim.contact.floor import around, flattened
 
 
@@ -17,7 +17,8 @@ class Coordinates(NamedTuple):
 
 class Patch(NamedTuple):
     """A place on a piece: the point X (Vec3, m), tangents p and q with p x q upwards, their derivatives by the two
-    coordinates (Vec3 each), and how far X goes along p for one of the first; along q it is 1."""
+    coordinates (Vec3 each), p x q and its derivatives, and how far X goes along p for one of the first; along q it is
+    1."""
 
     point: Vec3
     p: Vec3
@@ -26,6 +27,9 @@ class Patch(NamedTuple):
     p_last: Vec3
     q_first: Vec3
     q_last: Vec3
+    normal: Vec3
+    normal_first: Vec3
+    normal_last: Vec3
     reach: float
 
 
@@ -47,6 +51,9 @@ def ground_patch(floor, at):
         across,
         across,
         Vec3(0.0, 0.0, ground.yy),
+        Vec3(-ground.slope_x, -ground.slope_y, 1.0),
+        Vec3(-ground.xx, -ground.xy, 0.0),
+        Vec3(-ground.xy, -ground.yy, 0.0),
         1.0,
     )
 
@@ -65,13 +72,20 @@ def edge_patch(floor, k, at):
     twice_up = rest.xx * x_up * x_up + 2.0 * rest.xy * x_up * y_up + rest.yy * y_up * y_up
     both = (rest.yy - rest.xx) * x_up * y_up + rest.xy * (x_up * x_up - y_up * y_up)
     twice_along = rest.xx * y_up * y_up - 2.0 * rest.xy * x_up * y_up + rest.yy * x_up * x_up
+    p, q = Vec3(cos * x_up, cos * y_up, up * cos + sin), Vec3(-y_up, x_up, along)
+    p_first = Vec3(-sin * x_up, -sin * y_up, cos - up * sin - edge * cos * cos * twice_up)
+    p_last, q_first = Vec3(0.0, 0.0, cos * both), Vec3(0.0, 0.0, -edge * cos * both)
+    q_last = Vec3(0.0, 0.0, twice_along)
     return Patch(
         Vec3(x, y, rest.height + step[4] - edge + edge * cos),
-        Vec3(cos * x_up, cos * y_up, up * cos + sin),
-        Vec3(-y_up, x_up, along),
-        Vec3(-sin * x_up, -sin * y_up, cos - up * sin - edge * cos * cos * twice_up),
-        Vec3(0.0, 0.0, cos * both),
-        Vec3(0.0, 0.0, -edge * cos * both),
-        Vec3(0.0, 0.0, twice_along),
+        p,
+        q,
+        p_first,
+        p_last,
+        q_first,
+        q_last,
+        cross(p, q),
+        plus(cross(p_first, q), cross(p, q_first)),
+        plus(cross(p_last, q), cross(p, q_last)),
         -edge,
     )

@@ -14,7 +14,6 @@ from omnisim.base.status import (
     NOT_FINITE,
 )
 from omnisim.contact.set_valued import CREEP
-from omnisim.dynamics.indices import contact_count
 from omnisim.dynamics.state import places
 from omnisim.march.events import (
     EXIT,
@@ -28,13 +27,11 @@ from omnisim.march.events import (
     guard_kinds,
     resolution,
 )
-from omnisim.march.friction_modes import creep_of, slip_of, slip_rate, stopped_speed
-from omnisim.march.radau5 import implicit_step
-from omnisim.march.runge_kutta import explicit_step
+from omnisim.march.friction_modes import creep_of, slip_rate, stopped_speed
+from omnisim.march.spatial_location import locate_in_space, of_state_alone
 from omnisim.march.substeps import outrun
+from omnisim.march.trial import advance, advance_again, reach, slide
 
-REACH = 0.02  # of a step, by which its end may be moved along a cubic; of an implicit one, whose states may have
-IMPLICIT_REACH = 1e-6  # changed much faster than any cubic does, so little that its square is lost in rounding
 AHEAD = 1.5  # times the way of a step, at the rate of its start: what is further away is no aim
 SHRINKING = 2.0**-5  # of a step, in the search for a point inside
 NEAR = 1e-3  # of a step, between two iterates that tell how good the root is
@@ -120,11 +117,6 @@ def guard_rate(parameters, run, which, at_end):
 
 
 @kernel
-def reach(clock):
-    return IMPLICIT_REACH if clock.implicit else REACH
-
-
-@kernel
 def cut_at_event(parameters, method, run, t, h):
     """Shorten the trial step to its first event: its length, and the Guard that fired or NO_GUARD.
 
@@ -159,6 +151,8 @@ def locate(parameters, method, run, t, h, which, value):
     known at both ends of a trial, of cubics.
     """
     kind, w, side = which
+    if parameters.space is not None and of_state_alone(kind):
+        return locate_in_space(parameters, method, run, t, h, which)
     low, high = 0.0, h
     s, g = h, value  # where the trial is
     s_last, g_last = 0.0, guard(parameters, run, which, False)
@@ -216,26 +210,6 @@ def to_root(parameters, run, which, h):
 
 
 @kernel
-def slide(parameters, run, h, time):
-    """Move the end of the trial step h on by a time, s, along the cubic that has the states and derivatives at both
-    ends. The derivative and what depends on it stay behind, for the event to find anew; creeping slip does not."""
-    x = 1.0 + time / h
-    y = 1.0 - x
-    whole, first, last = x * x * (1.0 + 2.0 * y), h * x * y * y, -h * x * x * y
-    for m in range(len(run.trial)):
-        run.increment[m] = whole * run.increment[m] + (first * run.slopes[0, m] + last * run.slopes[-1, m])
-        run.trial[m] = run.y[m] + run.increment[m]
-    if parameters.workspace.resting is not None:
-        for w in range(len(run.mode)):
-            mode, monitors = run.mode[w], run.monitors_end[w]
-            for side in range(contact_count(mode)):
-                if mode.grip[side] == CREEP and not mode.shared:
-                    slip, creep = slip_of(parameters, mode, w, side, run.trial), creep_of(parameters, w, side)
-                    monitors.slip_square[side] = slip.h * slip.h + slip.k * slip.k
-                    monitors.margin[side] = slip.h * creep.h + slip.k * creep.k
-
-
-@kernel
 def leaves_at_once(parameters, run, which):
     """Whether a Guard that is on its root at the start of a step, or beyond, does not come back: spin that has no rate
     or the other sense and goes on to gain it, and creeping slip that has turned."""
@@ -243,23 +217,6 @@ def leaves_at_once(parameters, run, which):
     if parameters.space is None and kind == TURN:
         return run.mode[w].direction * run.slopes[0, places(parameters).spin_rate + w] < 0.0
     return creeps(run, which)
-
-
-@kernel
-def advance(parameters, method, run, t, h):
-    """One step of length h from run.y into run.trial, explicit or implicit as the clock says."""
-    clock = run.clock
-    if run.newton is not None and clock.implicit:
-        clock.converged = implicit_step(parameters, method, run, t, h)
-    else:
-        clock.converged = True
-        explicit_step(parameters, method, run, t, h)
-
-
-@outlined
-def advance_again(parameters, method, run, t, h):
-    """The same, compiled once for all uses but the first trial of a step."""
-    advance(parameters, method, run, t, h)
 
 
 @kernel

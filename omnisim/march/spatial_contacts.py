@@ -4,96 +4,17 @@ The rates of rollers that touch are states; those of all others stand in `rates`
 may have several contacts, with the ground before a step and with its edge, or of its lobes: one rate, several forces.
 """
 
-import math
-
-from omnisim.base.kernel import kernel, outlined
-from omnisim.contact.common_normal import ANY, Roller, room
-from omnisim.contact.floor import pieces
+from omnisim.base.kernel import kernel
+from omnisim.contact.common_normal import ANY
 from omnisim.contact.friction import SATURATED
 from omnisim.contact.set_valued import SLIP
 from omnisim.contact.support import region_of
+from omnisim.dynamics.spatial.gaps import gap_of
 from omnisim.dynamics.spatial.pose import body_of
 from omnisim.dynamics.spatial.records import SLOTS
-from omnisim.dynamics.spatial.touching import in_world, meetings, roller_on, shape_of, standing, touching
+from omnisim.dynamics.spatial.touching import meetings, shape_of, standing, touching
 from omnisim.march.friction_modes import come_to_rest
 from omnisim.march.runge_kutta import refresh
-
-FAR = 1.0  # m: a gap where no common normal is found, which events can still be located with
-
-
-@kernel
-def gap_of(parameters, y, w, i, meeting):
-    """How far roller i of wheel w is from touching at a meeting in state y, m; < 0: it overlaps."""
-    return gap_at(parameters, w, standing(parameters, w, body_of(parameters, y), y), i, meeting)
-
-
-@kernel
-def gap_at(parameters, w, stand, i, meeting):
-    """The same of its Standing."""
-    space = parameters.space
-    if space.body.uneven:
-        centre, axis = in_world(stand, roller_on(parameters, w, i, stand))
-        roller = Roller(shape_of(space, w, meeting), centre, axis)
-        away = room(space.floor, meeting % pieces(space.floor), roller)
-        if away > 0.0:
-            return away
-    touched = touching(parameters, w, stand, meeting, ANY, i)
-    return min(-min(touched.depth, touched.within), FAR)
-
-
-@kernel
-def in_contact(mode, i, meeting):
-    """Whether roller i touches at this meeting."""
-    found = False
-    for c in range(mode.contacts):
-        found = found or (mode.roller[mode.slot[c]] == i and mode.meeting[c] == meeting)
-    return found
-
-
-@kernel
-def nothing_meets(parameters, mode, w, y):
-    """Whether no roller of wheel w overlaps the ground but where it touches it, in state y.
-
-    On a plane a wheel is round enough: the next to touch is another lobe of a roller that does, its neighbour, or in
-    the air that of the lowest place.
-    """
-    wheel = parameters.wheels[w]
-    space = parameters.space
-    stand = standing(parameters, w, body_of(parameters, y), y)
-    free = True
-    if space.body.uneven:
-        for meeting in range(meetings(space, w)):
-            for i in range(wheel.rollers):
-                if not in_contact(mode, i, meeting):
-                    free = free and gap_at(parameters, w, stand, i, meeting) >= 0.0
-        return free
-    rows, lobes = space.hubs[w].row_count, space.hubs[w].lobes
-    if mode.contacts == 0:
-        lowest = lowest_roller(parameters, w, stand)
-        for step in range(-rows, 2 * rows):
-            for lobe in range(lobes):
-                free = free and gap_at(parameters, w, stand, (lowest + step) % wheel.rollers, lobe) >= 0.0
-        return free
-    for c in range(mode.contacts):
-        for step in range(-rows, rows + 1):
-            i = (mode.roller[mode.slot[c]] + step) % wheel.rollers
-            for lobe in range(lobes):
-                if not in_contact(mode, i, lobe):
-                    free = free and gap_at(parameters, w, stand, i, lobe) >= 0.0
-    return free
-
-
-@outlined
-def lowest_roller(parameters, w, stand):
-    """The roller of the first row of wheel w that is next to the lowest place of the wheel, 0..N-1."""
-    wheel, space = parameters.wheels[w], parameters.space
-    rows = space.hubs[w].row_count
-    first = roller_on(parameters, w, 0, stand)
-    # azimuth of the lowest place less that of roller 0
-    q_low = math.atan2(-stand.normal.x, stand.normal.z)
-    q_0 = math.atan2(first.sin_q, first.cos_q)
-    pitch = 2.0 * math.pi * rows / wheel.rollers
-    return (round((q_low - q_0) / pitch) * rows) % wheel.rollers
 
 
 @kernel

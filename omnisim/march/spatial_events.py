@@ -22,11 +22,12 @@ from omnisim.base.status import CHASSIS_DOWN, EVENT_KINDS, TOO_MANY_TOUCH
 from omnisim.contact.floor import surface
 from omnisim.contact.friction import SATURATED
 from omnisim.contact.set_valued import SLIP, STICK
-from omnisim.contact.support import next_region
+from omnisim.contact.support import next_region, region_guard
 from omnisim.dynamics.actuation import limit_guard, next_limit
+from omnisim.dynamics.spatial.gaps import gap_of, in_contact
 from omnisim.dynamics.spatial.pose import body_of, outward, vector
 from omnisim.dynamics.spatial.records import SLOTS
-from omnisim.dynamics.spatial.touching import meetings, shape_of
+from omnisim.dynamics.spatial.touching import meetings, rate_of_roller, react, shape_of, standing, touching_at
 from omnisim.dynamics.state import places
 from omnisim.march.event_log import record
 from omnisim.march.friction_modes import grip_guard, young_guard
@@ -35,13 +36,11 @@ from omnisim.march.runge_kutta import refresh
 from omnisim.march.spatial_contacts import (
     add_contact,
     branch,
-    gap_of,
-    in_contact,
-    nothing_meets,
     remove_contact,
 )
 
 DOWN, LIMIT, APART, PIECE, PRESS, ARC, KINK, GRIP, YOUNG, MEET = range(10)  # KINK, GRIP, YOUNG as in events.py
+OF_STATE = (DOWN, APART, PIECE, PRESS, ARC, MEET)  # guards that need no right-hand side
 SPATIAL_GUARDS = 10
 MOST_CHANGES = 50  # of modes that follow one another at one instant
 BEGIN, END = EVENT_KINDS.index("contact_begin"), EVENT_KINDS.index("contact_end")
@@ -88,9 +87,34 @@ def spatial_guard(parameters, run, kind, w, side, at_end):
         return young_guard(parameters, run, w, side, at_end)
     if kind == DOWN:
         return clearance(parameters, y) if w == 0 else 0.0
+    return 0.0 if monitors.gap >= 0.0 else gap_in(parameters, mode, w, side, y)
+
+
+@kernel
+def gap_in(parameters, mode, w, side, y):
+    """Value of guard MEET of wheel w in state y."""
     rollers = parameters.wheels[w].rollers
     i, meeting = side % rollers, side // rollers
     return 0.0 if in_contact(mode, i, meeting) else gap_of(parameters, y, w, i, meeting)
+
+
+@outlined
+def guard_in(parameters, mode, kind, w, side, y):
+    """Value in state y of a guard of one of the kinds OF_STATE."""
+    if kind == DOWN:
+        return clearance(parameters, y)
+    if kind == MEET:
+        return gap_in(parameters, mode, w, side, y)
+    stand = standing(parameters, w, body_of(parameters, y), y)
+    touched = touching_at(parameters, mode, w, side, stand)
+    if kind == APART:
+        return touched.depth
+    if kind == PIECE:
+        return touched.within
+    if kind == ARC:
+        return region_guard(shape_of(parameters.space, w, mode.meeting[side]), mode.region[side], touched.tilt)
+    found = react(parameters, mode, w, side, stand, touched, y[rate_of_roller(parameters, mode, w, side)])
+    return found.press if mode.pressed[side] else -found.press
 
 
 @kernel
@@ -108,7 +132,7 @@ def all_stay(parameters, run, w):
         if parameters.workspace.resting is not None:
             held = held and spatial_guard(parameters, run, GRIP, w, c, True) >= 0.0
             held = held and spatial_guard(parameters, run, YOUNG, w, c, True) >= 0.0
-    return held and nothing_meets(parameters, mode, w, run.trial)
+    return held and monitors.gap >= 0.0
 
 
 @kernel

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from uneven import floor
 
-from omnisim.contact.floor import inside_piece, pieces, surface
+from omnisim.contact.floor import highest_around, inside_piece, pieces, surface
 from omnisim.contact.patch import Coordinates, patch
 
 BUMPS = [[0.1, 0.0, 0.012, 0.06], [0.3, 0.1, -0.01, 0.1]]
@@ -95,14 +95,27 @@ def test_the_spline_of_finer_grids_approaches_a_smooth_ground_to_fourth_order():
     assert all(3.9 < math.log2(a / b) < 4.3 for a, b in pairwise(errors))
 
 
-def test_nothing_of_a_floor_is_above_its_highest_nor_steeper_than_its_steepest():
-    """Without its step, whose slope has no bound: 10 mm of 19 mm, 0.19 of 0.42."""
+def test_nothing_of_a_floor_is_above_its_highest_nor_bends_up_more_than_its_bend():
+    """Without its step, whose edge has a bend of its own: 10 mm of 19 mm, 3.2 of 8.3 / m."""
     ground = floor(BUMPS, grid=GRID)
-    found = [surface(ground, x, y) for x, y in np.random.default_rng(5).uniform(-0.6, 0.9, size=(4000, 2))]
-    highest, steepest = max(one.height for one in found), max(math.hypot(one.slope_x, one.slope_y) for one in found)
+    places = np.random.default_rng(5).uniform(-0.6, 0.9, size=(4000, 2))
+    found = [surface(ground, x, y) for x, y in places]
+    highest = max(one.height for one in found)
+    bend = max(np.linalg.eigvalsh([[one.xx, one.xy], [one.xy, one.yy]])[-1] for one in found)
     assert 0.5 * ground.highest < highest < ground.highest
-    assert 0.2 * ground.steepest < steepest < ground.steepest
+    assert 0.2 * ground.bend < bend < ground.bend
     assert UNEVEN.highest == pytest.approx(ground.highest + 0.005, abs=1e-15) and UNEVEN.stairs == 0.005
+
+
+def test_nothing_around_a_place_is_above_what_is_highest_there():
+    """Far from all bumps that is level ground; at the top of one, it is that top."""
+    ground = floor(BUMPS)
+    for x, y in np.random.default_rng(6).uniform(-0.6, 0.9, size=(100, 2)):
+        over = highest_around(ground, x, y, 0.03)
+        near = [(x + 0.03 * r * math.cos(a), y + 0.03 * r * math.sin(a)) for r in (0.0, 0.5, 1.0) for a in range(6)]
+        assert max(surface(ground, *place).height for place in near) <= over <= ground.highest
+    assert abs(highest_around(ground, 9.0, 9.0, 0.03)) < 1e-15  # measured 1.3e-18 m
+    assert highest_around(ground, 0.1, 0.0, 0.03) == ground.highest == 0.012
 
 
 def test_a_low_step_is_an_arc_from_its_line_to_level_ground():

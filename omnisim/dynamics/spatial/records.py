@@ -149,6 +149,7 @@ SPATIAL_MONITORS = np.dtype(
     [
         ("normal_force", np.float64),  # of the whole wheel, N
         ("demand", np.float64),  # of the drive
+        ("gap", np.float64),  # between the ground and the next roller to touch it, m
         ("depth", np.float64, (SLOTS,)),
         ("load", np.float64, (SLOTS,)),  # N
         ("press", np.float64, (SLOTS,)),

@@ -74,7 +74,8 @@ class Running(NamedTuple):
 
 class Reaction(NamedTuple):
     """What the ground does at a contact: delta' (m/s), stiffness delta + damping delta' and N (N), slip (m/s) and
-    friction (N) in the tangent plane, factor of the law (N s/m), force (N), moment about the normal (N m), heat (W)."""
+    friction (N) in the tangent plane, factor of the law (N s/m), force (N), moment about the normal (N m), heat (W),
+    X from O (m), and moment of the force about the roller's axis (N m)."""
 
     closing: float
     press: float
@@ -85,6 +86,8 @@ class Reaction(NamedTuple):
     force: Vec3
     torque: float
     heat: float
+    arm: Vec3
+    rolling: float
 
 
 @kernel
@@ -167,7 +170,7 @@ def touch_plane(shape, region, roller, normal, height):
 def lever_of(roller, normal, found, tilt, across, depth):
     """X - B: u a + r e + delta nu."""
     radial = found.r / across
-    return combine(found.u + radial * tilt, roller.axis, depth - radial, normal, 0.0, normal)
+    return plus(times(found.u + radial * tilt, roller.axis), times(depth - radial, normal))
 
 
 @kernel
@@ -195,25 +198,28 @@ def react(parameters, mode, w, c, stand, touched, rate):
     """The Reaction at contact c of wheel w, whose roller has the absolute axial rate `rate`, rad/s."""
     machine, own, hub = parameters.machine, parameters.space.hubs[w], stand.hub
     normal, roller = touched.normal, touched.roller
-    joint = joint_rate(stand, roller, rate)
     turning = Vec3(hub.rate.x, hub.rate.y + stand.spin_rate, hub.rate.z)
-    carried = plus(hub.velocity, cross(turning, plus(roller.centre, touched.lever)))
-    velocity = plus(carried, times(joint, cross(roller.axis, touched.lever)))
+    joint = rate - dot(roller.axis, turning)
+    arm = plus(roller.centre, touched.lever)
+    swing = cross(roller.axis, touched.lever)
+    velocity = plus(plus(hub.velocity, cross(turning, arm)), times(joint, swing))
     closing = -dot(velocity, normal)
     press = own.stiffness * touched.depth + own.damping * closing
     load = press if mode.pressed[c] else 0.0
     h, k = tangent_of(normal)
     slip = Slip(dot(velocity, h), dot(velocity, k))
-    turn = dot(turning, normal) + joint * touched.tilt
-    factor, torque = 0.0, 0.0
+    factor, torque, turn = 0.0, 0.0, 0.0
     if mode.pressed[c]:
+        if machine.patch_radius > 0.0:
+            turn = dot(turning, normal) + joint * touched.tilt
         stream = streaming(parameters, mode, w, c, stand, touched, rate) if machine.law == BRUSH else slip
         factor, torque = friction(machine, mode.saturated[c], load, slip, turn, stream)
     held = Slip(-factor * slip.h, -factor * slip.k)
     heat = factor * (slip.h * slip.h + slip.k * slip.k) - torque * turn
     if parameters.workspace.resting is not None and mode.grip[c] != SLIP:  # its force is found with those of others
         held, heat = Slip(0.0, 0.0), 0.0
-    return Reaction(closing, press, load, slip, held, factor, combine(load, normal, held.h, h, held.k, k), torque, heat)
+    force = combine(load, normal, held.h, h, held.k, k)
+    return Reaction(closing, press, load, slip, held, factor, force, torque, heat, arm, dot(swing, force))
 
 
 @kernel

@@ -12,10 +12,11 @@ follows angles is the limit of an infinite rotor.
 from typing import NamedTuple
 
 from omnisim.base.kernel import kernel, outlined
-from omnisim.base.vector import Vec3, combine, cross, dot, plus, times
+from omnisim.base.vector import Vec3, cross, minus, plus, times
 from omnisim.contact.set_valued import SLIP
 from omnisim.contact.support import region_guard
 from omnisim.dynamics.actuation import actuate, followed
+from omnisim.dynamics.spatial.gaps import least_gap
 from omnisim.dynamics.spatial.pose import add_push, mounted, outward, put
 from omnisim.dynamics.spatial.records import BASE, SLOTS
 from omnisim.dynamics.spatial.touching import (
@@ -78,17 +79,18 @@ def push_wheel(parameters, stage, w, body):
         about_k = wheel.axle_inertia * part.followed + rollers.torque.y
     sigma = spin_rate + hub.rate.y
     momentum = plus(rollers.momentum, Vec3(0.0, wheel.axle_inertia * sigma, 0.0))
-    spun = cross(Vec3(0.0, spin_rate, 0.0), rollers.momentum)
+    spun = Vec3(spin_rate * rollers.momentum.z, 0.0, -spin_rate * rollers.momentum.x)
     changing = plus(Vec3(rollers.torque.x, about_k, rollers.torque.z), plus(spun, cross(hub.rate, momentum)))
     axes = mounted(hub)
     force = outward(axes, pressed.force)
-    moment = plus(outward(axes, combine(1.0, pressed.moment, -1.0, changing, 0.0, changing)), cross(hub.centre, force))
+    moment = plus(outward(axes, minus(pressed.moment, changing)), cross(hub.centre, force))
     push = space.pushes[BASE]
     if len(space.carriers) > 0:
         push = space.pushes[1 + own.carrier]
     add_push(push, moment, force)
     if stage.monitoring:
         stage.monitors[w].demand = demand
+        stage.monitors[w].gap = least_gap(parameters, stage.mode[w], w, stand)
     return pressed.friction_loss, pressed.contact_loss, drive * spin_rate
 
 
@@ -138,16 +140,17 @@ def press_wheel(parameters, stage, w, stand, rollers):
     for c in range(mode.contacts):
         place = rate_of_roller(parameters, mode, w, c)
         touched = touching_at(parameters, mode, w, c, stand)
-        roller = touched.roller
         found = react(parameters, mode, w, c, stand, touched, y[place])
-        rolling = dot(roller.axis, cross(touched.lever, found.force)) + found.torque * touched.tilt
+        rolling = found.rolling + found.torque * touched.tilt
         dy[place] += rolling * wheel.axial_mobility
+        axis = touched.roller.axis
         if mode.first[c] and not machine.bearing_friction:
-            momentum = plus(momentum, times(wheel.axial_inertia * y[place], roller.axis))
-        torque = plus(torque, times(rolling, roller.axis))
-        arm = plus(roller.centre, touched.lever)
+            momentum = plus(momentum, times(wheel.axial_inertia * y[place], axis))
+        torque = plus(torque, times(rolling, axis))
         force = plus(force, found.force)
-        moment = plus(moment, combine(1.0, cross(arm, found.force), found.torque, touched.normal, 0.0, arm))
+        moment = plus(moment, cross(found.arm, found.force))
+        if machine.patch_radius > 0.0:
+            moment = plus(moment, times(found.torque, touched.normal))
         heat += found.heat
         loss += (found.normal_force - parameters.space.hubs[w].stiffness * touched.depth) * found.closing
         load += found.normal_force
@@ -181,7 +184,7 @@ def remember(seen, touched, found):
     seen.slip[0], seen.slip[1] = found.slip.h, found.slip.k
     seen.force[0], seen.force[1] = found.friction.h, found.friction.k
     roller = touched.roller
-    put(seen.point, plus(roller.centre, touched.lever))
+    put(seen.point, found.arm)
     put(seen.normal, touched.normal)
     put(seen.lever, touched.lever)
     seen.azimuth[0], seen.azimuth[1] = roller.cos_q, roller.sin_q

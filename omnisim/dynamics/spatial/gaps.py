@@ -1,0 +1,107 @@
+"""How far the rollers of a wheel are from the ground that they do not touch."""
+
+import math
+
+from omnisim.base.kernel import kernel, outlined
+from omnisim.base.vector import dot
+from omnisim.contact.common_normal import ANY, room
+from omnisim.contact.common_normal import Roller as Solid
+from omnisim.contact.floor import pieces
+from omnisim.dynamics.spatial.pose import body_of
+from omnisim.dynamics.spatial.touching import in_world, meetings, roller_on, shape_of, standing, touching
+
+FAR = 1.0  # m: a gap where no common normal is found, which events can still be located with
+
+
+@kernel
+def in_contact(mode, i, meeting):
+    """Whether roller i touches at this meeting."""
+    found = False
+    for c in range(mode.contacts):
+        found = found or (mode.roller[mode.slot[c]] == i and mode.meeting[c] == meeting)
+    return found
+
+
+@outlined
+def gap_of(parameters, y, w, i, meeting):
+    """How far roller i of wheel w is from touching at a meeting in state y, m; < 0: it overlaps."""
+    return gap_at(parameters, w, standing(parameters, w, body_of(parameters, y), y), i, meeting)
+
+
+@kernel
+def gap_at(parameters, w, stand, i, meeting):
+    """The same of its Standing; of a roller that is clearly apart, something less."""
+    away = room_around(parameters, w, stand, i, meeting)
+    if away > 0.0:
+        return away
+    touched = touching(parameters, w, stand, meeting, ANY, i)
+    return min(-min(touched.depth, touched.within), FAR)
+
+
+@kernel
+def room_around(parameters, w, stand, i, meeting):
+    """How far a roller is from a piece of the floor that it cannot touch at a meeting, m; <= 0 where it may: cheap."""
+    space, normal = parameters.space, stand.normal
+    shape, floor = shape_of(space, w, meeting), space.floor
+    roller = roller_on(parameters, w, i, stand)
+    height = stand.height + dot(roller.centre, normal)
+    lowest = height - shape.thickest - shape.half_length * abs(dot(roller.axis, normal))
+    if not space.body.uneven:
+        return lowest
+    if lowest > floor.highest:
+        return lowest - floor.highest
+    centre, axis = in_world(stand, roller)
+    return room(floor, meeting % pieces(floor), Solid(shape, centre, axis))
+
+
+@kernel
+def least_gap(parameters, mode, w, stand):
+    """The least gap of wheel w between the ground and what does not touch it of its rollers, m.
+
+    On a plane a wheel is round enough: the next to touch is another lobe of a roller that does, its neighbour, or in
+    the air that of the lowest place.
+    """
+    if parameters.space.body.uneven:
+        return least_gap_on_ground(parameters, mode, w, stand)
+    wheel, rows, lobes = parameters.wheels[w], parameters.space.hubs[w].row_count, parameters.space.hubs[w].lobes
+    least = math.inf
+    if mode.contacts == 0:
+        lowest = lowest_roller(parameters, w, stand)
+        for step in range(-rows, 2 * rows):
+            for lobe in range(lobes):
+                least = min(least, gap_at(parameters, w, stand, (lowest + step) % wheel.rollers, lobe))
+        return least
+    for c in range(mode.contacts):
+        here = mode.roller[mode.slot[c]]
+        for step in range(-rows, rows + 1):
+            i = here + step
+            i -= wheel.rollers if i >= wheel.rollers else 0
+            i += wheel.rollers if i < 0 else 0
+            for lobe in range(lobes):
+                if not in_contact(mode, i, lobe):
+                    least = min(least, gap_at(parameters, w, stand, i, lobe))
+    return least
+
+
+@outlined
+def least_gap_on_ground(parameters, mode, w, stand):
+    """The same on uneven ground, of all rollers."""
+    least = math.inf
+    for meeting in range(meetings(parameters.space, w)):
+        for i in range(parameters.wheels[w].rollers):
+            if not in_contact(mode, i, meeting):
+                least = min(least, gap_at(parameters, w, stand, i, meeting))
+    return least
+
+
+@outlined
+def lowest_roller(parameters, w, stand):
+    """The roller of the first row of wheel w that is next to the lowest place of the wheel, 0..N-1."""
+    wheel, space = parameters.wheels[w], parameters.space
+    rows = space.hubs[w].row_count
+    first = roller_on(parameters, w, 0, stand)
+    # azimuth of the lowest place less that of roller 0
+    q_low = math.atan2(-stand.normal.x, stand.normal.z)
+    q_0 = math.atan2(first.sin_q, first.cos_q)
+    pitch = 2.0 * math.pi * rows / wheel.rollers
+    return (round((q_low - q_0) / pitch) * rows) % wheel.rollers
