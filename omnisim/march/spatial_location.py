@@ -68,7 +68,7 @@ def root_before(parameters, run, which, h, value):
         if low * h < ROUNDING * run.clock.dt:
             return 0.0
         at_low = guard_along(parameters, run, which, h, low)
-    return root_between(parameters, run, which, h, low, at_low, high, at_high)
+    return root_between(parameters, run, which, h, (low, at_low), (high, at_high))
 
 
 @kernel
@@ -76,14 +76,15 @@ def root_beyond(parameters, run, which, h, value, near):
     """The same where it is positive at the end: within a part `near` beyond it, or where a chord over that points."""
     further = guard_along(parameters, run, which, h, 1.0 + near)
     if further < 0.0:
-        return root_between(parameters, run, which, h, 1.0, value, 1.0 + near, further)
+        return root_between(parameters, run, which, h, (1.0, value), (1.0 + near, further))
     return 1.0 + near * value / (value - further) if further < value else math.inf
 
 
 @outlined
-def root_between(parameters, run, which, h, low, at_low, high, at_high):
-    """Part of the trial step h at which a Guard is zero on its cubic, between two at which it has values of both signs:
+def root_between(parameters, run, which, h, positive, negative):
+    """Part of the trial step h at which a Guard is zero on its cubic, between two with values of both signs (x, value):
     by chords, of which the end that stays counts half each time (Dowell & Jarratt 1971)."""
+    (low, at_low), (high, at_high) = positive, negative
     x, side = high, 0
     for _ in range(MOST_ITERATIONS):
         last, x = x, (low * at_high - high * at_low) / (at_high - at_low)
