@@ -38,8 +38,9 @@ def unit_quaternions(y: np.ndarray) -> np.ndarray:
 
 
 def turned(rotation: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """Vectors (T, 3) or (3,) along chassis axes, in the world (T, 3)."""
-    return np.einsum("tij,tj->ti", rotation, np.broadcast_to(vectors, (len(rotation), 3)))
+    """Vectors (T, 3) or (3,) along chassis axes, in the world (T, 3). Rounded alike however many rows there are."""
+    along = np.broadcast_to(vectors, (len(rotation), 3))[:, None, :] * rotation
+    return along[:, :, 0] + along[:, :, 1] + along[:, :, 2]
 
 
 def origin_in_space(parameters: Parameters, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
