@@ -13,17 +13,12 @@ from omnisim.base.methods import TABLEAUX
 from omnisim.dynamics.packing import pack
 from omnisim.dynamics.static_loads import static_loads
 
-# of each: path, wheel type, its rollers, overrides
 SHORT = "time={end=0.2, step=5e-5, output_interval=0.01}"
+# path, wheel type, its rollers, overrides
 TWINS = {
     "bare wheel": (REFERENCE / "testbench_psi0.toml", "omni", 6, ["time.end=1.0"]),
     "implicit tracking": (REFERENCE / "testbench_psi0.toml", "omni", 6, ["time.end=1.0", "solver.tracking=implicit"]),
-    "multibody": (
-        REFERENCE / "mecanum.toml",
-        "mecanum",
-        6,
-        ["time.end=0.2", "time.step=5e-5", "solver.formulation=multibody"],
-    ),
+    "multibody": (REFERENCE / "mecanum.toml", "mecanum", 6, [SHORT, "solver.formulation=multibody"]),
     "mecanum": (REFERENCE / "mecanum.toml", "mecanum", 6, ["time.end=0.5", "time.step=5e-5"]),
     "coulomb friction": ("kiwi", "omni", 18, ["time.end=1.0"]),
     "three types, bearing friction": ("mixed", "omni", 10, ["time.end=0.5"]),
