@@ -28,12 +28,13 @@ def exact_roller(radius, distance, count, degrees):
 
 def barrel(radius, curvature_radius, half_length):
     """The SHAPE of a roller whose profile is an arc."""
-    return rollers(kind="arc", radius=radius, curvature_radius=curvature_radius, half_length=half_length)[0]
+    arc = Profile(kind="arc", radius=radius, curvature_radius=curvature_radius, half_length=half_length)
+    return rollers(arc)[0]
 
 
-def rollers(**profile):
+def rollers(profile):
     """The SHAPE records of a roller of this profile: of its lobes."""
-    return shapes(kind(profile=Profile(**profile)))
+    return shapes(kind(profile=profile))
 
 
 def kind(**keys):
