@@ -8,17 +8,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from omnisim.base.formatting import aligned, columns
-
 from .screen import BAD_INPUT, Failure, note
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from omnisim.scene.scene import Scene
     from omnisim.scene.schema import WheelType
 
-STATIONS = 17  # of the profile
 PACKAGE = "[A-Za-z][A-Za-z0-9_-]*"
 DRAWINGS = (".png", ".svg", ".pdf")
 MESHES = (".stl", ".obj")
@@ -82,10 +77,12 @@ def wheel(
         check_package(package, suffix)
     name, kind = wheel_type(loaded, name)
     if output is None:
-        click.echo(about(name, kind))
+        from omnisim.scene.masses import share_of_weight
+
+        from .wheel_text import about
+
+        click.echo(about(name, kind, share_of_weight(loaded.config)))
     elif suffix in MODELS:
-        for each in loaded.config.wheel_types:
-            wheel_type(loaded, each)  # all of them can be drawn
         write_model(loaded, scene, output, package, force)
     else:
         from .output import output_path
@@ -106,7 +103,7 @@ def check_package(package: str, suffix: str) -> None:
 
 
 def wheel_type(scene: Scene, name: str | None) -> tuple[str, WheelType]:
-    """The type of this name, or the first one. Failure for one whose rollers are of another shape than is drawn."""
+    """The type of this name, or the first one."""
     from omnisim.scene.problems import did_you_mean
 
     kinds = scene.config.wheel_types
@@ -114,104 +111,7 @@ def wheel_type(scene: Scene, name: str | None) -> tuple[str, WheelType]:
     if name not in kinds:
         hint = did_you_mean(name, kinds) or "."
         raise Failure(f"--type {name}: no such wheel type{hint} The scene has: {', '.join(kinds)}", BAD_INPUT)
-    kind = kinds[name]
-    if kind.profile.kind != "exact":
-        raise Failure(f"wheel type '{name}': only wheels with rollers of the exact profile are drawn", BAD_INPUT)
-    return name, kind
-
-
-# --- text -----------------------------------------------------------------------------------------
-
-
-def about(name: str, kind: WheelType) -> str:
-    from omnisim.cad.geometry import of_type
-
-    record = of_type(kind)
-    sections = {
-        f"wheel type '{name}'": aligned(dimensions(kind, record), indent="  "),
-        "profile of a roller: u along its axis from the middle, r from its axis": profile_table(record),
-        "room": aligned(room(kind, record), indent="  "),
-        "rolling straight, by the shape of the rollers": ripple_table(record),
-    }
-    return "\n\n".join(f"{heading}\n{body}" for heading, body in sections.items())
-
-
-def dimensions(kind: WheelType, record: np.record) -> dict[str, str]:
-    from omnisim.cad.geometry import solid
-    from omnisim.contact.roller_profile import length, profile_radius, tip_radius
-
-    body = solid(record, kind.roller.bore_radius)
-    roller = kind.roller
-    density = roller.mass / body.volume
-    in_rows = f" in rows at {', '.join(mm(row.offset) for row in kind.rows)}" if len(kind.rows) > 1 else ""
-    return {
-        "rolling radius": f"{mm(kind.radius)}, for the controller: {kind.radius:g} m at every angle",
-        "rollers": f"{kind.rollers}{in_rows}, axes at {mm(kind.roller_distance)}, angle {kind.roller_angle_deg:g} deg",
-        "roller length": mm(length(record)),
-        "roller diameter": f"{mm(2.0 * profile_radius(record, 0.0))} amid, {mm(2.0 * tip_radius(record))} at the tips",
-        "roller volume": f"{body.volume * 1e6:.5g} cm^3; {roller.mass:g} kg is {density:.4g} kg/m^3",
-        "roller inertia": f"{roller.inertia_axial:.4g} kg m^2 about its axis, {roller.inertia_transverse:.4g} across; "
-        f"of a solid {density * body.axial:.4g} and {density * body.transverse:.4g}",
-    }
-
-
-def profile_table(record: np.record) -> str:
-    import numpy as np
-
-    from omnisim.cad.geometry import profile
-
-    q = np.linspace(-record.alpha, record.alpha, STATIONS)
-    rows = [
-        (f"{u * 1e3:10.4f}", f"{r * 1e3:9.4f}", f"{2e3 * r:12.4f}") for u, r in zip(*profile(record, q), strict=True)
-    ]
-    return columns([("     u, mm", "    r, mm", "diameter, mm"), *rows], indent="  ")
-
-
-def room(kind: WheelType, record: np.record) -> dict[str, str]:
-    from omnisim.cad.geometry import gap, hub_radius
-    from omnisim.scene.rollers import gap_between_rows, gap_in_row
-
-    margin = record.radius * record.cos_alpha - record.roller_distance
-    hub = hub_radius(record)
-    gaps = {
-        "neighbours": told(gap(record)) or "they overlap: in one row the exact rollers do not fit",
-        "next but one": told(gap(record, 2)) or "they overlap: in two rows the exact rollers do not fit",
-    }
-    if len(kind.rows) > 1:
-        gaps = {
-            "in a row": told(gap_in_row(kind)) or "neighbours overlap: the exact rollers do not fit",
-            "between rows": told(gap_between_rows(kind)) or "rollers overlap: the rows are too near",
-        }
-    return {
-        "tips": f"{mm(max(margin, 0.0))} until they are points (R cos alpha - R1)",
-        **gaps,
-        "hub": f"{mm(hub)} is the largest radius free of rollers" if hub > 0.0 else "rollers reach the axle",
-        "": "Gaps are distances of surfaces: the widest slab that fits between two rollers, so never too large.",
-    }
-
-
-def told(distance: float) -> str:
-    return f"gap of {mm(distance)}" if distance > 0.0 else ""
-
-
-def ripple_table(record: np.record) -> str:
-    from omnisim.cad.geometry import ripple, shapes
-
-    rows: list[tuple[str, ...]] = [
-        ("roller", "height of the centre, peak to peak, mm", "rolling radius: mean", "lowest", "highest")
-    ]
-    for shape, reach in shapes(record).items():
-        found = ripple(record, reach)
-        relative = [
-            f"{(value / record.radius - 1.0) * 100.0 + 0.0:+.3f} %"
-            for value in (found.mean, found.lowest, found.highest)
-        ]
-        rows.append((shape, f"{(found.highest - found.lowest) * 1e3:.4f}", *relative))
-    return columns(rows, indent="  ")
-
-
-def mm(metres: float) -> str:
-    return f"{metres * 1e3:.4f} mm"
+    return name, kinds[name]
 
 
 # --- files ----------------------------------------------------------------------------------------

@@ -34,6 +34,11 @@ def point_masses(config: Config) -> tuple[list[float], list[tuple[float, float, 
     return masses, points
 
 
+def share_of_weight(config: Config) -> float:
+    """Of one wheel, N."""
+    return config.world.gravity * math.fsum(point_masses(config)[0]) / len(config.wheels)
+
+
 @kept
 def wheel_mass(kind: WheelType) -> float:
     """Of a wheel with its rollers, kg."""

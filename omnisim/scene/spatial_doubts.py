@@ -7,7 +7,7 @@ import numpy as np
 
 from omnisim.base.methods import IMPLICIT, METHODS
 from omnisim.scene.heights import heights_of
-from omnisim.scene.masses import point_masses
+from omnisim.scene.masses import point_masses, share_of_weight
 from omnisim.scene.problems import Problem
 from omnisim.scene.schema import Config, Wheel
 from omnisim.scene.toml_text import KeyPath
@@ -90,11 +90,6 @@ def high_start(config: Config) -> Iterator[Problem]:
 
 def used_types(config: Config) -> dict:
     return {wheel.type: config.type_of(wheel) for wheel in config.wheels}
-
-
-def share_of_weight(config: Config) -> float:
-    """Of one wheel, N."""
-    return config.world.gravity * math.fsum(point_masses(config)[0]) / len(config.wheels)
 
 
 def carried_mass(config: Config, wheel: Wheel) -> float:

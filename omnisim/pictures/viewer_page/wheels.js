@@ -35,18 +35,19 @@ export function detailFor({ radius, rollers, profile }, pixels) {
   return DETAILS.find((detail) => offRound(detail) * pixels < OFF_ROUND) ?? DETAILS.at(-1);
 }
 
-// The exact roller: its profile [[u, r], ...] turned about its axis, closed by discs, on a pin.
+// A roller: its profile [[u, r], ...] turned about its axis, closed by discs, on a pin. One with corners has another
+// number of points, all of which are needed.
 export function rollerGeometry({ profile }, { segments, rows }) {
   const stride = (profile.length - 1) / (rows - 1);
-  const chosen = profile.filter((_, i) => i % stride === 0);
+  const chosen = Number.isInteger(stride) ? profile.filter((_, i) => i % stride === 0) : profile;
   const surface = new LatheGeometry(
     chosen.map(([u, r]) => new Vector2(r, u)),
     segments,
   );
-  const [length, tip] = profile.at(-1);
+  const [length] = profile.at(-1);
   const middle = thickest(profile);
-  const ends = [-1, 1].map((side) =>
-    new CircleGeometry(Math.max(tip, 1e-9), segments).rotateX((-side * Math.PI) / 2).translate(0, side * length, 0),
+  const ends = [profile[0], profile.at(-1)].map(([u, r]) =>
+    new CircleGeometry(Math.max(r, 1e-9), segments).rotateX((-Math.sign(u) * Math.PI) / 2).translate(0, u, 0),
   );
   const pin = new CylinderGeometry(0.15 * middle, 0.15 * middle, 2 * length + 0.25 * middle, segments / 2);
   return mergeGeometries([surface, ...[...ends, pin].map(plain)]);
