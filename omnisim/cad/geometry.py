@@ -104,7 +104,8 @@ def spheres_within(kind: WheelType) -> Spheres:
     """As few spheres along a roller's axis as carry the wheel but for SHORTFALL of its radius, MOST_SPHERES at most.
 
     Each is as large as it may be without reaching farther than the roller where an upright wheel touches: beyond that
-    it may bulge out. The outermost touch where the roller does that takes over.
+    it may bulge out. The outermost touch where the roller does that takes over. Of a sharp edge they fall short by
+    r (1 - cos a) for directions that an upright wheel turns by a.
     """
     if kind.profile.kind == "exact":
         return few_spheres(outline(kind))

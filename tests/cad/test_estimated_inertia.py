@@ -2,15 +2,18 @@
 
 import numpy as np
 import pytest
+from roller_profiles import PROFILES, shape
 from scene_text import message, replaced
+from uneven import kind as roller_kind
 from vehicles import VEHICLE
 
 import omnisim
 from omnisim.cad import mesh
+from omnisim.cad.geometry import spheres_within
 from omnisim.scene.estimates import estimates
-from omnisim.scene.rollers import drawn, roller_solid
+from omnisim.scene.rollers import drawn, reach, roller_solid, thickest
 from omnisim.scene.scene import packaged_scenes, packaged_wheels, parse
-from omnisim.scene.schema import Disk
+from omnisim.scene.schema import Disk, Roller
 from omnisim.scene.solids import disk_solid
 
 pytestmark = pytest.mark.short
@@ -43,7 +46,8 @@ def bored_roller(kind):
     bore = kind.roller.bore_radius
     u, r = drawn(kind, STATIONS)
     if r[0] < bore:
-        first, last = (np.interp(bore, r[half], u[half]) for half in (np.s_[: r.argmax()], np.s_[: r.argmax() : -1]))
+        most = r.argmax()
+        first, last = (np.interp(bore, r[half], u[half]) for half in (np.s_[: most + 1], np.s_[: most - 1 : -1]))
         u, r = np.array([first, *u[r > bore], last]), np.array([bore, *r[r > bore], bore])
     round_ = r > mesh.POINTED * kind.radius
     body = mesh.revolved(u[round_], r[round_], u[[0, -1]], CORNERS)
@@ -82,6 +86,36 @@ def test_the_inertias_of_a_packaged_disk_that_has_a_shape_are_those_of_its_mesh(
     volume, axle, diameter = integrals(*parts_of(disk))
     found = disk.mass * axle / volume, disk.mass * diameter / volume
     assert (disk.inertia_axle, disk.inertia_diameter) == pytest.approx(found, rel=1e-4)  # measured up to 2.7e-5
+
+
+@pytest.mark.parametrize("bore", [0.0, 0.002, 0.007])
+@pytest.mark.parametrize("name", PROFILES)
+def test_the_solid_of_a_roller_of_any_profile_is_that_of_its_mesh(name, bore):
+    kind = roller_kind(profile=shape(name), roller=Roller(bore_radius=bore))
+    assert roller_solid(kind) == pytest.approx(integrals(*bored_roller(kind)), rel=1e-4)  # measured up to 4e-5
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_the_mesh_of_a_roller_of_any_profile_is_closed_and_has_its_solid(name):
+    trimesh = pytest.importorskip("trimesh", reason="needs trimesh")
+    kind = roller_kind(profile=shape(name))
+    body, solid = trimesh.Trimesh(*mesh.roller(kind), process=False), roller_solid(kind)
+    assert body.is_watertight and body.is_winding_consistent
+    found = body.volume, body.moment_inertia[2, 2], body.moment_inertia[0, 0]
+    assert found[:2] == pytest.approx(solid[:2], rel=1e-3)
+    assert found[2] == pytest.approx(solid[2], rel=5e-3)  # of points, whose middle is not that of the mesh; else 1e-3
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_spheres_carry_a_wheel_nearly_as_its_rollers_do(name):
+    """Those of a URDF: never farther out where an upright wheel touches, and short by little, at edges by more."""
+    kind = roller_kind(profile=shape(name), roller_count=8)
+    spheres = spheres_within(kind)
+    sines = np.linspace(-1.0, 1.0, 201) * np.sin(np.pi / 8)
+    short = reach(kind, sines) - (np.multiply.outer(sines, spheres.places) + spheres.radii).max(axis=1)
+    assert short.min() > -1e-15 and len(spheres.radii) <= 9
+    edged = name in ("cylinder", "sharp cylinder", "cone", "points")  # measured 0.058, 0.082, 0.027, 0.025
+    assert short.max() < (0.1 if edged else 0.02) * thickest(kind)
 
 
 PLATED = {"hub_radius": 0.03, "width": 0.05, "bore_radius": 0.01, "plate_radius": 0.06, "plate_thickness": 0.003}

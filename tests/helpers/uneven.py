@@ -38,8 +38,9 @@ def rollers(profile):
 
 
 def kind(**keys):
-    given = {"radius": 0.1, "roller_distance": 0.08, "roller_count": 6, "roller_angle_deg": 0.0} | keys
-    return WheelType(**given, disk=Disk(mass=1.0), roller=Roller())
+    """A WheelType of which only these keys matter."""
+    given = {"radius": 0.1, "roller_distance": 0.08, "roller_count": 6, "roller_angle_deg": 0.0, "roller": Roller()}
+    return WheelType(**(given | keys), disk=Disk(mass=1.0))
 
 
 def shapes(wheel_type):
