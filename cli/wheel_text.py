@@ -124,7 +124,7 @@ def ripple_table(kind: WheelType) -> str:
     for shape, reach in shapes(record).items():
         found = ripple(record, reach)
         relative = [
-            f"{(value / record.radius - 1.0) * 100.0 + 0.0:+.3f} %"
+            f"{round((value / record.radius - 1.0) * 100.0, 3) + 0.0:+.3f} %"
             for value in (found.mean, found.lowest, found.highest)
         ]
         rows.append((shape, f"{(found.highest - found.lowest) * 1e3:.4f}", *relative))
