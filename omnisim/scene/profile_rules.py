@@ -145,7 +145,7 @@ def place_rules(path: KeyPath, kind: WheelType) -> Iterator[Problem]:
     if room < 0.0:
         what = f"too wide for {kind.roller_count} in a row: neighbours overlap by {-room:.3g} m"
         yield Problem(path, f"{what}; expected a smaller roller, or fewer")
-    lowest = rolling(kind).lowest
+    lowest = rolling(kind).lowest if kind.disk.hub_radius > 0.0 else math.inf
     if lowest <= kind.disk.hub_radius:
         what = f"between two rollers the wheel drops to {lowest:.4g} m, onto its hub"
         yield Problem((*path[:-1], "disk", "hub_radius"), f"{what}; must be less")

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from omnisim.base.keeping import kept
 from omnisim.scene import solids
 from omnisim.scene.generatrix import Arc, Generatrix, both, edge, ends, generatrix
 from omnisim.scene.generatrix import thickest as thickest_of
@@ -16,7 +17,7 @@ from omnisim.scene.schema import WheelType
 from omnisim.scene.solids import Solid
 
 Points = tuple[np.ndarray, np.ndarray]
-AZIMUTHS = 4001  # of a pitch, for heights
+AZIMUTHS = 1001  # of a pitch, for heights
 REFINED = 40  # halvings of what is around the lowest and the highest of them
 
 
@@ -220,14 +221,17 @@ def azimuths(kind: WheelType) -> np.ndarray:
 
 def heights(kind: WheelType, angles: np.ndarray) -> np.ndarray:
     """Of the centre of an upright wheel at these spin angles (rad), m: max of R1 cos q + reach(c sin q)."""
-    cos = math.cos(math.radians(kind.roller_angle_deg))
+    cos, near = math.cos(math.radians(kind.roller_angle_deg)), math.cos(2.0 * math.pi / kind.roller_count)
     found = np.full(np.shape(angles), -np.inf)
     for first in azimuths(kind):
         q = first - angles
+        if np.cos(q).max() < near:
+            continue  # one of its row is lower
         found = np.maximum(found, kind.roller_distance * np.cos(q) + reach(kind, cos * np.sin(q)))
     return found
 
 
+@kept
 def rolling(kind: WheelType) -> Rolling:
     """Over a pitch, after which every height comes again."""
     pitch = 2.0 * math.pi / kind.roller_count
