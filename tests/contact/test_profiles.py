@@ -94,6 +94,17 @@ def test_what_lobes_have_instead_of_a_line_is_within_the_roller_and_near_it(name
     assert max(depths) < 1.6 * BEND * half
 
 
+@pytest.mark.parametrize("name", PROFILES)
+def test_what_is_drawn_has_all_corners_in_order_and_the_ends(name):
+    """Of any number of points: the two ends of every arc, along u, and no point twice."""
+    u, r = drawn(kind(profile=shape(name)), 9)
+    corners = [arc.at(tilt) for arc in generatrix(shape(name)) for tilt in (arc.start, arc.end)]
+    drawn_points = np.column_stack([u, r])
+    for corner in corners:
+        assert np.hypot(*(drawn_points - corner).T).min() < 1e-16
+    assert (np.diff(u) > -1e-16).all() and (np.hypot(np.diff(u), np.diff(r)) > 1e-6).all()
+
+
 def test_points_of_a_circle_give_the_circle():
     u = np.linspace(-0.018, 0.018, 9)
     r = 0.01 - 0.05 + np.sqrt(0.05**2 - u**2)
