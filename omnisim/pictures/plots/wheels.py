@@ -24,8 +24,12 @@ def side_by_side(title: str, names: Sequence[str], found: Sequence[dict[str, Fou
     figure = empty_figure(11.5, 5.8)
     motions = list(found[0])
     place, width = np.arange(len(motions)), GROUP / len(names)
+    shown = [quantity for quantity in PANELS if told(found, quantity)]
     panels = figure.subplots(2, 3).ravel()
-    for axes, (quantity, (label, factor)) in zip(panels, PANELS.items(), strict=True):
+    for axes in panels[len(shown) :]:
+        axes.remove()
+    for axes, quantity in zip(panels, shown, strict=False):
+        label, factor = PANELS[quantity]
         for i, (name, entries) in enumerate(zip(names, found, strict=True)):
             values = [value(entries[motion], quantity) * factor for motion in motions]
             where = place - 0.5 * GROUP + (i + 0.5) * width
@@ -36,6 +40,11 @@ def side_by_side(title: str, names: Sequence[str], found: Sequence[dict[str, Fou
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=min(len(names), 5))
     figure.suptitle(title, fontsize=11, parse_math=False)
     return figure
+
+
+def told(found: Sequence[dict[str, Found | str]], quantity: str) -> bool:
+    """Whether any wheel has a number of it."""
+    return any(np.isfinite(value(entry, quantity)) for motions in found for entry in motions.values())
 
 
 def value(found: Found | str, quantity: str) -> float:
