@@ -49,7 +49,7 @@ SENTENCES = {
     TOO_STIFF: (
         "unstable at t = {time:.9g} s: friction at wheel '{wheel}' relaxes slip at {rate:.3g} 1/s, too fast for "
         "{method} with time.step = {step:.3g} s; use time.step < {limit:.2g} s, method = 'auto', or a softer "
-        "law (a larger friction.slip_speed, a smaller viscosity)"
+        "law (a larger friction.slip_speed or rolling_rate, a smaller viscosity)"
     ),
     STIFF_BEARING: (
         "bearing friction stops a roller at {rate:.3g} 1/s, too fast for {method} with time.step = {step:.3g} s; use "

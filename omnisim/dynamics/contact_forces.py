@@ -33,6 +33,7 @@ from omnisim.dynamics.planar_body import (
     push_of,
     pushed_equations,
     set_holding,
+    slip_by_rolling,
     yielding,
 )
 from omnisim.dynamics.state import TOUCHING
@@ -77,8 +78,11 @@ def hold_firmly(machine, wheels, workspace, load, found, pushing):
             contact = workspace.contacts[part.first]
             if wheel.follows and not part.slides and holds(part, contact):
                 force_h, force_k = holding_force(contact, acceleration)
+                if machine.rolling:
+                    normal = max(part.normal_force, 0.0)
+                    force_h, force_k = force_h + contact.unit[0] * normal, force_k + contact.unit[1] * normal
                 more_h, more_k = hold_more(machine, wheel, contact, force_h, force_k)
-                push_x, push_y, push_yaw = push_of(machine, contact, more_h, more_k, 0.0)
+                push_x, push_y, push_yaw = push_of(machine, contact, more_h, more_k, 0.0, 0.0)
                 equations = pushed_equations(equations, push_x, push_y, push_yaw)
                 if not loads_known(machine):
                     push_tilt(workspace.loads.tilt[0], contact, TILT_Y, more_h, more_k)
@@ -165,7 +169,7 @@ def find_shared_forces(machine, wheels, workspace, mobility, acceleration):
             h_0, k_0, h_1, k_1 = ahead.force[0], ahead.force[1], behind.force[0], behind.force[1]
             acceleration = pushed(machine, acceleration, mobility, workspace, w, -1.0)
             if workspace.resting is not None:
-                set_resting(wheels[w], workspace, w, mobility, acceleration)
+                set_resting(machine, wheels[w], workspace, w, mobility, acceleration)
             share_load(machine, wheels[w], workspace, w)
             acceleration = pushed(machine, acceleration, mobility, workspace, w, 1.0)
             change = max(change, max(abs(ahead.force[0] - h_0), abs(ahead.force[1] - k_0)))
@@ -188,7 +192,8 @@ def pushed(machine, acceleration, mobility, workspace, w, sign):
     part = workspace.parts[w]
     for c in range(part.first, part.first + part.contacts):
         contact = workspace.contacts[c]
-        push_x, push_y, push_yaw = push_of(machine, contact, contact.force[0], contact.force[1], contact.torque)
+        force, torque, normal = contact.force, contact.torque, contact.pressed
+        push_x, push_y, push_yaw = push_of(machine, contact, force[0], force[1], torque, normal)
         x, y, yaw = x + push_x, y + push_y, yaw + push_yaw
     more = yielding(mobility, x, y, yaw)
     return Acceleration(
@@ -197,7 +202,7 @@ def pushed(machine, acceleration, mobility, workspace, w, sign):
 
 
 @kernel
-def set_resting(wheel, workspace, w, mobility, acceleration):
+def set_resting(machine, wheel, workspace, w, mobility, acceleration):
     """The contact equations of wheel w on two rollers into `resting` and `mobility` of the workspace; its spin is
     held."""
     for side in range(TOUCHING):
@@ -213,6 +218,25 @@ def set_resting(wheel, workspace, w, mobility, acceleration):
                 hh, hk, kh, kk = own.hh, own.hk, own.hk, own.kk
             a = workspace.loads.mobility[side, other]
             a[0, 0], a[0, 1], a[1, 0], a[1, 1] = hh, hk, kh, kk
+        if machine.rolling:
+            set_rolling(wheel, workspace, side, mobility)
+
+
+@outlined
+def set_rolling(wheel, workspace, side, mobility):
+    """What rolling resistance of both contacts of a wheel on two rollers does to the slip of one of them, by the normal
+    forces, into `resting`."""
+    contact = workspace.contacts[wheel.contacts + side]
+    resting, feel = workspace.resting[side], contact.lever
+    resting.alone[0], resting.alone[1] = resting.bias[0], resting.bias[1]
+    for other in range(TOUCHING):
+        moved = yielding(mobility, 0.0, 0.0, workspace.contacts[wheel.contacts + other].resisting[2])
+        h = feel[0, 0] * moved.x + feel[1, 0] * moved.y + feel[2, 0] * moved.yaw
+        k = feel[0, 1] * moved.x + feel[1, 1] * moved.y + feel[2, 1] * moved.yaw
+        if side == other:
+            own_h, own_k = slip_by_rolling(wheel, contact, True)
+            h, k = h + own_h, k + own_k
+        resting.by_load[other, 0], resting.by_load[other, 1] = h, k
 
 
 @kernel
@@ -222,6 +246,10 @@ def turn_creep(machine, wheel, workspace, w, mobility, acceleration):
     limit = machine.friction * max(workspace.parts[w].normal_force, 0.0)
     a = contact_mobility(wheel, contact, mobility)
     rate_h, rate_k = free_rate(contact, acceleration)
+    if machine.rolling:
+        normal = max(workspace.parts[w].normal_force, 0.0)
+        more_h, more_k = slip_by_rolling(wheel, contact)
+        rate_h, rate_k = rate_h + normal * more_h, rate_k + normal * more_k
     if contact.creep[0] == 0.0 and contact.creep[1] == 0.0:
         u = slip_direction(a, Slip(rate_h, rate_k), limit)  # no force was in the balance yet
         u_h = u.h
@@ -314,6 +342,9 @@ def turning(machine, workspace, w, share):
             for i in range(2):
                 contact.force[i] = contact.share * (contact.constant[i] + contact.unit[i] * normal)
         total -= contact.axis[1] * contact.axis[2] * contact.torque
+        contact.pressed = contact.share * normal
+        if machine.rolling:
+            total += contact.pressed * contact.turning
     if workspace.resting is not None:
         find_resting_forces(machine, workspace, part, normal)
     for side in range(TOUCHING):
@@ -323,6 +354,15 @@ def turning(machine, workspace, w, share):
     return total
 
 
+@outlined
+def add_rolling(workspace, part, resting):
+    """What rolling resistance does to a contact at rest on a wheel on two rollers, into its bias."""
+    for i in range(2):
+        resting.bias[i] = resting.alone[i]
+        for other in range(TOUCHING):
+            resting.bias[i] += workspace.contacts[part.first + other].pressed * resting.by_load[other, i]
+
+
 @kernel
 def find_resting_forces(machine, workspace, part, normal):
     """Forces of the contacts of a wheel that rest, beside those that slip."""
@@ -330,6 +370,8 @@ def find_resting_forces(machine, workspace, part, normal):
         contact = workspace.contacts[part.first + side]
         resting = workspace.resting[side]
         resting.limit = contact.share * machine.friction * normal
+        if machine.rolling:
+            add_rolling(workspace, part, resting)
         if not resting.rest:
             resting.force[0], resting.force[1] = contact.force[0], contact.force[1]
     contact_forces(workspace.resting, workspace.loads.mobility)

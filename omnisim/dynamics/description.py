@@ -15,6 +15,7 @@ from omnisim.dynamics.parts import (
     drives,
     friction_reason,
     patch_reason,
+    rolling_reason,
     slope_reason,
     wheels_reason,
     wrench_reason,
@@ -113,10 +114,11 @@ def algebraic(config: Config, parameters: Parameters) -> Iterator[Part]:
         else "the floor and the servo take them away"
     )
     yield Part("heave, roll and pitch", False, 0, takes)
-    yield Part("compliance", False, 0, "bodies and floor are rigid: no suspension, no rolling resistance")
+    yield Part("compliance", False, 0, "bodies and floor are rigid: no suspension")
     yield bearing_loads(config)
     yield Part("contact torque", friction.contact_torque != "none", 0, patch_reason(friction))
     yield Part("bearing friction", bool(parameters.machine.bearing_friction), 0, bearing_reason(config))
+    yield Part("rolling resistance", bool(parameters.machine.rolling), 0, rolling_reason(config))
 
 
 def motion_reason(config: Config) -> str:

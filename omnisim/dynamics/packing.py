@@ -94,7 +94,7 @@ def pack(config: Config) -> Parameters:
 def state_places(config: Config, machine: dict) -> Places:
     """Where everything stands in the state."""
     wheels, free = len(config.wheels), config.upright == "free"
-    flags = "integrals", "currents", "bearing_friction", "motors", "odometry"
+    flags = "integrals", "currents", "bearing_friction", "rolling", "motors", "odometry"
     contents = Contents(
         wheels,
         machine["slots"],
@@ -190,6 +190,7 @@ def roller_flags(*types: WheelType) -> dict:
     return {
         "most": max(kind.rollers for kind in types),
         "bearing_friction": any(kind.roller.has_bearing_friction for kind in types),
+        "rolling": any(kind.roller.has_rolling_resistance for kind in types),
         "bearing_relaxation": max(bearing_relaxation(kind.roller) for kind in types),
     }
 

@@ -30,6 +30,7 @@ MACHINE = np.dtype(
         ("chassis_mass", np.float64),  # kg; 0 of a bare wheel
         ("chassis_inertia", np.float64, (3,)),  # about its own axes, kg m^2
         ("bearing_friction", np.int64),  # 1: bearing friction
+        ("rolling", np.int64),  # 1: rolling resistance
         ("every_rate", np.int64),  # 1: the rates of all rollers are states
         ("bearing_relaxation", np.float64),  # fastest rate at which bearing friction stops a roller, 1/s
         ("slots", np.int64),  # of roller rates in the state, for each wheel
@@ -84,6 +85,8 @@ WHEEL = np.dtype(
         ("bearing_viscosity", np.float64),  # N m s
         ("bearing_torque", np.float64),  # N m
         ("bearing_rate", np.float64),  # over which the torque changes its sign, rad/s
+        ("rolling_resistance", np.float64),  # f: moment on a roller by the load, m
+        ("rolling_rate", np.float64),  # over which it changes its sign, rad/s
         ("drive_gain", np.float64),  # demand, N m or V, by the input of the drive
         ("drive_damping", np.float64),  # by the spin rate, s/rad
         ("drive_integral", np.float64),  # by the integrated error of the spin rate, 1/rad
@@ -139,6 +142,13 @@ CONTACT = np.dtype(
         ("force", np.float64, (2,)),  # of the floor on the roller, N
         ("torque", np.float64),  # about the normal, N m
         ("share", np.float64),  # of the load of its wheel, 1
+        ("pressed", np.float64),  # normal force, by which its rolling resistance is in the balance, N
+        ("moment", np.float64, (2,)),  # of rolling resistance along h and k, by the normal force, m
+        ("resisting", np.float64, (5,)),  # that moment in the rows of `lever`, m
+        ("rolling", np.float64),  # its torque on the roller about its axis, by the normal force, m
+        ("turning", np.float64),  # the same on the spin, m
+        ("rolling_heat", np.float64),  # by the normal force, m/s
+        ("relaxing", np.float64),  # the rate at which it stops the roller, at most, by the normal force, 1/(N s)
     ]
 )
 PART = np.dtype(
@@ -177,6 +187,8 @@ RESTING = np.dtype(
         ("rest", np.int64),  # its force is sought
         ("limit", np.float64),  # of the force, N
         ("bias", np.float64, (2,)),  # slip acceleration without the force of any of them, m/s^2
+        ("alone", np.float64, (2,)),  # the same without their rolling resistance, m/s^2
+        ("by_load", np.float64, (TOUCHING, 2)),  # what that of each does, by its normal force, 1/kg
         ("force", np.float64, (2,)),  # N
     ]
 )

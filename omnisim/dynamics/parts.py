@@ -193,6 +193,19 @@ def bearing_reason(config: Config) -> str:
     return "; ".join(f"type '{name}': {law}" for name, law in having.items()) or "the scene asks for none"
 
 
+def rolling_reason(config: Config) -> str:
+    kinds = {wheel.type: config.type_of(wheel).roller for wheel in config.wheels}
+    having = {name: rolling_law(roller) for name, roller in kinds.items() if roller.has_rolling_resistance}
+    if len(kinds) == 1 and having:
+        return next(iter(having.values()))
+    return "; ".join(f"type '{name}': {law}" for name, law in having.items()) or "the scene asks for none"
+
+
+def rolling_law(roller: Roller) -> str:
+    moment = f"{roller.rolling_resistance:g} N m by N of load"
+    return f"{moment} on every roller on the floor, changing its sign over {roller.rolling_rate:g} rad/s"
+
+
 def bearing_law(roller: Roller) -> str:
     viscous, coulomb = f"{roller.bearing_viscosity:g} N m s", f"{roller.bearing_torque:g} N m"
     return f"viscous {viscous}, Coulomb {coulomb} changing its sign over {roller.bearing_rate:g} rad/s"

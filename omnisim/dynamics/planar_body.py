@@ -9,7 +9,7 @@ contact gives as far as its spin and roller do, F = -E (b + J X). What the floor
 
 from typing import NamedTuple
 
-from omnisim.base.kernel import kernel
+from omnisim.base.kernel import kernel, outlined
 from omnisim.base.vector import Vec2
 from omnisim.contact.frame import axes, frame_on_chassis, tangential
 from omnisim.contact.mobility import holding_mass
@@ -78,6 +78,24 @@ def set_holding(machine, wheel, contact, axis, j, bias):
     holding[1, 3] = -e.hk * bias.h - e.kk * bias.k
 
 
+@outlined
+def hold_against_rolling(machine, wheel, contact, axis, j):
+    """What a sticking contact holds of its rolling resistance, by its load, into `unit`: the force that takes away
+    what that does to its spin and its roller."""
+    e = holding_mass(machine, wheel, axis, j)
+    h, k = slip_by_rolling(wheel, contact)
+    contact.unit[0], contact.unit[1] = -e.hh * h - e.hk * k, -e.hk * h - e.kk * k
+
+
+@kernel
+def slip_by_rolling(wheel, contact, spin_held=False):
+    """Slip acceleration (h, k) that rolling resistance gives a contact by its own spin and roller, by the normal force,
+    1/kg."""
+    spin = 0.0 if spin_held else contact.turning * wheel.spin_mobility
+    roller = contact.rolling * wheel.axial_mobility
+    return contact.spin[0] * spin + contact.arm[0] * roller, contact.spin[1] * spin + contact.arm[1] * roller
+
+
 @kernel
 def free_rate(contact, motion):
     """Slip acceleration (h, k) of a contact without its own force, m/s^2: b + J X; motion: X, the Acceleration."""
@@ -99,14 +117,17 @@ def holding_force(contact, motion):
 
 
 @kernel
-def push_of(machine, contact, force_h, force_k, torque):
-    """A contact's force (N) and torque (N m) in the rows x, y and yaw."""
+def push_of(machine, contact, force_h, force_k, torque, normal):
+    """A contact's force (N) and torque (N m), and its rolling resistance by the normal force (N), in the rows x, y and
+    yaw."""
     lever = contact.lever
     x = lever[0, 0] * force_h + lever[0, 1] * force_k
     y = lever[1, 0] * force_h + lever[1, 1] * force_k
     yaw = lever[2, 0] * force_h + lever[2, 1] * force_k
     if machine.patch_radius > 0.0:
         yaw += contact.twist[2] * torque
+    if machine.rolling:
+        yaw += contact.resisting[2] * normal
     return x, y, yaw
 
 

@@ -72,6 +72,8 @@ def reduced_rhs(parameters, stage):
     heat, power = 0.0, 0.0  # of friction and of the drives, W
     if machine.bearing_friction:
         dy[at.bearing_loss] = 0.0
+    if machine.rolling:
+        dy[at.rolling_loss] = 0.0
     if machine.motors:
         rest_motors(parameters, dy)
     share = given_load(machine, load, len(wheels))

@@ -19,7 +19,7 @@ from omnisim.dynamics.normal_forces.solution import loads_known
 from omnisim.dynamics.normal_forces.tilt import TILT_X, TILT_Y, rotor_part, set_point, tilt_rows
 from omnisim.dynamics.planar_body import pushed_equations, set_contact
 from omnisim.dynamics.state import places
-from omnisim.dynamics.wheel_forces import free_wheel, monitor_wheel, set_part, twist, yield_to
+from omnisim.dynamics.wheel_forces import free_wheel, monitor_wheel, set_part, set_resistance, twist, yield_to
 
 
 @kernel
@@ -51,6 +51,8 @@ def slide_wheel(parameters, stage, w, body, load, equations):
     if machine.patch_radius > 0.0:
         rolling, spin, loss = twist(axis, state.turn, torque, rolling, spin, loss)
         yaw += (1.0 - axis.n * axis.n) * torque
+    if machine.rolling:
+        rolling, spin, yaw = resist(parameters, stage, w, state, max(load, 0.0), (rolling, spin, yaw))
     if stage.monitoring:
         contact = parameters.workspace.contacts[wheel.contacts]
         monitors = stage.monitors[w]
@@ -69,17 +71,45 @@ def slide_wheel(parameters, stage, w, body, load, equations):
         set_point(wheel, part, state.contact.l)
         part.push[0], part.push[1], part.push[2] = push.x, push.y, yaw
         about_h = machine.height * force.k - axis.h * rolling
+        if machine.rolling:
+            about_h += parameters.workspace.contacts[wheel.contacts].moment[0]
         about_k = (wheel.radius - machine.height) * force.h + rotor_part(wheel, False) * spin
         part.push[TILT_Y], part.push[TILT_X] = tilt_rows(wheel, about_h, about_k)
         part.rolling, part.turning, part.heat = rolling, spin, loss
         return pushed_equations(equations, 0.0, 0.0, free.yaw_moment), 0.0, power
     if stage.monitoring:
         set_part(parameters, stage, w, free, body, load)
+    if machine.rolling:
+        resisted(parameters, stage, w, max(load, 0.0))
     dy[rate_place(parameters, mode, w, 0)] += rolling * wheel.axial_mobility
     dy[places(parameters).spin_rate + w] = (free.spin + spin) * wheel.spin_mobility
     if machine.follows:
         power += follow_angles(parameters, stage, w, free.spin + spin)
     return pushed_equations(equations, push.x, push.y, free.yaw_moment + yaw), loss, power
+
+
+@kernel
+def resist(parameters, stage, w, state, normal, torques):
+    """Torques on roller, spin and yaw (N m) with those of rolling resistance under a normal force, N."""
+    wheel = parameters.wheels[w]
+    contact = parameters.workspace.contacts[wheel.contacts]
+    set_resistance(wheel, contact, state)
+    rolling, spin, yaw = torques
+    return (
+        rolling + normal * contact.rolling,
+        spin + normal * contact.turning,
+        yaw + normal * contact.resisting[2],
+    )
+
+
+@kernel
+def resisted(parameters, stage, w, normal):
+    """What rolling resistance loses under this normal force (N), and what is told of it."""
+    contact = parameters.workspace.contacts[parameters.wheels[w].contacts]
+    stage.dy[places(parameters).rolling_loss] += normal * contact.rolling_heat
+    contact.pressed = normal
+    if stage.monitoring:
+        stage.monitors[w].relaxing[0] = normal * contact.relaxing
 
 
 @kernel
@@ -92,6 +122,8 @@ def press_wheel(parameters, stage, w):
     dy = stage.dy
     normal = max(part.normal_force, 0.0) if mode.loaded else 0.0
     dy[rate_place(parameters, mode, w, 0)] += part.rolling * normal * wheel.axial_mobility
+    if parameters.machine.rolling:
+        resisted(parameters, stage, w, normal)
     spin = part.free_spin + part.turning * normal
     dy[places(parameters).spin_rate + w] = spin * wheel.spin_mobility
     if stage.monitoring:

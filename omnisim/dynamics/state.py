@@ -2,7 +2,8 @@
 
     y = [ positions: x y yaw, spin_angle of each wheel | their rates, in the same order |
           roller rates of each wheel | integrated rate error of each wheel's drive | current of each motor |
-          friction_loss drive_work wrench_work, with bearing friction bearing_loss,
+          friction_loss drive_work wrench_work, with bearing friction bearing_loss, with
+          rolling resistance rolling_loss,
           with motors electrical heat motor_loss motor_work | x y of the wheels' odometry |
           rho of every roller (implicit tracking) | r Q v w of every body, drift (formulation "multibody") ]
 
@@ -55,6 +56,7 @@ class Places(NamedTuple):
     joint_rate: int = 0
     contact_loss: int = 0
     damper_loss: int = 0
+    rolling_loss: int = 0
 
 
 # No index made of unsigned numbers can count from the end, so compiled code need not ask.
@@ -89,31 +91,33 @@ class Contents(NamedTuple):
     rhos: int = 0
     bodies: int = 0
     carriers: int = 0
+    rolling: int = 0
 
 
 @lru_cache
 def places_of(contents):
     """The Places of a state with such Contents."""
-    wheels, slots, integrals, currents, bearing_friction, motors, odometry, rhos, bodies, _ = contents
+    wheels, slots, integrals, currents, bearing_friction, motors, odometry, rhos, bodies, _, rolling = contents
     rates = 3 + wheels
     rollers = 6 + 2 * wheels
     integral = 6 + 2 * wheels + slots * wheels
     current = integral + integrals * wheels
     works = current + currents * wheels
-    energies = works + 3 + bearing_friction
+    energies = works + 3 + bearing_friction + rolling
     pose = energies + 4 * motors
     rho = pose + 2 * odometry
     first = rho + 3 * rhos
     drift = first + BODY_STATES * bodies
     works, energies = range(works, works + 4), range(energies, energies + 4)
     drives = integral, current, *works, *energies
-    return Places(3, rates, rates + 2, rates + 3, rollers, *drives, pose, rho, first, drift)
+    found = Places(3, rates, rates + 2, rates + 3, rollers, *drives, pose, rho, first, drift)
+    return found._replace(rolling_loss=found.bearing_loss + bearing_friction)
 
 
 @lru_cache
 def places_in_space(contents):
     """The same of a machine free in space, whose state spatial/records.py describes."""
-    wheels, slots, integrals, currents, bearing_friction, motors, odometry, _, _, carriers = contents
+    wheels, slots, integrals, currents, bearing_friction, motors, odometry, _, _, carriers, rolling = contents
     joint = 7 + wheels
     velocity = joint + carriers
     spin_rate = velocity + 6
@@ -122,12 +126,12 @@ def places_in_space(contents):
     integral = rollers + slots * wheels
     current = integral + integrals * wheels
     works = current + currents * wheels
-    losses = works + 3 + bearing_friction
+    losses = works + 3 + bearing_friction + rolling
     energies = losses + 2
     pose = energies + 4 * motors
     end = pose + 2 * odometry
     drives = integral, current, *range(works, works + 4), *range(energies, energies + 4)
-    own = velocity + 3, joint, joint_rate, losses, losses + 1
+    own = velocity + 3, joint, joint_rate, losses, losses + 1, losses - rolling
     return Places(7, velocity, velocity + 5, spin_rate, rollers, *drives, pose, end, end, end, *own)
 
 
@@ -168,6 +172,7 @@ MONITORS = np.dtype(
         # coulomb: mu N - |F| while sticking, v . u while creeping; 0 on two rollers
         ("margin", np.float64, (TOUCHING,)),
         ("factor", np.float64, (TOUCHING,)),  # g of the friction law F = -g v, N s/m
+        ("relaxing", np.float64, (TOUCHING,)),  # rate at which rolling resistance stops a roller, at most, 1/s
     ]
 )
 EXTREME = np.dtype(

@@ -9,13 +9,22 @@ from omnisim.base.kernel import kernel, outlined
 from omnisim.contact.frame import Axis, Slip
 from omnisim.contact.friction import BRUSH, VISCOUS, friction
 from omnisim.contact.kinematics import Jacobian, joint_rate, slip_acceleration, slip_jacobian, streaming
+from omnisim.contact.rolling_resistance import rolling_moment, rolling_relaxation
 from omnisim.contact.set_valued import CREEP, SLIP, STICK
 from omnisim.contact.tracking import roller_axis
 from omnisim.dynamics.actuation import actuate, follow_angles, followed
 from omnisim.dynamics.indices import contact_count, rate_place, roller_of, sector_of
 from omnisim.dynamics.normal_forces.solution import held_body, loads_known
 from omnisim.dynamics.normal_forces.tilt import place_load, rotor_part, set_tilt, tilt_rows
-from omnisim.dynamics.planar_body import holding_force, holds, pushed_equations, set_contact, set_holding, set_lever
+from omnisim.dynamics.planar_body import (
+    hold_against_rolling,
+    holding_force,
+    holds,
+    pushed_equations,
+    set_contact,
+    set_holding,
+    set_lever,
+)
 from omnisim.dynamics.state import TOUCHING, places
 from omnisim.dynamics.twist import Acceleration, wheel_motion
 from omnisim.dynamics.wheel import (
@@ -130,10 +139,27 @@ def observe_contact(parameters, mode, w, side, body, state):
     contact = parameters.workspace.contacts[wheel.contacts + side]
     j = slip_jacobian(wheel, state.axis, state.contact)
     set_contact(contact, state, j, mode.shared)
+    if machine.rolling:
+        set_resistance(wheel, contact, state)
     set_lever(wheel, contact, state.axis, j)
     if not loads_known(machine):
         set_tilt(machine, wheel, contact, mode.shared)
     find_friction(parameters, mode, w, side, body, state, j)
+
+
+@outlined
+def set_resistance(wheel, contact, state):
+    """Rolling resistance by the normal force at a ContactState, into the workspace: the roller turns along the floor
+    with (chi' a_h, phi' + chi' a_k), and hands on what of the moment is not about its axis."""
+    axis = state.axis
+    turn_h, turn_k = state.joint * axis.h, state.twist.spin + state.joint * axis.k
+    moment = rolling_moment(wheel, turn_h, turn_k)
+    rolling = moment.h * axis.h + moment.k * axis.k
+    contact.moment[0], contact.moment[1] = moment.h, moment.k
+    contact.rolling, contact.turning = rolling, moment.k - axis.k * rolling
+    contact.resisting[2] = -axis.n * rolling
+    contact.rolling_heat = -(moment.h * turn_h + moment.k * turn_k)
+    contact.relaxing = rolling_relaxation(wheel, turn_h, turn_k)
 
 
 @kernel
@@ -155,6 +181,8 @@ def find_friction(parameters, mode, w, side, body, state, j):
         if mode.grip[side] == STICK and not mode.shared:  # its force is what holds it
             set_holding(machine, wheel, contact, state.axis, j, bias)
             contact.factor = contact.torque = 0.0
+            if machine.rolling:
+                hold_against_rolling(machine, wheel, contact, state.axis, j)
             return
     stream = streaming(wheel, state) if machine.law == BRUSH else slip
     factor, torque = friction(machine, mode.saturated[side], 1.0, slip, state.turn, stream)
@@ -195,6 +223,9 @@ def move_wheel(parameters, stage, w, acceleration):
         if machine.patch_radius > 0.0:
             axis = Axis(contact.axis[0], contact.axis[1], contact.axis[2])
             rolling, turning, heat = twist(axis, contact.turn, contact.torque, rolling, turning, heat)
+        if machine.rolling:
+            rolling, turning = rolling + contact.pressed * contact.rolling, turning + contact.pressed * contact.turning
+            dy[at.rolling_loss] += contact.pressed * contact.rolling_heat
         dy[rate_place(parameters, mode, w, side)] += rolling * wheel.axial_mobility
         spin, loss = spin + turning, loss + heat
     dy[at.spin_rate + w] = 0.0 if mode.shared else spin * wheel.spin_mobility
@@ -219,13 +250,19 @@ def react(parameters, stage, w, side, acceleration):
         load = contact.share * normal
     elif parameters.workspace.resting is not None and holds(part, contact):
         contact.force[0], contact.force[1] = holding_force(contact, acceleration)
+        if machine.rolling:
+            contact.force[0] += contact.unit[0] * normal
+            contact.force[1] += contact.unit[1] * normal
     else:
         contact.force[0] = contact.constant[0] + contact.unit[0] * normal
         contact.force[1] = contact.constant[1] + contact.unit[1] * normal
         if machine.patch_radius > 0.0:
             contact.torque = contact.unit_torque * normal
+    contact.pressed = load
     if not stage.monitoring:
         return
+    if machine.rolling:
+        stage.monitors[w].relaxing[side] = load * contact.relaxing
     force = contact.force
     slip = contact.slip
     monitors = stage.monitors[w]

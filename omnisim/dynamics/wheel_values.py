@@ -49,6 +49,8 @@ def shared_values(kind: WheelType, law: DriveLaw, mirrored: bool, step: float | 
         "bearing_viscosity": kind.roller.bearing_viscosity,
         "bearing_torque": kind.roller.bearing_torque,
         "bearing_rate": kind.roller.bearing_rate,
+        "rolling_resistance": kind.roller.rolling_resistance,
+        "rolling_rate": kind.roller.rolling_rate,
         **drive_values(law, step),
     }
 

@@ -6,6 +6,7 @@ from omnisim.base.methods import AUTO, EXPLICIT, IMPLICIT, METHODS
 from omnisim.base.status import SAFE_STEP
 from omnisim.contact.frame import Slip
 from omnisim.contact.friction import friction_factor
+from omnisim.contact.rolling_resistance import rolling_relaxation
 from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.spatial.swings import fastest_swing
 from omnisim.dynamics.static_loads import static_loads
@@ -16,14 +17,16 @@ SAFE = 0.5  # of the stability limit of the explicit tableau, up to which "auto"
 
 
 def relaxation_rate(config: Config, parameters: Parameters) -> float:
-    """Largest rate at which friction relaxes slip anywhere in the scene, 1/s; infinite for coulomb."""
+    """Largest rate at which friction relaxes slip, or rolling resistance stops a roller, anywhere in the scene, 1/s;
+    infinite for coulomb."""
     machine = parameters.machine
     normal = heaviest_load(config, parameters)
     if config.friction.law == "coulomb":
         return math.inf if machine.friction * normal > 0.0 else 0.0
     mobility = max(roller_mobility(machine, wheel, parameters.roller_rows) for wheel in parameters.wheels)
     still = Slip(0.0, 0.0)
-    return friction_factor(machine, 0, normal, still, still) * mobility
+    rolling = max(rolling_relaxation(wheel, 0.0, 0.0) for wheel in parameters.wheels)
+    return max(friction_factor(machine, 0, normal, still, still) * mobility, normal * rolling)
 
 
 def heaviest_load(config: Config, parameters: Parameters) -> float:

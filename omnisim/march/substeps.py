@@ -49,6 +49,8 @@ def step_length(parameters, run, t, h):
     for w in range(len(run.mode)):
         for side in range(contact_count(run.mode[w])):
             factor, grip = run.monitors[w].factor[side], run.mode[w].grip[side]
+            if machine.rolling:
+                relaxation = max(relaxation, run.monitors[w].relaxing[side])
             if parameters.workspace.resting is not None and grip == CREEP:  # it will stop soon, or go its own way
                 rate, _, _ = slip_rate(parameters, run.mode[w], w, side, run.y, run.slopes[0])
                 speed = max(math.sqrt(run.monitors[w].slip_square[side]), LEAST_CREEPING)

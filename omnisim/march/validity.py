@@ -8,6 +8,7 @@ from omnisim.base.vector import dot
 from omnisim.contact.frame import Axis, Slip
 from omnisim.contact.friction import friction_factor
 from omnisim.contact.mobility import inverse_mass, largest
+from omnisim.contact.rolling_resistance import rolling_relaxation
 from omnisim.contact.tracking import Contact, explicit_contact, roller_axis
 from omnisim.dynamics.energy import kinetic_energy, potential_energy
 from omnisim.dynamics.indices import contact_count, roller_index
@@ -81,6 +82,7 @@ def check_energy(parameters, run):
         clock.energy, clock.potential = kinetic, potential
     fall = clock.potential - potential  # work of the weight
     loss = y[at.friction_loss] + (y[at.bearing_loss] if machine.bearing_friction else 0.0)
+    loss += y[at.rolling_loss] if machine.rolling else 0.0
     if parameters.space is not None:
         loss += y[at.contact_loss] + y[at.damper_loss]
     balance = kinetic - clock.energy + loss - y[at.drive_work] - y[at.wrench_work] - fall
@@ -115,6 +117,8 @@ def too_fast(parameters, run, w):
     if parameters.workspace.resting is not None or run.newton is not None:
         return False
     for c in range(contact_count(run.mode[w])):
+        if machine.rolling and run.monitors[w].relaxing[c] * clock.dt > clock.stability_limit:
+            return True
         factor = run.monitors[w].factor[c]
         if factor * machine.slip_mobility * clock.dt > clock.stability_limit:  # the bound of the mobility is cheap
             return factor * mobility_at(parameters, run.mode[w], run.y, w, c) * clock.dt > clock.stability_limit
@@ -137,6 +141,9 @@ def too_stiff(parameters, run, w):
     still = Slip(0.0, 0.0)
     at_rest = friction_factor(machine, 0, run.monitors[w].normal_force, still, still)
     run.clock.rate = at_rest * roller_mobility(machine, parameters.wheels[w], parameters.roller_rows)
+    if machine.rolling:
+        rolling = rolling_relaxation(parameters.wheels[w], 0.0, 0.0)
+        run.clock.rate = max(run.clock.rate, run.monitors[w].normal_force * rolling)
     run.clock.wheel, run.clock.status = w, TOO_STIFF
 
 

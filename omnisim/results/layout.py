@@ -175,6 +175,7 @@ TABLE = (
     Quantity("energy/damper_loss", T, "J", "energy lost in the dampers of suspensions since t = 0", optional=True),
     Quantity("energy/friction_loss", T, "J", "energy lost to friction since t = 0"),
     Quantity("energy/bearing_loss", T, "J", "energy lost in the rollers' bearings since t = 0"),
+    Quantity("energy/rolling_loss", T, "J", "energy lost to rolling resistance since t = 0, if there is some"),
     Quantity("energy/drive_work", T, "J", "work of the drives since t = 0"),
     Quantity("energy/wrench_work", T, "J", "work of the external wrench since t = 0"),
     Quantity("energy/electrical", T, "J", "energy that motors have taken from their supply since t = 0", optional=True),

@@ -218,7 +218,8 @@ def works(parameters: Parameters, y: np.ndarray) -> dict[str, np.ndarray]:
     at = places_in(parameters)
     bearing_loss = y[:, at.bearing_loss] if parameters.machine.bearing_friction else np.zeros(len(y))
     found = y[:, at.friction_loss], bearing_loss, y[:, at.drive_work], y[:, at.wrench_work]
-    return dict(zip(WORKS, found, strict=True))
+    rolling = {"energy/rolling_loss": y[:, at.rolling_loss]} if parameters.machine.rolling else {}
+    return dict(zip(WORKS, found, strict=True)) | rolling
 
 
 def balanced(parameters: Parameters, rows: Recording, done: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -228,6 +229,7 @@ def balanced(parameters: Parameters, rows: Recording, done: dict[str, np.ndarray
     kinetic = by_columns(kinetic_energy, parameters, places_in(parameters), y.T, rows.rates.transpose(1, 2, 0))
     gravity = by_columns(potential_energy, machine, y.T)
     loss, bearing_loss, drive, wrench = (done[path] for path in WORKS)
+    loss = loss + done.get("energy/rolling_loss", 0.0)
     return {
         "energy/kinetic": kinetic,
         **({"energy/gravity": gravity} if machine.inclined else {}),

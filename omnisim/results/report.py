@@ -174,13 +174,16 @@ def _constraints(trajectory: Recorded) -> str:
     return f"kept to {position:.2g} m and {velocity:.2g} m/s in every row; put back at every step, by {drift} at most"
 
 
+SOME = ("bearing_loss", "rolling_loss")  # losses that not every machine has
+
+
 def _energy(trajectory: Recorded) -> str:
     if not len(trajectory.time):
         return "no rows"
     kinetic = trajectory["energy/kinetic"]
     works = (f"{name.replace('_', ' ')} {trajectory[f'energy/{name}'][-1]:.6g} J"
-             for name in ("friction_loss", "bearing_loss", "drive_work", "wrench_work")
-             if name != "bearing_loss" or trajectory["energy/bearing_loss"][-1])  # fmt: skip
+             for name in ("friction_loss", "bearing_loss", "rolling_loss", "drive_work", "wrench_work")
+             if name not in SOME or (f"energy/{name}" in trajectory and trajectory[f"energy/{name}"][-1]))  # fmt: skip
     error = np.abs(trajectory["energy/balance"]).max()
     change = f"kinetic {kinetic[0]:.6g} -> {kinetic[-1]:.6g} J"
     if "energy/gravity" in trajectory:

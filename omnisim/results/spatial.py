@@ -94,6 +94,7 @@ def balanced_in_space(
     contact_loss, damper_loss = y[:, at.contact_loss], y[:, at.damper_loss]
     whole = energies.sum(axis=1)
     losses = done["energy/friction_loss"] + done["energy/bearing_loss"] + contact_loss + damper_loss
+    losses = losses + done.get("energy/rolling_loss", 0.0)
     return {
         "energy/kinetic": energies[:, KINETIC],
         "energy/gravity": energies[:, GRAVITY],

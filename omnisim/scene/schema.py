@@ -183,6 +183,8 @@ class Roller(Table):
     (kg/m^3), and inertias.
 
     Friction of its bearing: viscosity (N m s), and a Coulomb torque (N m) that changes its sign over a rate (rad/s).
+
+    Rolling resistance on the floor: a moment by load (m), which changes its sign over rolling_rate (rad/s).
     """
 
     mass: Positive = 0.0
@@ -193,10 +195,16 @@ class Roller(Table):
     bearing_viscosity: NonNegative = 0.0
     bearing_torque: NonNegative = 0.0
     bearing_rate: Positive = 0.1
+    rolling_resistance: NonNegative = 0.0
+    rolling_rate: Positive = 0.1
 
     @property
     def has_bearing_friction(self) -> bool:
         return self.bearing_viscosity > 0.0 or self.bearing_torque > 0.0
+
+    @property
+    def has_rolling_resistance(self) -> bool:
+        return self.rolling_resistance > 0.0
 
 
 class WheelType(Table):

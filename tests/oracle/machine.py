@@ -56,6 +56,8 @@ wheels B is invertible, which is no assumption on the forces at all.
 Rubber that creeps (brush) also asks for v_r = v_P - v, with v_P the velocity of the point of contact over the floor,
 v_c + p', whose p' is taken by differences of the lowest point as the axis turns.
 
+Rolling resistance is a moment on the roller at P against the part of w_c along the floor, in proportion to N.
+
 Friction on the roller at P, slip v = v_c + w_c x p: F = -mu N g(v) is proportional to the unknown N and so
 belongs to the column of N, whose wrench is (f, p x f), f = n - mu g(v). All accelerations and multipliers come from
 ONE dense solve of 6 N_bodies + 5 N_joints + 2 (bare wheel) or 3 (vehicle) equations:
@@ -114,6 +116,7 @@ class Touch(NamedTuple):
     bias: float  # right side of the floor row
     slip: np.ndarray
     per_normal: np.ndarray  # friction over N
+    resisting: np.ndarray  # moment of rolling resistance over N, m
     free: np.ndarray  # friction that does not depend on N
 
     def push(self, force: np.ndarray) -> np.ndarray:
@@ -192,6 +195,12 @@ def along_turning(function: Callable[[np.ndarray], np.ndarray], axis: np.ndarray
     level = (about @ axis) * about
     at = [function(level + cos(k * TURN) * (axis - level) + sin(k * TURN) * across) for k in (-2, -1, 1, 2)]
     return rate / (12.0 * TURN) * (at[0] - 8.0 * at[1] + 8.0 * at[2] - at[3])
+
+
+def rolling_resistance(roller: dict, turning: np.ndarray) -> np.ndarray:
+    """Moment on a roller over N (m): against its angular velocity in the tangent plane, `turning`."""
+    size = sqrt(turning @ turning + roller.get("rolling_rate", 0.1) ** 2)
+    return -roller.get("rolling_resistance", 0.0) / size * turning
 
 
 class Machine:
@@ -317,7 +326,8 @@ class Machine:
         matrix[: self.moves, self.moves :] = -jacobian[:, : self.moves].T
         forces = matrix[:, self.moves :][:, self.floor]
         for touch, share in zip(touches, shares, strict=True):
-            forces[touch.columns] -= np.outer(touch.push(touch.per_normal), share)
+            wrench = touch.push(touch.per_normal) + np.concatenate([np.zeros(3), touch.resisting])
+            forces[touch.columns] -= np.outer(wrench, share)
             right[touch.columns] += touch.push(touch.free)
         found = np.linalg.solve(matrix, right)
         multipliers = found[self.moves :]
@@ -397,7 +407,9 @@ class Machine:
         slip = (body[VELOCITY] + cross(w, p)) * FLAT
         columns = slice(6 * index, 6 * index + 6)
         stream = (body[VELOCITY] + along_turning(lambda axis: wheel.lowest_point(axis)[0], axis, w)) * FLAT - slip
-        return Touch(columns, p, body[POSITION] + p, bias, slip, *self.friction(slip, stream))
+        per_normal, free = self.friction(slip, stream)
+        resisting = rolling_resistance(wheel.kind["roller"], w * FLAT)
+        return Touch(columns, p, body[POSITION] + p, bias, slip, per_normal, resisting, free)
 
     def shares(self, bodies: np.ndarray, touches: list[Touch]) -> np.ndarray:
         """B of N = B beta, (wheels, beta): places on the floor are reckoned from the base."""

@@ -71,6 +71,15 @@ def following(*wheels):
     return tuple(overrides)
 
 
+def resisting(*types):
+    """Overrides by which rollers of these types resist rolling, each by its own length."""
+    return tuple(
+        f"wheel_types.{name}.roller.{key}"
+        for number, name in enumerate(types)
+        for key in (f"rolling_resistance={2e-3 * (1 + number)}", f"rolling_rate={2.0 + number}")
+    )
+
+
 LAWS = ("regularized", "saturated", "viscous", "brush", "none")
 MACHINES = {"three skew wheels": (SKEW, ()), "the same with a servo": (SKEW, ("scene.upright=servo",))}
 MACHINES["four mecanum wheels"] = (MECANUM, HEAVY)

@@ -14,6 +14,7 @@ from scenes import REFERENCE, reference_data
 import omnisim
 from omnisim.scene.scene import load
 from oracle.machine import AXIS
+from oracle.scenes import resisting
 from oracle.shared_contact import limit, simulate
 from oracle.states import OnTwo, states
 
@@ -79,6 +80,7 @@ TWISTED = (
 
 ON_ROWS = (*TWISTED, *ROWS, "wheels.wheel.spin_angle_deg=30")
 TOGETHER = [TWISTED, (*TWISTED, "friction.law=saturated"), VISCOUS, ON_ROWS, (*VISCOUS, *ROWS)]
+TOGETHER += [(*TWISTED, *resisting("omni")), (*ON_ROWS, *resisting("omni"))]
 
 
 @pytest.mark.parametrize("overrides", TOGETHER, ids=range(len(TOGETHER)))

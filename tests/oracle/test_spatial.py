@@ -25,7 +25,7 @@ from oracle.spatial.states import GRID, SCENES, changed, heights, states
 SMOOTH = [name for name, scene in SCENES.items() if scene["friction"]["law"] != "coulomb"]
 FEW, MANY = 10, 60  # states of a scene
 LOSSES = {"friction_loss": "friction", "contact_loss": "contact", "damper_loss": "damper", "drive_work": "drive",
-          "wrench_work": "wrench", "bearing_loss": "bearing"}  # fmt: skip
+          "wrench_work": "wrench", "bearing_loss": "bearing", "rolling_loss": "rolling"}  # fmt: skip
 
 
 class Engine:
@@ -183,7 +183,8 @@ def add_energy(pairs: Pairs, machine: Machine, engine: Engine, now: Coordinates,
     pairs.add("kinetic energy", told.kinetic, motion_energy(parameters, run.y, padded(now, run.rates.shape)))
     pairs.add("stored energy", told.gravity + told.elastic, stored_energy(parameters, run.mode, run.y))
     for name, theirs in LOSSES.items():
-        if name != "bearing_loss" or parameters.machine.bearing_friction:
+        modelled = {"bearing_loss": parameters.machine.bearing_friction, "rolling_loss": parameters.machine.rolling}
+        if modelled.get(name, True):
             pairs.add("powers", getattr(told, theirs), engine.dy[getattr(engine.at, name)])
 
 

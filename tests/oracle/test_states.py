@@ -23,6 +23,7 @@ from oracle.scenes import (
     ROWS,
     SKEW,
     following,
+    resisting,
 )
 from oracle.states import Given, states
 
@@ -30,6 +31,8 @@ COULOMB = "friction={law='coulomb', coefficient=0.4}"
 SLOPE = "floor={slope_deg=8.0, uphill_deg=110.0}"
 FINE = "time={end=0.12, step=2e-5, output_interval=2e-5}"
 LONGER = "time={end=0.5, step=1e-4, output_interval=1e-4}"
+RESISTING = resisting("straight", "tilted", "crossed")
+BODIES = "solver.formulation=multibody"
 DRIVEN = "time={end=1.0, step=1e-3, output_interval=1e-3}"
 # path, overrides, and whether the oracle solves for friction too
 SCENES = {f"bare wheel, {name}": (BASE, [*MOVING, *overrides, LONGER], Machine) for name, overrides in CASES.items()}
@@ -54,6 +57,26 @@ SCENES |= {
     "three skew wheels on rows that follow angles, coulomb": (
         SKEW,
         [*ROWS, *following("front", "left", "right"), COULOMB, FINE],
+        Given,
+    ),
+    "bare wheel that resists rolling": (BASE, [*MOVING, *resisting("omni"), LONGER], Machine),
+    "bare wheel that resists rolling, as bodies": (BASE, [*MOVING, *resisting("omni"), BODIES, LONGER], Machine),
+    "bare wheel that resists rolling, coulomb": ("coulomb_wheel", [*resisting("omni"), *PUSHED[1:], LONGER], Given),
+    "three skew wheels that resist rolling": (SKEW, [*RESISTING, FINE], Machine),
+    "the same, viscous": (SKEW, [*RESISTING, "friction.law=viscous", FINE], Machine),
+    "the same, creeping on a servo": (SKEW, [*RESISTING, "friction.law=brush", "scene.upright=servo", FINE], Machine),
+    "the same on rows, as bodies": (SKEW, [*ROWS, *RESISTING, BODIES, FINE], Machine),
+    "the same, coulomb": (SKEW, [*RESISTING, COULOMB, FINE], Given),
+    "the same, coulomb, as bodies": (SKEW, [*RESISTING, COULOMB, BODIES, FINE], Given),
+    "the same, coulomb, on a servo": (SKEW, [*RESISTING, COULOMB, "scene.upright=servo", FINE], Given),
+    "the same, coulomb, following angles": (
+        SKEW,
+        [*following("front", "left", "right"), *RESISTING, COULOMB, FINE],
+        Given,
+    ),
+    "four mecanum wheels that resist rolling, coulomb": (
+        MECANUM,
+        [*HEAVY, *resisting("mecanum"), COULOMB, FINE],
         Given,
     ),
     "kiwi under control": ("kiwi", [DRIVEN], Given),

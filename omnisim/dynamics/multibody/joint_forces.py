@@ -90,10 +90,11 @@ def roller_motion(centre, bent, rate, axis, rho, joint, rolling):
 
 @kernel
 def floor_force(part, contact, h, k):
-    """Force (Vec3, N) and torque (N m) of the floor on a roller at a contact; part: of its wheel."""
+    """Force (Vec3, N) and moment (N m) of the floor on a roller at a contact; part: of its wheel."""
     normal = contact.share * max(part.normal_force, 0.0) if part.loaded else 0.0
     along = plus(times(contact.force[0], h), times(contact.force[1], k))
-    return plus(along, times(normal, UP)), times(contact.torque, UP)
+    rolling = plus(times(contact.moment[0], h), times(contact.moment[1], k))
+    return plus(along, times(normal, UP)), plus(times(contact.torque, UP), times(normal, rolling))
 
 
 @kernel

@@ -61,7 +61,7 @@ from omnisim.dynamics.planar_body import holds, set_contact
 from omnisim.dynamics.state import YAW, X, Y, places
 from omnisim.dynamics.twist import Body, Twist, power_of
 from omnisim.dynamics.wheel import ContactState, bearing_torque, external_wrench, on_row, rho_of
-from omnisim.dynamics.wheel_forces import find_friction, monitor_loads, react
+from omnisim.dynamics.wheel_forces import find_friction, monitor_loads, react, set_resistance
 
 
 class Place(NamedTuple):
@@ -90,6 +90,8 @@ def multibody_rhs(parameters, stage):
     dy[X], dy[Y], dy[YAW] = carrier.velocity.x, carrier.velocity.y, rate.z
     if machine.motors:
         rest_motors(parameters, dy)
+    if machine.rolling:
+        dy[at.rolling_loss] = 0.0
     balance = chassis_balance(machine, carrier, wrench)
     heat, power, sought, bearing_loss = 0.0, 0.0, 0, 0.0
     for w in range(len(wheels)):
@@ -121,6 +123,8 @@ def multibody_rhs(parameters, stage):
             react(parameters, stage, w, side, acceleration)
             heat -= contact.force[0] * contact.slip[0] + contact.force[1] * contact.slip[1]
             heat -= contact.torque * contact.turn
+            if machine.rolling:
+                dy[at.rolling_loss] += contact.pressed * contact.rolling_heat
         if stage.monitoring:
             monitors = stage.monitors[w]
             monitors.regular = regular
@@ -286,6 +290,12 @@ def meet(parameters, mode, w, side, carrier, body, y):
     rows = felt_from_floor(carrier, arm, art, by_n, held)
     twist = contact.twist
     twist[2], twist[TILT_Y], twist[TILT_X] = rows.yaw, rows.tilt_y, rows.tilt_x
+    if parameters.machine.rolling:
+        set_resistance(wheel, contact, state)
+        moment = plus(times(contact.moment[0], h), times(contact.moment[1], k))
+        rows = felt_from_floor(carrier, arm, art, handed_on(a, rho, point.arm, nothing, moment), held)
+        resisting = contact.resisting
+        resisting[2], resisting[TILT_Y], resisting[TILT_X] = rows.yaw, rows.tilt_y, rows.tilt_x
     find_friction(parameters, mode, w, side, body, state, j)
 
 

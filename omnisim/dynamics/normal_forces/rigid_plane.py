@@ -133,19 +133,20 @@ def carry(machine, workspace):
         for c in range(part.first, part.first + part.contacts):
             contact = workspace.contacts[c]
             if part.contacts == 2:
-                by_y, by_x = tilt_of(machine, contact, contact.force[0], contact.force[1], contact.torque)
+                force, torque, normal = contact.force, contact.torque, contact.pressed
+                by_y, by_x = tilt_of(machine, contact, force[0], force[1], torque, normal)
                 about_y, about_x = resisted(about_y, by_y), resisted(about_x, by_x)
-            elif workspace.resting is None or not holds(part, contact):
+            elif workspace.resting is None or not holds(part, contact) or machine.rolling:
                 force_h = contact.unit[0]
                 force_k = contact.unit[1]
                 torque = contact.unit_torque
-                along_x, along_y, turn = push_of(machine, contact, force_h, force_k, torque)
-                by_y, by_x = tilt_of(machine, contact, force_h, force_k, torque)
+                along_x, along_y, turn = push_of(machine, contact, force_h, force_k, torque, 1.0)
+                by_y, by_x = tilt_of(machine, contact, force_h, force_k, torque, 1.0)
                 push_x, push_y = loaded(push_x, along_x, x, y), loaded(push_y, along_y, x, y)
                 push_yaw = loaded(push_yaw, turn, x, y)
                 about_y, about_x = pressed(about_y, by_y, x, y), pressed(about_x, by_x, x, y)
                 if machine.law == VISCOUS:
-                    by_y, by_x = tilt_of(machine, contact, contact.constant[0], contact.constant[1], 0.0)
+                    by_y, by_x = tilt_of(machine, contact, contact.constant[0], contact.constant[1], 0.0, 0.0)
                     about_y, about_x = resisted(about_y, by_y), resisted(about_x, by_x)
     return (
         Pushes(push_x, push_y, push_yaw),

@@ -29,7 +29,8 @@ def find_servo(machine, workspace, motion):
         about_x += part.normal_force * part.point[1]
         for c in range(part.first, part.first + part.contacts):
             contact = workspace.contacts[c]
-            more_y, more_x = tilt_of(machine, contact, contact.force[0], contact.force[1], contact.torque)
+            force, torque, normal = contact.force, contact.torque, contact.pressed
+            more_y, more_x = tilt_of(machine, contact, force[0], force[1], torque, normal)
             about_y, about_x = about_y + more_y, about_x + more_x
     workspace.loads.servo[0], workspace.loads.servo[1] = -about_x, about_y
 

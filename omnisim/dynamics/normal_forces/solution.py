@@ -61,17 +61,19 @@ def balanced_equations(machine, workspace, equations):
             continue
         for c in range(part.first, part.first + part.contacts):
             contact = workspace.contacts[c]
-            if workspace.resting is not None and holds(part, contact):
+            if workspace.resting is not None and holds(part, contact) and not machine.rolling:
                 continue
             if part.contacts == 2:
                 force_h = contact.force[0]
                 force_k = contact.force[1]
                 torque = contact.torque
+                pressed = contact.pressed
             else:
                 normal = part.normal_force if known else 0.0
                 force_h = contact.constant[0] + contact.unit[0] * normal
                 force_k = contact.constant[1] + contact.unit[1] * normal
                 torque = contact.unit_torque * normal
-            push_x, push_y, push_yaw = push_of(machine, contact, force_h, force_k, torque)
+                pressed = normal
+            push_x, push_y, push_yaw = push_of(machine, contact, force_h, force_k, torque, pressed)
             x, y, yaw = x + push_x, y + push_y, yaw + push_yaw
     return BodyEquations(equations.xx, equations.xy, equations.xw, equations.yy, equations.yw, equations.ww, x, y, yaw)

@@ -28,6 +28,10 @@ def set_tilt(machine, wheel, contact, spin_held):
     lever[TILT_Y, 1], lever[TILT_X, 1] = tilt_rows(wheel, h_k, k_k)
     if machine.patch_radius > 0.0:
         twist[TILT_Y], twist[TILT_X] = tilt_rows(wheel, -axis_n * axis_h, -rotor * axis_n * axis_k)
+    if machine.rolling:
+        resisting = contact.resisting
+        about_h = contact.moment[0] - axis_h * contact.rolling
+        resisting[TILT_Y], resisting[TILT_X] = tilt_rows(wheel, about_h, rotor * contact.turning)
 
 
 @kernel
@@ -94,11 +98,14 @@ def tilt_holding(row, contact, i):
 
 
 @kernel
-def tilt_of(machine, contact, force_h, force_k, torque):
-    """A contact's force (N) and torque (N m) in the rows of tilt: about -y and about x, N m."""
+def tilt_of(machine, contact, force_h, force_k, torque, normal):
+    """A contact's force (N) and torque (N m), and its rolling resistance by the normal force (N), in the rows of tilt:
+    about -y and about x, N m."""
     lever = contact.lever
     y = lever[TILT_Y, 0] * force_h + lever[TILT_Y, 1] * force_k
     x = lever[TILT_X, 0] * force_h + lever[TILT_X, 1] * force_k
     if machine.patch_radius > 0.0:
         y, x = y + contact.twist[TILT_Y] * torque, x + contact.twist[TILT_X] * torque
+    if machine.rolling:
+        y, x = y + contact.resisting[TILT_Y] * normal, x + contact.resisting[TILT_X] * normal
     return y, x

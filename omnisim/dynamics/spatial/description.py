@@ -12,6 +12,7 @@ from omnisim.dynamics.parts import (
     drives,
     friction_reason,
     patch_reason,
+    rolling_reason,
     slope_reason,
     wheels_reason,
     wrench_reason,
@@ -46,11 +47,12 @@ def parts_in_space(config: Config, parameters: Parameters) -> Iterator[Part]:
     yield Part("wrench", bool(config.wrench.times), 0, wrench_reason(config))
     yield Part("chassis", True, 0, _chassis_reason(config))
     yield Part("products of inertia", False, 0, "of the chassis: taken as zero")
-    yield Part("sideways rubber", False, 0, "rubber gives along the normal alone; no rolling resistance")
+    yield Part("sideways rubber", False, 0, "rubber gives along the normal alone")
     yield bearing_loads(config)
     torque = config.friction.contact_torque != "none"
     yield Part("contact torque", torque, 0, patch_reason(config.friction))
     yield Part("bearing friction", bool(parameters.machine.bearing_friction), 0, bearing_reason(config))
+    yield Part("rolling resistance", bool(parameters.machine.rolling), 0, rolling_reason(config))
 
 
 def _bodies(config: Config, parameters: Parameters) -> Iterator[Part]:

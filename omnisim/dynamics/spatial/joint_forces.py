@@ -73,7 +73,8 @@ def ground_on(parameters, mode, w, i, dy):
             h, k = tangent_of(normal)
             given = combine(touch.normal_force, normal, touch.force[0], h, touch.force[1], k)
             force = plus(force, given)
-            moment = plus(moment, plus(cross(vector(touch.lever, 0), given), times(touch.torque, normal)))
+            about = combine(touch.torque, normal, touch.resistance[0], h, touch.resistance[1], k)
+            moment = plus(moment, plus(cross(vector(touch.lever, 0), given), about))
     return rolling, Wrench3(moment, force)
 
 

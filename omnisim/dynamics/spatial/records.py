@@ -82,6 +82,7 @@ TOUCH = np.dtype(
         ("force", np.float64, (2,)),  # friction on the roller, N
         ("creep", np.float64, (2,)),  # direction of creeping slip
         ("torque", np.float64),  # about the normal, N m
+        ("resistance", np.float64, (2,)),  # moment of rolling resistance on the roller along h and k, N m
         ("point", np.float64, (3,)),  # X from O, along h, k and z of the hub, m
         ("normal", np.float64, (3,)),  # of the ground, in the same axes
         ("lever", np.float64, (3,)),  # X - B, in the same axes, m
@@ -157,6 +158,7 @@ SPATIAL_MONITORS = np.dtype(
         ("within", np.float64, (SLOTS,)),  # its piece of the floor, m
         ("slip_square", np.float64, (SLOTS,)),
         ("factor", np.float64, (SLOTS,)),
+        ("relaxing", np.float64, (SLOTS,)),
         ("margin", np.float64, (SLOTS,)),  # as of MONITORS
     ]
 )

@@ -76,6 +76,8 @@ def rest(parameters, stage, body):
     stage.dy[at.damper_loss] = 0.0
     if parameters.machine.bearing_friction:
         stage.dy[at.bearing_loss] = 0.0
+    if parameters.machine.rolling:
+        stage.dy[at.rolling_loss] = 0.0
     if parameters.machine.motors:
         rest_motors(parameters, stage.dy)
 

@@ -12,12 +12,14 @@ follows angles is the limit of an infinite rotor.
 from typing import NamedTuple
 
 from omnisim.base.kernel import kernel, outlined
-from omnisim.base.vector import Vec3, cross, minus, plus, times
+from omnisim.base.vector import Vec3, combine, cross, dot, minus, plus, times
+from omnisim.contact.frame import Slip
+from omnisim.contact.rolling_resistance import rolling_moment, rolling_relaxation
 from omnisim.contact.set_valued import SLIP
 from omnisim.contact.support import region_guard
 from omnisim.dynamics.actuation import actuate, followed
 from omnisim.dynamics.spatial.gaps import least_gap
-from omnisim.dynamics.spatial.pose import add_push, mounted, outward, put
+from omnisim.dynamics.spatial.pose import add_push, mounted, outward, put, tangent_of
 from omnisim.dynamics.spatial.records import BASE, SLOTS
 from omnisim.dynamics.spatial.touching import (
     joint_rate,
@@ -142,6 +144,10 @@ def press_wheel(parameters, stage, w, stand, rollers):
         touched = touching_at(parameters, mode, w, c, stand)
         found = react(parameters, mode, w, c, stand, touched, y[place])
         rolling = found.rolling + found.torque * touched.tilt
+        if machine.rolling:
+            resisting = resist(parameters, stage, w, c, stand, touched, found.normal_force)
+            rolling += dot(touched.roller.axis, resisting)
+            moment = plus(moment, resisting)
         dy[place] += rolling * wheel.axial_mobility
         axis = touched.roller.axis
         if mode.first[c] and not machine.bearing_friction:
@@ -162,6 +168,25 @@ def press_wheel(parameters, stage, w, stand, rollers):
         stage.monitors[w].normal_force = load
         parameters.workspace.parts[w].normal_force = load
     return Pressed(force, moment, heat, loss), Rollers(momentum, torque, rollers.bearing_loss)
+
+
+@outlined
+def resist(parameters, stage, w, c, stand, touched, load):
+    """Moment of rolling resistance at contact c of wheel w under this load (Vec3, N m, hub axes); its heat into dy."""
+    wheel, mode = parameters.wheels[w], stage.mode[w]
+    rate = stage.y[rate_of_roller(parameters, mode, w, c)]
+    turning = combine(joint_rate(stand, touched.roller, rate), touched.roller.axis, 1.0, stand.hub.rate, 0.0, ZERO)
+    turning = plus(turning, Vec3(0.0, stand.spin_rate, 0.0))
+    h, k = tangent_of(touched.normal)
+    turn_h, turn_k = dot(turning, h), dot(turning, k)
+    over_load = rolling_moment(wheel, turn_h, turn_k)
+    moment = Slip(load * over_load.h, load * over_load.k)
+    stage.dy[places(parameters).rolling_loss] -= moment.h * turn_h + moment.k * turn_k
+    if stage.monitoring:
+        seen = parameters.space.touches[w * SLOTS + c]
+        seen.resistance[0], seen.resistance[1] = moment.h, moment.k
+        stage.monitors[w].relaxing[c] = load * rolling_relaxation(wheel, turn_h, turn_k)
+    return combine(moment.h, h, moment.k, k, 0.0, h)
 
 
 @kernel

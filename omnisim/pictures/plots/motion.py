@@ -27,7 +27,7 @@ def works(run: Trajectory) -> dict[str, np.ndarray]:
     if "energy/gravity" in run:
         gravity = run["energy/gravity"]
         found["energy in gravity"] = gravity - gravity[:1]
-    for name in ("friction_loss", "bearing_loss", "drive_work", "wrench_work", "electrical", "heat"):
+    for name in ("friction_loss", "bearing_loss", "rolling_loss", "drive_work", "wrench_work", "electrical", "heat"):
         path = f"energy/{name}"
         if path in run and run[path].any():
             found[name.replace("_", " ")] = run[path]

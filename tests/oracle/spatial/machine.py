@@ -47,7 +47,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from oracle.machine import along_turning, cross
+from oracle.machine import along_turning, cross, rolling_resistance
 from oracle.spatial.bodies import Bodies, Coordinates, Layout, placed, tilted_gravity
 from oracle.spatial.ground import Ground
 from oracle.spatial.wheel import Contact, Wheel
@@ -68,6 +68,8 @@ class Touch(NamedTuple):
     load: float  # N
     slip: np.ndarray
     friction: np.ndarray
+    resisting: np.ndarray  # moment of rolling resistance on the roller
+    turning: np.ndarray  # the roller's angular velocity along the ground
 
     @property
     def force(self) -> np.ndarray:
@@ -156,7 +158,9 @@ class Machine:
             stream -= (stream @ contact.normal) * contact.normal
         force = self.given_friction.get((w, roller), self.friction_force(load, slip, stream))
         shape = contact.piece, contact.point, contact.normal, contact.depth
-        return Touch(w, roller, *shape, rate, load, slip, force)
+        turning = bodies.w[body] - (bodies.w[body] @ contact.normal) * contact.normal
+        resisting = load * rolling_resistance(self.wheels[w].kind["roller"], turning)
+        return Touch(w, roller, *shape, rate, load, slip, force, resisting, turning)
 
     def friction_force(self, load: float, slip: np.ndarray, stream: np.ndarray) -> np.ndarray:
         law, speed = self.friction["law"], sqrt(slip @ slip)
@@ -222,7 +226,8 @@ class Machine:
         applied[0] += np.concatenate([loads.force, loads.torque])
         for touch in touches:
             body = layout.rollers[touch.wheel].start + touch.roller
-            applied[body] += np.concatenate([touch.force, cross(touch.point - bodies.x[body], touch.force)])
+            arm = touch.point - bodies.x[body]
+            applied[body] += np.concatenate([touch.force, cross(arm, touch.force) + touch.resisting])
         force, moment = held[1:, :3], held[1:, 3:]
         arm = bodies.x[1:] - bodies.x[layout.parent[1:]]
         applied[1:] += held[1:]

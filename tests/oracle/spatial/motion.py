@@ -65,11 +65,13 @@ class Energy(NamedTuple):
     contact: float
     damper: float
     bearing: float
+    rolling: float
 
     @property
     def imbalance(self) -> float:
         gained = self.kinetic_rate + self.gravity_rate + self.elastic_rate
-        return gained - self.drive - self.wrench + self.friction + self.contact + self.damper + self.bearing
+        lost = self.friction + self.contact + self.damper + self.bearing + self.rolling
+        return gained - self.drive - self.wrench + lost
 
 
 def energy(machine: Machine, time: float, now: Coordinates, found: Reactions) -> Energy:
@@ -82,12 +84,13 @@ def energy(machine: Machine, time: float, now: Coordinates, found: Reactions) ->
     kinetic_rate = mass @ np.sum(bodies.v * linear, axis=1) + np.sum(bodies.w * change)
     kinetic_rate += rotors @ (now.spin_rate * found.spin)
     loads = machine.loads(time, bodies)
-    elastic = elastic_rate = contact = friction = damper = bearing = 0.0
+    elastic = elastic_rate = contact = friction = damper = bearing = rolling = 0.0
     for touch in found.touches:
         pressed = machine.wheels[touch.wheel].kind["contact"]["stiffness"] * touch.depth
         elastic, elastic_rate = elastic + 0.5 * pressed * touch.depth, elastic_rate + pressed * touch.depth_rate
         contact += (touch.load - pressed) * touch.depth_rate
         friction -= touch.friction @ touch.slip
+        rolling -= touch.resisting @ touch.turning
     for w, wheel in enumerate(machine.wheels):
         chi, torque = machine.bearings(w, bodies)
         bearing -= chi @ torque
@@ -100,7 +103,7 @@ def energy(machine: Machine, time: float, now: Coordinates, found: Reactions) ->
     wrench = loads.force @ bodies.v[0] + loads.torque @ bodies.w[0]
     gravity, gravity_rate = -mass @ bodies.x @ machine.gravity, -mass @ bodies.v @ machine.gravity
     return Energy(kinetic, gravity, elastic, kinetic_rate, gravity_rate, elastic_rate, loads.drives @ now.spin_rate,
-                  wrench, friction, contact, damper, bearing)  # fmt: skip
+                  wrench, friction, contact, damper, bearing, rolling)  # fmt: skip
 
 
 def packed(now: Coordinates) -> np.ndarray:

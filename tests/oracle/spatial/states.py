@@ -67,6 +67,14 @@ def unlike() -> dict:
     return scene
 
 
+def resisting(name: str, **tables: dict) -> dict:
+    """A reference scene whose rollers resist rolling, by more than rubber does."""
+    scene = changed(name, **tables)
+    for kind in scene["wheel_types"].values():
+        kind["roller"] = kind["roller"] | {"rolling_resistance": 2e-3, "rolling_rate": 2.0}
+    return scene
+
+
 def machine_of(scene: dict) -> Machine:
     """With torques of its motors, if there are any, that no law gives, and the heights of its grid."""
     with TemporaryDirectory() as folder:
@@ -159,6 +167,9 @@ SCENES |= {
     "brush on a bump": changed("mecanum_bump", friction=BRUSH),
     "brush of two rows": changed("double_row", friction=BRUSH),
     "no friction": changed("double_row", friction={"law": "none"}),
+    "rolling resistance": resisting("kiwi_slope"),
+    "rolling resistance on springs": resisting("mecanum_springs", friction=BRUSH),
+    "rolling resistance on a bump": resisting("mecanum_bump"),
     "unlike wheels": unlike(),
     "24 rollers": many_rollers(),
     "rockers": rockers(),
