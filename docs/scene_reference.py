@@ -57,6 +57,7 @@ roller_angle_deg = 0.0        # 45 for a mecanum wheel
 disk = { mass = 0.5, inertia_axle = 4e-4, inertia_diameter = 2.2e-4 }
 roller = { mass = 0.03, inertia_axial = 6e-6, inertia_transverse = 9e-6 }
                               # bearing_viscosity (N m s), bearing_torque (N m), bearing_rate (rad/s): default frictionless
+                              # rolling_resistance (m: moment by load), rolling_rate (rad/s): default none
 
 [[wheels]]
 name = "wheel"

@@ -156,6 +156,7 @@ def _lengths(config: Config) -> Iterator[tuple[KeyPath, float, float, str]]:
     for name, kind in config.wheel_types.items():
         yield ("wheel_types", name, "radius"), kind.radius, LARGEST_WHEEL, "m"
         yield ("wheel_types", name, "disk", "width"), kind.disk.width, WIDE * kind.radius, "m"
+        yield ("wheel_types", name, "roller", "rolling_resistance"), kind.roller.rolling_resistance, thinnest, "m"
     for index, (wheel, kind) in enumerate(zip(config.wheels, kinds, strict=True)):
         yield ("wheels", index, "position"), math.hypot(*wheel.position), FAR * kind.radius, "m"
     if config.chassis:

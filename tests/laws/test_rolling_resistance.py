@@ -47,40 +47,38 @@ def test_a_machine_that_rolls_ahead_loses_f_g_m_by_its_effective_mass_and_radius
     assert np.abs(coasting["energy/rolling_loss"] - lost).max() < 1e-10 * lost[-1]
 
 
-def aside(data, angle):
-    """Power of rolling resistance by f, load and speed (1/m) of a 45 deg wheel that rolls at this angle from ahead, and
-    the mean of it over a roller: sqrt(w_h^2 + w_k^2) by the speed."""
-    kind = next(iter(data["wheel_types"].values()))
+def turning(data, angle):
+    """|w_t| by the speed (1/m) of 45 deg wheels that roll without slip at this angle from ahead, the mean over the way
+    on a roller; wheels of one sense, those of the other at -angle.
+
+    Spin by speed (cos - sin / cos q) / R, and the roller's own rate sin / (h_q c cos q).
+    """
+    kind = data["wheel_types"]["mecanum"]
     radius, distance = kind["radius"], kind["roller_distance"]
     q = np.linspace(-1.0, 1.0, 20001) * np.pi / kind["roller_count"]
-    h_q = radius - distance / np.cos(q)
-    spin = (np.cos(angle) - np.sin(angle)) / radius
-    joint = np.sin(angle) / (h_q * np.cos(np.pi / 4) * np.cos(q))
-    rates = np.hypot(joint * np.cos(np.pi / 4) * np.cos(q), spin + joint * np.sin(np.pi / 4))
-    return rates.mean()
+    h_q, c = radius - distance / np.cos(q), np.cos(np.pi / 4)
+    spin = (np.cos(angle) - np.sin(angle) / np.cos(q)) / radius
+    joint = np.sin(angle) / (h_q * c * np.cos(q))
+    return np.average(np.hypot(joint * c * np.cos(q), spin + joint * c), weights=1.0 / np.abs(spin))
 
 
-@pytest.mark.parametrize("angle_deg", [0.0, 45.0, 90.0, 180.0, -90.0])
+@pytest.mark.parametrize("angle_deg", [0.0, 90.0, 180.0, -90.0])
 def test_a_mecanum_machine_loses_what_its_rollers_and_wheels_turn_on_the_floor(angle_deg):
-    """Rates by speed: 1 / R ahead; aside that of a roller, 1 / h_q across and 1 / (h_q cos q) - 1 / R along the axle.
-
-    Light wheels, so that all energy is in the machine, and so little lost that the speed hardly changes.
-    """
+    """Of light rollers, which take up little on the floor, and under so little of it that the speed hardly changes."""
     angle, speed = np.radians(angle_deg), 0.5
     data = machine("mecanum", friction=COULOMB, time=COAST)
     velocity = speed * np.array([np.cos(angle), np.sin(angle)])
-    radius = data["wheel_types"]["mecanum"]["radius"]
     for wheel in data["wheels"]:
         slant = -1.0 if wheel["mirrored"] else 1.0
-        wheel["spin_rate"] = (velocity[0] - slant * velocity[1]) / radius
+        wheel["spin_rate"] = (velocity[0] - slant * velocity[1]) / data["wheel_types"]["mecanum"]["radius"]
     data = resisting(data, 1e-6) | {"initial": {"velocity": velocity.tolist()}}
+    data["wheel_types"]["mecanum"]["roller"]["inertia_axial"] = 1e-9
     coasting = run(data, "time.end=2.0")
     way = np.hypot(*np.diff(coasting["body/position"][:, :2], axis=0).T).sum()
     weight = G * pack(scene(data).config).machine.mass
-    signs = [aside(data, angle), aside(data, -angle)]
-    expected = 1e-6 * weight * way * np.mean(signs)
-    assert coasting["energy/rolling_loss"][-1] == pytest.approx(expected, rel=6e-3)  # rollers are not passed evenly
-    assert (coasting["events/kind"] == "exchange").sum() > 10 or angle_deg == 45.0
+    expected = 1e-6 * weight * way * np.mean([turning(data, angle), turning(data, -angle)])
+    assert coasting["energy/rolling_loss"][-1] == pytest.approx(expected, rel=2e-3)
+    assert (coasting["events/kind"] == "exchange").sum() > 10
 
 
 MACHINES = {
@@ -116,25 +114,29 @@ def test_rk4_keeps_its_order(law):
     assert orders.min() > 3.8, (errors, orders)
 
 
+# standing on an edge, twisted: each roller alone would roll the wheel onto the other
+TWISTED = (
+    "initial={velocity=[0.0, 0.0], yaw_rate=0.0}", "wheels.wheel.spin_rate=0.0", "wheels.wheel.spin_angle_deg=45",
+    "wrench={times=[0.0, 0.2], force=[[0.0, 0.5, 1.0], [0.0, 0.2, -3.0]], yaw_torque=[0.3, 0.4]}",
+    "time={end=0.2, step=2e-4, output_interval=0.01}", "solver.method=radau5",
+)  # fmt: skip
+ROLLER = ("wheel_types.omni.roller.rolling_resistance=1e-3", "wheel_types.omni.roller.rolling_rate=0.5")
+
+
 def test_on_two_rollers_the_share_under_coulomb_friction_is_the_limit_of_regularized_ones():
     """Smooth shares agree with the oracle, oracle/test_shared_contact.py."""
-    from test_shared import LAWS
-    from test_shared import run as rest
 
-    own = ("time.end=2.5", "time.step=5e-4", "wheel_types.omni.roller.rolling_resistance=1e-3",
-           "wheel_types.omni.roller.rolling_rate=0.5")  # fmt: skip
-    coulomb = rest(*LAWS["coulomb"], *own)
-    assert "share_begin" in coulomb["events/kind"]
-    share, without = (
-        motion["wheels/wheel/contact_share"][-1] for motion in (coulomb, rest(*LAWS["coulomb"], *own[:2]))
-    )
-    errors = []
-    for speed in (1e-3, 1e-4, 1e-5):
-        law = ("friction.law=regularized", f"friction.slip_speed={speed}")
-        errors.append(abs(rest(*law, *own)["wheels/wheel/contact_share"][-1] - share))
+    def shares(*overrides):
+        motion = omnisim.simulate(reference_scene("testbench_psi30", *TWISTED, *overrides))
+        assert motion.complete, motion.attributes["status"]
+        return motion["wheels/wheel/contact_share"][2:]
+
+    share = shares("friction.law=coulomb", *ROLLER)
+    laws = [("friction.law=regularized", f"friction.slip_speed={speed}") for speed in (1e-3, 1e-4, 1e-5)]
+    errors = [np.abs(shares(*law, *ROLLER) - share).max() for law in laws]
     ratios = np.array(errors[:-1]) / errors[1:]
     assert np.all((ratios > 5.0) & (ratios < 20.0)), errors  # first order in the slip speed
-    assert abs(share - without) > 100.0 * errors[-1]
+    assert np.abs(shares("friction.law=coulomb") - share).max() > 100.0 * errors[-1]
 
 
 def test_the_rate_at_which_it_stops_a_roller_is_told_and_steps_too_long_for_it_end_the_run():

@@ -73,6 +73,7 @@ DOUBTS = {
     "hollow hub": (plausibility.densities, "youbot", [f"{MECANUM}.disk={{mass=0.001, hub_radius=0.02, width=0.05}}"], "disk.mass = 0.001", "in the volume of the hub, 62.83 cm^3, is 15.9 kg/m^3; expected 50"),
     "grams of a chassis": (plausibility.densities, "youbot on torques", ["chassis.size=[0.58, 0.38, 0.14]", "chassis.mass=2e4"], "chassis.mass = 20000.0", "2e+04 kg in the volume of its box, 3.086e+04 cm^3, is 6.48e+05 kg/m^3"),
     "millimetres": (plausibility.large_lengths, "youbot", [f"{MECANUM}.radius=47.5", f"{MECANUM}.roller_distance=36"], "radius = 47.5", "47.5 m; expected at most 2 m: lengths are in metres, not millimetres"),
+    "rolling resistance in millimetres": (plausibility.large_lengths, "youbot", [f"{MECANUM}.roller.rolling_resistance=0.7"], "rolling_resistance = 0.7", "0.7 m; expected at most"),
     "place in millimetres": (plausibility.large_lengths, "kiwi", ["wheels.back.position=[-125, 0]"], "wheels.back.position = [-125, 0]", "125 m; expected at most 5 m: lengths are in metres"),
     "box in millimetres": (plausibility.large_lengths, "youbot", ["chassis.size=[581, 376, 140]"], "chassis.size = [581, 376, 140]", "not millimetres"),
     "centre in millimetres": (plausibility.large_lengths, "youbot", ["chassis.center_of_mass=[0, 0, 57.5]"], "chassis.center_of_mass = ", "57.5 m; expected"),
