@@ -12,7 +12,7 @@ from omnisim.base.methods import EXPLICIT, IMPLICIT
 from omnisim.contact.friction import BRUSH, passing_speed
 from omnisim.contact.kinematics import streaming
 from omnisim.contact.mobility import largest
-from omnisim.contact.set_valued import CREEP, SLIP, TINY
+from omnisim.contact.set_valued import CREEP, SLIP, STICK, TINY
 from omnisim.dynamics.indices import contact_count
 from omnisim.dynamics.spatial import touching
 from omnisim.dynamics.spatial.pose import body_of
@@ -49,7 +49,7 @@ def step_length(parameters, run, t, h):
     for w in range(len(run.mode)):
         for side in range(contact_count(run.mode[w])):
             factor, grip = run.monitors[w].factor[side], run.mode[w].grip[side]
-            if machine.rolling:
+            if machine.rolling and grip != STICK:  # what sticks turns with the machine, which is heavier
                 relaxation = max(relaxation, run.monitors[w].relaxing[side])
             if parameters.workspace.resting is not None and grip == CREEP:  # it will stop soon, or go its own way
                 rate, _, _ = slip_rate(parameters, run.mode[w], w, side, run.y, run.slopes[0])

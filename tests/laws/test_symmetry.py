@@ -13,7 +13,8 @@ PUSH = {
     "yaw_torque": [0.1, -0.2, 0.3, 0.0],
 }
 TURN_DEG = 73.0
-CREEP, ROLLING = "friction.creep_stiffness=4.0", "wheel_types.omni.roller.rolling_resistance=1e-3"
+CREEP = ("friction.law=brush", "friction.creep_stiffness=4.0")
+ROLLING = ("wheel_types.omni.roller.rolling_resistance=1e-3", "wheel_types.omni.roller.rolling_rate=2.0")
 
 # Scenes whose friction is smooth, and the largest share of rounding that their motion may show: they amplify little.
 SMOOTH = {
@@ -22,8 +23,8 @@ SMOOTH = {
     "kiwi pushed in its own axes": tables(reference_scene("kiwi", "time.step=2e-4"))
     | {"wrench": PUSH | {"frame": "body"}},
     "mecanum": tables(reference_scene("mecanum", "time.step=4e-5")),
-    "creeping kiwi": tables(reference_scene("kiwi", "time.step=2e-4", "friction.law=brush", CREEP)) | {"wrench": PUSH},
-    "kiwi that resists rolling": tables(reference_scene("kiwi", "time.step=2e-4", ROLLING)) | {"wrench": PUSH},
+    "creeping kiwi": tables(reference_scene("kiwi", "time.step=2e-5", *CREEP)) | {"wrench": PUSH},
+    "kiwi that resists rolling": tables(reference_scene("kiwi", "time.step=2e-5", *ROLLING)) | {"wrench": PUSH},
     "kiwi on a slope": tables(reference_scene("kiwi", "time.step=2e-4"))
     | {"floor": {"slope_deg": 9.0, "uphill_deg": 50.0}},
 }
