@@ -82,7 +82,7 @@ def friction_reason(friction: Friction) -> str:
         "coulomb": f"F = -{mu} N v / |v| slipping, a multiplier sticking; every change is an event",
         "regularized": f"F = -{mu} N v / sqrt(|v|^2 + eps^2), eps = {slip_speed}",
         "saturated": f"F = -{mu} N v / max(|v|, eps), eps = {slip_speed}; the kink is an event",
-        "brush": f"rubber creeps: {friction.creep_stiffness:g} N by slip ratio, {mu} N where all of it slides",
+        "brush": f"rubber creeps: F = -{friction.creep_stiffness:g} N v / V at small slip, {mu} N where all slides",
         "viscous": f"F = -b v, b = {friction.viscosity:g} N s/m, whatever the normal force",
         "none": "the law is none: no tangential force",
     }[friction.law]
