@@ -8,7 +8,7 @@ of rk4, minima of 450 marches in turn, all wheels by the one way or by the other
     bare wheel, 6 rollers     288   340          four wheels that carry roll and pitch     2570   2650
 """
 
-from omnisim.base.kernel import kernel
+from omnisim.base.kernel import kernel, outlined
 from omnisim.contact.frame import Slip, frame_on_chassis, outward
 from omnisim.contact.friction import BRUSH, VISCOUS, friction
 from omnisim.contact.kinematics import slip_jacobian, streaming
@@ -19,6 +19,7 @@ from omnisim.dynamics.normal_forces.solution import loads_known
 from omnisim.dynamics.normal_forces.tilt import TILT_X, TILT_Y, rotor_part, set_point, tilt_rows
 from omnisim.dynamics.planar_body import pushed_equations, set_contact
 from omnisim.dynamics.state import places
+from omnisim.dynamics.wheel import contact_state
 from omnisim.dynamics.wheel_forces import free_wheel, monitor_wheel, set_part, set_resistance, twist, yield_to
 
 
@@ -38,6 +39,8 @@ def slide_wheel(parameters, stage, w, body, load, equations):
     wheel = parameters.wheels[w]
     mode = stage.mode[w]
     dy = stage.dy
+    if machine.rolling:  # first, while nothing has to wait in registers
+        find_resistance(parameters, stage, w, body)
     free = free_wheel(parameters, stage, w, body)
     state = free.state
     axis = free.state.axis
@@ -52,7 +55,7 @@ def slide_wheel(parameters, stage, w, body, load, equations):
         rolling, spin, loss = twist(axis, state.turn, torque, rolling, spin, loss)
         yaw += (1.0 - axis.n * axis.n) * torque
     if machine.rolling:
-        rolling, spin, yaw = resist(parameters, stage, w, state, max(load, 0.0), (rolling, spin, yaw))
+        rolling, spin, yaw = resist(parameters, w, max(load, 0.0), (rolling, spin, yaw))
     if stage.monitoring:
         contact = parameters.workspace.contacts[wheel.contacts]
         monitors = stage.monitors[w]
@@ -88,12 +91,18 @@ def slide_wheel(parameters, stage, w, body, load, equations):
     return pushed_equations(equations, push.x, push.y, free.yaw_moment + yaw), loss, power
 
 
-@kernel
-def resist(parameters, stage, w, state, normal, torques):
-    """Torques on roller, spin and yaw (N m) with those of rolling resistance under a normal force, N."""
+@outlined
+def find_resistance(parameters, stage, w, body):
+    """Rolling resistance of wheel w, by its load, into the workspace."""
     wheel = parameters.wheels[w]
-    contact = parameters.workspace.contacts[wheel.contacts]
-    set_resistance(wheel, contact, state)
+    state = contact_state(parameters, stage.mode[w], w, 0, body, stage.y)
+    set_resistance(wheel, parameters.workspace.contacts[wheel.contacts], state)
+
+
+@kernel
+def resist(parameters, w, normal, torques):
+    """Torques on roller, spin and yaw (N m) with those of rolling resistance under a normal force, N."""
+    contact = parameters.workspace.contacts[parameters.wheels[w].contacts]
     rolling, spin, yaw = torques
     return (
         rolling + normal * contact.rolling,
