@@ -8,10 +8,10 @@ of rk4, minima of 450 marches in turn, all wheels by the one way or by the other
     bare wheel, 6 rollers     288   340          four wheels that carry roll and pitch     2570   2650
 """
 
-from omnisim.base.kernel import kernel, outlined
+from omnisim.base.kernel import kernel
 from omnisim.contact.frame import Slip, frame_on_chassis, outward
 from omnisim.contact.friction import BRUSH, VISCOUS, friction
-from omnisim.contact.kinematics import slip_jacobian, streaming
+from omnisim.contact.kinematics import slip_jacobian
 from omnisim.contact.set_valued import SLIP
 from omnisim.dynamics.actuation import follow_angles
 from omnisim.dynamics.indices import rate_place
@@ -19,14 +19,15 @@ from omnisim.dynamics.normal_forces.solution import loads_known
 from omnisim.dynamics.normal_forces.tilt import TILT_X, TILT_Y, rotor_part, set_point, tilt_rows
 from omnisim.dynamics.planar_body import pushed_equations, set_contact
 from omnisim.dynamics.state import places
-from omnisim.dynamics.wheel import contact_state
-from omnisim.dynamics.wheel_forces import free_wheel, monitor_wheel, set_part, set_resistance, twist, yield_to
+from omnisim.dynamics.wheel_forces import free_wheel, monitor_wheel, set_part, twist, yield_to
 
 
 @kernel
 def slides_alone(machine, mode):
-    """Whether a wheel goes this way: it slides on one roller, and its load is known or all that its friction needs."""
-    return mode.grip[0] == SLIP and not mode.shared and (loads_known(machine) or machine.law != VISCOUS)
+    """Whether a wheel goes this way: it slides on one roller, by a law of slip and load alone that needs no more than
+    its load, if that is not known; and nothing resists its rolling."""
+    alone = mode.grip[0] == SLIP and not mode.shared and not machine.rolling and machine.law != BRUSH
+    return alone and (loads_known(machine) or machine.law != VISCOUS)
 
 
 @kernel
@@ -39,23 +40,18 @@ def slide_wheel(parameters, stage, w, body, load, equations):
     wheel = parameters.wheels[w]
     mode = stage.mode[w]
     dy = stage.dy
-    if machine.rolling:  # first, while nothing has to wait in registers
-        find_resistance(parameters, stage, w, body)
     free = free_wheel(parameters, stage, w, body)
     state = free.state
     axis = free.state.axis
     slip = free.state.slip
     j = slip_jacobian(wheel, axis, state.contact)
-    stream = streaming(wheel, state) if machine.law == BRUSH else slip
-    factor, torque = friction(machine, mode.saturated[0], max(load, 0.0), slip, state.turn, stream)
+    factor, torque = friction(machine, mode.saturated[0], max(load, 0.0), slip, state.turn, slip)
     force = Slip(-factor * slip.h, -factor * slip.k)
     rolling, spin, loss = yield_to(j, slip, force)
     yaw = j.yaw_h * force.h + j.yaw_k * force.k
     if machine.patch_radius > 0.0:
         rolling, spin, loss = twist(axis, state.turn, torque, rolling, spin, loss)
         yaw += (1.0 - axis.n * axis.n) * torque
-    if machine.rolling:
-        rolling, spin, yaw = resist(parameters, w, max(load, 0.0), (rolling, spin, yaw))
     if stage.monitoring:
         contact = parameters.workspace.contacts[wheel.contacts]
         monitors = stage.monitors[w]
@@ -74,51 +70,17 @@ def slide_wheel(parameters, stage, w, body, load, equations):
         set_point(wheel, part, state.contact.l)
         part.push[0], part.push[1], part.push[2] = push.x, push.y, yaw
         about_h = machine.height * force.k - axis.h * rolling
-        if machine.rolling:
-            about_h += parameters.workspace.contacts[wheel.contacts].moment[0]
         about_k = (wheel.radius - machine.height) * force.h + rotor_part(wheel, False) * spin
         part.push[TILT_Y], part.push[TILT_X] = tilt_rows(wheel, about_h, about_k)
         part.rolling, part.turning, part.heat = rolling, spin, loss
         return pushed_equations(equations, 0.0, 0.0, free.yaw_moment), 0.0, power
     if stage.monitoring:
         set_part(parameters, stage, w, free, body, load)
-    if machine.rolling:
-        resisted(parameters, stage, w, max(load, 0.0))
     dy[rate_place(parameters, mode, w, 0)] += rolling * wheel.axial_mobility
     dy[places(parameters).spin_rate + w] = (free.spin + spin) * wheel.spin_mobility
     if machine.follows:
         power += follow_angles(parameters, stage, w, free.spin + spin)
     return pushed_equations(equations, push.x, push.y, free.yaw_moment + yaw), loss, power
-
-
-@outlined
-def find_resistance(parameters, stage, w, body):
-    """Rolling resistance of wheel w, by its load, into the workspace."""
-    wheel = parameters.wheels[w]
-    state = contact_state(parameters, stage.mode[w], w, 0, body, stage.y)
-    set_resistance(wheel, parameters.workspace.contacts[wheel.contacts], state)
-
-
-@kernel
-def resist(parameters, w, normal, torques):
-    """Torques on roller, spin and yaw (N m) with those of rolling resistance under a normal force, N."""
-    contact = parameters.workspace.contacts[parameters.wheels[w].contacts]
-    rolling, spin, yaw = torques
-    return (
-        rolling + normal * contact.rolling,
-        spin + normal * contact.turning,
-        yaw + normal * contact.resisting[2],
-    )
-
-
-@kernel
-def resisted(parameters, stage, w, normal):
-    """What rolling resistance loses under this normal force (N), and what is told of it."""
-    contact = parameters.workspace.contacts[parameters.wheels[w].contacts]
-    stage.dy[places(parameters).rolling_loss] += normal * contact.rolling_heat
-    contact.pressed = normal
-    if stage.monitoring:
-        stage.monitors[w].relaxing[0] = normal * contact.relaxing
 
 
 @kernel
@@ -131,8 +93,6 @@ def press_wheel(parameters, stage, w):
     dy = stage.dy
     normal = max(part.normal_force, 0.0) if mode.loaded else 0.0
     dy[rate_place(parameters, mode, w, 0)] += part.rolling * normal * wheel.axial_mobility
-    if parameters.machine.rolling:
-        resisted(parameters, stage, w, normal)
     spin = part.free_spin + part.turning * normal
     dy[places(parameters).spin_rate + w] = spin * wheel.spin_mobility
     if stage.monitoring:
