@@ -17,7 +17,7 @@ import numpy as np
 import omnisim
 from bench.common import Claim, interleaved, marching, median_ratio, table
 from omnisim.scene.scene import Scene
-from omnisim.scene.schema import WheelType
+from omnisim.scene.wheel_schema import WheelType
 
 STEM = Path(__file__).parents[1] / "tests/reference/spatial_mecanum_bump"
 RESOLVED = 1e-9  # m

@@ -12,7 +12,7 @@ from omnisim.base.formatting import columns
 from .screen import BAD_INPUT, Failure
 
 if TYPE_CHECKING:
-    from omnisim.scene.schema import WheelType
+    from omnisim.scene.wheel_schema import WheelType
 
 PICTURES = (".png", ".svg", ".pdf")
 

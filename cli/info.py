@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from omnisim.dynamics.parameters import Parameters
     from omnisim.scene.drive_schema import Drive
     from omnisim.scene.scene import Scene
-    from omnisim.scene.schema import Config, WheelType
+    from omnisim.scene.schema import Config
+    from omnisim.scene.wheel_schema import WheelType
 
 UPRIGHT_DEG = 89.99  # a slope beyond is a wall
 

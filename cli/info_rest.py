@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from omnisim.dynamics.parameters import Parameters
     from omnisim.march.spatial_start import Pose
     from omnisim.scene.scene import Scene
-    from omnisim.scene.schema import Config, WheelType
+    from omnisim.scene.schema import Config
+    from omnisim.scene.wheel_schema import WheelType
 
 
 class Rest(NamedTuple):

@@ -12,7 +12,7 @@ from .screen import BAD_INPUT, Failure, note
 
 if TYPE_CHECKING:
     from omnisim.scene.scene import Scene
-    from omnisim.scene.schema import WheelType
+    from omnisim.scene.wheel_schema import WheelType
 
 PACKAGE = "[A-Za-z][A-Za-z0-9_-]*"
 DRAWINGS = (".png", ".svg", ".pdf")

@@ -8,7 +8,7 @@ from omnisim.base.formatting import aligned, columns
 
 if TYPE_CHECKING:
     from omnisim.scene.rollers import Rolling
-    from omnisim.scene.schema import WheelType
+    from omnisim.scene.wheel_schema import WheelType
 
 STATIONS = 17  # of the profile
 ROUND = 1e-9  # of the rolling radius: what heaves by less is round

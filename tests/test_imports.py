@@ -22,6 +22,7 @@ ONLY = {
     "pydantic": {
         "scene.schema",
         "scene.ground_schema",
+        "scene.wheel_schema",
         "scene.problems",
         "scene.validation",
         "scene.values",

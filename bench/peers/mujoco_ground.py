@@ -25,7 +25,7 @@ from omnisim.cad.geometry import of_type
 from omnisim.cad.mesh import roller
 from omnisim.cad.robot_description import numbers
 from omnisim.contact.roller_profile import length
-from omnisim.scene.schema import WheelType
+from omnisim.scene.wheel_schema import WheelType
 
 RUBBER, MESH, CAPSULE = "the rubber's", "mesh, 32 x 64", "capsule"
 IMPEDANCE = 1e-3  # of RUBBER: what the mass that feels a contact still matters

@@ -15,7 +15,7 @@ from bench.peers import wheel_scene
 from bench.peers.wheel_scene import BEST, CAPSULE, CELLS, FASTEST, LEVEL, NOTES, SMOOTH, Shape
 from omnisim.cad.geometry import roller_frames
 from omnisim.cad.robot_description import numbers
-from omnisim.scene.schema import WheelType
+from omnisim.scene.wheel_schema import WheelType
 
 try:
     import mujoco

@@ -33,7 +33,7 @@ from omnisim.cad.mesh import roller
 from omnisim.contact.roller_profile import length
 from omnisim.dynamics.packing import pack
 from omnisim.scene.scene import Scene
-from omnisim.scene.schema import WheelType
+from omnisim.scene.wheel_schema import WheelType
 
 SCENE = "coulomb_wheel"
 REFERENCE = Path(__file__).parents[2] / "tests/reference/coulomb_wheel.json"

@@ -24,7 +24,7 @@ from omnisim.scene.rollers import (
     rolling,
     thickest,
 )
-from omnisim.scene.schema import WheelType
+from omnisim.scene.wheel_schema import WheelType
 
 STATIONS, CURVE = 17, 181  # of the table, of a drawn outline
 MOST_STATIONS = 40  # of the table

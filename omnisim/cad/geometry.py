@@ -19,8 +19,9 @@ from omnisim.dynamics.parameters import WHEEL
 from omnisim.dynamics.wheel_values import placed_values, shared_values
 from omnisim.scene import rollers
 from omnisim.scene.drives import drive_law
-from omnisim.scene.schema import Wheel, WheelType
+from omnisim.scene.schema import Wheel
 from omnisim.scene.solids import Shape, Solid, gap, hub_radius, outline, profile, solid, support
+from omnisim.scene.wheel_schema import WheelType
 
 __all__ = [
     "Ripple",

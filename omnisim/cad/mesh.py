@@ -8,7 +8,7 @@ import numpy as np
 from omnisim.base.files import write_whole
 from omnisim.cad.geometry import roller_frames
 from omnisim.scene.rollers import drawn, half_width, hub_radius
-from omnisim.scene.schema import WheelType
+from omnisim.scene.wheel_schema import WheelType
 
 RINGS, CORNERS = 81, 160  # of a roller: vertices lie on the exact surface, volume and inertia are within 1e-3
 DRAWN = 33, 64  # of a roller that is drawn and touches nothing: 0.2 MB

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from omnisim.cad.geometry import roller_frames
 from omnisim.cad.mesh import Mesh, placed, revolved, roller
 from omnisim.scene.rollers import half_width, hub_radius
-from omnisim.scene.schema import Disk, WheelType
+from omnisim.scene.wheel_schema import Disk, WheelType
 
 RINGS, CORNERS, ROUND = 13, 20, 72  # of a roller, of a hub
 AZIMUTH, ELEVATION = math.radians(42.0), math.radians(22.0)  # of the eye: from ahead towards the axle, and up

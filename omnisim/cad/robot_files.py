@@ -10,7 +10,8 @@ from omnisim.cad.mesh import DRAWN, FINE, controller_note, roller, stl
 from omnisim.cad.mjcf import mjcf
 from omnisim.cad.robot_description import text
 from omnisim.cad.urdf import urdf
-from omnisim.scene.schema import Config, WheelType
+from omnisim.scene.schema import Config
+from omnisim.scene.wheel_schema import WheelType
 
 
 def robot_files(config: Config, path: Path, prefix: str = "") -> dict[Path, bytes]:

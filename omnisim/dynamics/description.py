@@ -22,7 +22,8 @@ from omnisim.dynamics.parts import (
 )
 from omnisim.dynamics.spatial.description import parts_in_space
 from omnisim.dynamics.state import places_in
-from omnisim.scene.schema import Config, WheelType, unused_keys
+from omnisim.scene.schema import Config, unused_keys
+from omnisim.scene.wheel_schema import WheelType
 
 
 class Model(NamedTuple):

@@ -4,7 +4,7 @@ import math
 
 from omnisim.base.keeping import kept
 from omnisim.scene.masses import row_shift, wheel_mass
-from omnisim.scene.schema import WheelType
+from omnisim.scene.wheel_schema import WheelType
 
 
 def axle_inertia(kind: WheelType, sin_psi: float) -> float:

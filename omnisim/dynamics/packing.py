@@ -42,7 +42,8 @@ from omnisim.scene.drives import DriveLaw, drive_law
 from omnisim.scene.ground_schema import Floor
 from omnisim.scene.ideal_kinematics import inverse, rms_distance, wheel_rows
 from omnisim.scene.masses import common_centre, exact_moments, point_masses
-from omnisim.scene.schema import Config, Friction, WheelType, World, Wrench
+from omnisim.scene.schema import Config, Friction, World, Wrench
+from omnisim.scene.wheel_schema import WheelType
 
 UPRIGHT = {"servo": SERVO, "contacts": CONTACTS, "free": FREE}
 

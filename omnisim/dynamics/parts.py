@@ -10,7 +10,8 @@ from omnisim.dynamics.state import places_in
 from omnisim.scene.drive_schema import Drive
 from omnisim.scene.drives import drive_law, motor_of
 from omnisim.scene.ideal_kinematics import rms_distance, undetermined, wheel_rows
-from omnisim.scene.schema import Config, Friction, Roller, Wheel
+from omnisim.scene.schema import Config, Friction, Wheel
+from omnisim.scene.wheel_schema import Roller
 
 
 class Part(NamedTuple):

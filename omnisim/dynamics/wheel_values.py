@@ -13,7 +13,8 @@ from omnisim.dynamics.inertia import axle_inertia
 from omnisim.dynamics.parameters import WHEEL
 from omnisim.dynamics.state import TOUCHING, Places
 from omnisim.scene.drives import DriveLaw, Motor
-from omnisim.scene.schema import Roller, Wheel, WheelType
+from omnisim.scene.schema import Wheel
+from omnisim.scene.wheel_schema import Roller, WheelType
 
 # What follows from where a wheel stands, and from the machine; all else is the same for many wheels and machines.
 OWN = ("cos_heading", "sin_heading", "offset", "phase", "holding_mobility", "odometry")

@@ -10,7 +10,8 @@ from omnisim.pictures import ground as uneven
 from omnisim.results.spatial import attitude
 from omnisim.results.trajectory import Trajectory
 from omnisim.scene.rollers import drawn
-from omnisim.scene.schema import Config, WheelType
+from omnisim.scene.schema import Config
+from omnisim.scene.wheel_schema import WheelType
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0)}
 POINTS = 17  # of a profile: the page leaves out every other one, or three of four, where nobody sees it

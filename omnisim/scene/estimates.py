@@ -16,9 +16,10 @@ from omnisim.base.keeping import kept
 from omnisim.scene.masses import clearance
 from omnisim.scene.problems import Problem, allowed_at
 from omnisim.scene.roller_rules import DECIMAL_TOLERANCE
-from omnisim.scene.schema import Chassis, Config, Disk, Roller, WheelType
+from omnisim.scene.schema import Chassis, Config
 from omnisim.scene.toml_text import KeyPath
 from omnisim.scene.values import Table
+from omnisim.scene.wheel_schema import Disk, Roller, WheelType
 
 AnyTable = TypeVar("AnyTable", bound=Table)
 

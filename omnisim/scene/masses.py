@@ -5,7 +5,8 @@ from collections.abc import Sequence
 from operator import mul
 
 from omnisim.base.keeping import kept
-from omnisim.scene.schema import Chassis, Config, WheelType
+from omnisim.scene.schema import Chassis, Config
+from omnisim.scene.wheel_schema import WheelType
 
 CLEARANCE = 0.5  # of the smallest wheel radius: how high a chassis box lies where the scene does not say
 

@@ -18,10 +18,11 @@ from omnisim.scene.ideal_kinematics import MOTIONS, handedness, rms_distance, un
 from omnisim.scene.masses import wheel_mass
 from omnisim.scene.problems import Problem
 from omnisim.scene.rollers import gap_between_rows, half_length, half_width, hub_radius, roller_solid, thickest
-from omnisim.scene.schema import Config, Wheel, WheelType
+from omnisim.scene.schema import Config, Wheel
 from omnisim.scene.solids import disk_solid, gap, outline, pitches
 from omnisim.scene.spatial_doubts import fast_rubber, high_start, soft_rubber, soft_springs
 from omnisim.scene.toml_text import KeyPath
+from omnisim.scene.wheel_schema import WheelType
 
 ONE_ROW_DEG = 20.0  # roller angle from which on all rollers of a wheel stand in one row; below, in two
 ROUNDING = 1e-6  # of the wheel radius: overlaps below are no overlaps

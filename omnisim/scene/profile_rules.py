@@ -7,8 +7,9 @@ from itertools import pairwise
 from omnisim.scene.generatrix import number, numbers
 from omnisim.scene.ground_schema import MOST_POINTS, MOST_STEPS, PROFILE_KEYS, PROFILE_OPTIONS, Profile
 from omnisim.scene.problems import Problem, allowed_at
-from omnisim.scene.schema import Config, WheelType
+from omnisim.scene.schema import Config
 from omnisim.scene.toml_text import KeyPath
+from omnisim.scene.wheel_schema import WheelType
 
 Found = Iterator[tuple[str | tuple[str, int], str]]  # key, or key and index, and what it must be
 

@@ -4,7 +4,8 @@ import math
 from collections.abc import Iterator
 
 from omnisim.scene.problems import Problem
-from omnisim.scene.schema import Config, WheelType
+from omnisim.scene.schema import Config
+from omnisim.scene.wheel_schema import WheelType
 
 DECIMAL_TOLERANCE = 1e-12  # relative, for limits that a scene reaches exactly but types in decimals
 ONLY_FREE = 'only upright = "free" in [scene] has wheels that stand on rollers of two rows at once, or on none'

@@ -13,8 +13,8 @@ from omnisim.base.keeping import kept
 from omnisim.scene import solids
 from omnisim.scene.generatrix import Arc, Generatrix, both, edge, ends, generatrix
 from omnisim.scene.generatrix import thickest as thickest_of
-from omnisim.scene.schema import WheelType
 from omnisim.scene.solids import Solid
+from omnisim.scene.wheel_schema import WheelType
 
 Points = tuple[np.ndarray, np.ndarray]
 AZIMUTHS = 1001  # of a pitch, for heights

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from omnisim.scene.schema import Disk, WheelType
+from omnisim.scene.wheel_schema import Disk, WheelType
 
 NODES = 40  # of Gauss and Legendre: integrals of a profile are exact to rounding
 HALVINGS = 60  # of the interval that holds the end of a bore: to rounding

@@ -13,8 +13,8 @@ from omnisim.cad.geometry import spheres_within
 from omnisim.scene.estimates import estimates
 from omnisim.scene.rollers import drawn, reach, roller_solid, thickest
 from omnisim.scene.scene import packaged_scenes, packaged_wheels, parse
-from omnisim.scene.schema import Disk, Roller
 from omnisim.scene.solids import disk_solid
+from omnisim.scene.wheel_schema import Disk, Roller
 
 pytestmark = pytest.mark.short
 STATIONS, CORNERS = 801, 640

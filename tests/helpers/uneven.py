@@ -10,7 +10,7 @@ from omnisim.contact.patch import patch
 from omnisim.contact.support import SHAPE, region_of, support
 from omnisim.dynamics.spatial.packing import array_of, shape_values
 from omnisim.scene.ground_schema import Profile
-from omnisim.scene.schema import Disk, Roller, WheelType
+from omnisim.scene.wheel_schema import Disk, Roller, WheelType
 
 BEHIND, WITHIN, AHEAD = range(3)  # regions of a profile between two edges
 NO_GRID = (np.zeros((0, 0)), (0.0, 0.0), (1.0, 1.0))

@@ -24,7 +24,8 @@ from omnisim.scene.ground_schema import Floor
 from omnisim.scene.heights import heights_of
 from omnisim.scene.lobes import lobes
 from omnisim.scene.masses import chassis_box
-from omnisim.scene.schema import Config, WheelType
+from omnisim.scene.schema import Config
+from omnisim.scene.wheel_schema import WheelType
 
 NOUNS = {
     "cylinder": "cylinders",

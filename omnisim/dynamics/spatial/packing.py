@@ -15,8 +15,9 @@ from omnisim.scene.generatrix import edge, ends, generatrix, thickest
 from omnisim.scene.ground_schema import Rocker
 from omnisim.scene.lobes import Lobe, lobes
 from omnisim.scene.masses import chassis_box, common_centre, point_masses, row_shift, wheel_mass
-from omnisim.scene.schema import Config, Wheel, WheelType
+from omnisim.scene.schema import Config, Wheel
 from omnisim.scene.solids import outline, profile
+from omnisim.scene.wheel_schema import WheelType
 
 Rigid = tuple[float, np.ndarray, np.ndarray, np.ndarray]  # mass, centre, inertia about it, what of it leans
 PLANE = floor_of(np.zeros((0, 4)), np.zeros((0, 6)), np.zeros((0, 0)), (0.0, 0.0), (1.0, 1.0))
