@@ -3,6 +3,8 @@
 Both are marched by dopri5 with steps in which its error is lost; measured values stand beside the bounds.
 """
 
+import tomllib
+
 import numpy as np
 import pytest
 from machines import CHASSIS, machine, wheel_mass
@@ -33,6 +35,7 @@ SCENES = {
 }
 
 
+RESTING, SLOW = 1e-9, 1e-3  # m/s
 ENDS = [(name, 0.5) for name in SCENES] + [pytest.param((name, 2.0), marks=pytest.mark.long) for name in SCENES]
 
 
@@ -50,11 +53,22 @@ def pair(request):
     return runs
 
 
+def of_known_direction(run):
+    """Rows in which all slip is none or fast. Coulomb friction has its direction, of which slow slip leaves few digits:
+    at 3e-5 m/s an error of 4e-11 m/s turns the force by 1e-6 rad."""
+    slips = [np.linalg.norm(run[f"wheels/{wheel}/slip_velocity"], axis=1) for wheel in run.wheels]
+    known = np.all([(slip < RESTING) | (slip > SLOW) for slip in slips], axis=0)
+    assert known.mean() > 0.5
+    return known if tomllib.loads(run.attributes["scene"])["friction"]["law"] == "coulomb" else np.ones_like(known)
+
+
 def test_both_formulations_are_one_motion(pair):
     """Positions, angles and velocities to 1e-9; normal forces to 1e-9 of the weight."""
     last, weight = divergence(*pair)[-1], sum(pair[0][f"wheels/{wheel}/normal_force"][0] for wheel in pair[0].wheels)
     assert max(last.position, last.angle, last.velocity) < 1e-9  # measured: 7e-12, rotating rollers; most 1e-13
-    assert last.normal_force < 1e-9 * weight  # measured: 4e-11, kiwi with coulomb friction; the others below 1e-12
+    known = of_known_direction(pair[0])
+    for path in (f"wheels/{wheel}/normal_force" for wheel in pair[0].wheels):  # measured: 4e-11, kiwi with coulomb
+        assert np.abs(pair[0][path] - pair[1][path])[known].max() < 1e-9 * weight  # friction; others below 1e-12
 
 
 def test_both_see_the_same_events(pair):
@@ -68,7 +82,8 @@ def test_multipliers_are_the_loads_that_inverse_dynamics_recovers(pair):
     paths = [path for path in reduced if path.endswith(("bearing_force", "bearing_moment"))]
     assert len(paths) >= 2
     for path in paths:  # measured: 3e-9, kiwi with coulomb friction; the others below 1e-11
-        assert np.abs(reduced[path] - multibody[path]).max() < 1e-8 * np.abs(reduced[path]).max()
+        apart = np.abs(reduced[path] - multibody[path])[of_known_direction(reduced)]
+        assert apart.max() < 1e-8 * np.abs(reduced[path]).max()
 
 
 def test_energy_balances_in_both(pair):

@@ -303,9 +303,11 @@ class Machine:
         """Force on the roller: what is multiplied by N [1], and what is not [N]; stream: v_r."""
         speed = sqrt(slip @ slip)
         if self.law == "brush":
-            sigma = speed / sqrt(stream @ stream + self.slip_speed**2)
-            theta = min(self.creep_stiffness * sigma / (3.0 * self.mu), 1.0)
-            return -self.mu * (3.0 * theta - 3.0 * theta**2 + theta**3) * slip / speed, 0.0 * slip
+            by_slip = self.creep_stiffness / sqrt(stream @ stream + self.slip_speed**2)
+            theta = by_slip * speed / (3.0 * self.mu)
+            if theta >= 1.0:
+                return -self.mu * slip / speed, 0.0 * slip
+            return -by_slip * (1.0 - theta + theta**2 / 3.0) * slip, 0.0 * slip
         smooth = sqrt(speed**2 + self.slip_speed**2)
         scale = max(speed, self.slip_speed) if self.law == "saturated" else smooth
         return -self.mu * slip / scale, -self.viscosity * slip
