@@ -109,6 +109,7 @@ def wheel_table() -> str:
         config = load(name).config
         (kind,) = config.wheel_types.values()
         rings = f"{len(kind.rows)} x " if len(kind.rows) > 1 else ""
-        size, mass = f"{2e3 * kind.radius:.4g} mm", f"{round(1e3 * wheel_mass(kind), 1):g} g"
+        size, grams = f"{2e3 * kind.radius:.4g} mm", 1e3 * wheel_mass(kind)
+        mass = f"{grams:.0f} g" if grams >= 100.0 else f"{grams:.3g} g"
         rows.append((name, size, f"{rings}{kind.roller_count}", f"{kind.roller_angle_deg:g} deg", mass, config.title))
     return columns(rows, indent="  ")
