@@ -1,7 +1,7 @@
 """Parts of the model of a scene that machines of all kinds may have, each with its reason."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import isfinite, radians, sin
 from typing import NamedTuple
 
@@ -187,19 +187,20 @@ def patch_reason(friction: Friction) -> str:
 
 
 def bearing_reason(config: Config) -> str:
-    kinds = {wheel.type: config.type_of(wheel).roller for wheel in config.wheels}
-    having = {name: bearing_law(roller) for name, roller in kinds.items() if roller.has_bearing_friction}
-    if len(kinds) == 1 and having:
-        return next(iter(having.values()))
-    return "; ".join(f"type '{name}': {law}" for name, law in having.items()) or "the scene asks for none"
+    return by_type(config, lambda roller: bearing_law(roller) if roller.has_bearing_friction else "")
 
 
 def rolling_reason(config: Config) -> str:
-    kinds = {wheel.type: config.type_of(wheel).roller for wheel in config.wheels}
-    having = {name: rolling_law(roller) for name, roller in kinds.items() if roller.has_rolling_resistance}
+    return by_type(config, lambda roller: rolling_law(roller) if roller.has_rolling_resistance else "")
+
+
+def by_type(config: Config, law: Callable[[Roller], str]) -> str:
+    """What the rollers of each type in use have, by its name if there are several types; `law` is empty if nothing."""
+    kinds = {wheel.type: law(config.type_of(wheel).roller) for wheel in config.wheels}
+    having = {name: told for name, told in kinds.items() if told}
     if len(kinds) == 1 and having:
         return next(iter(having.values()))
-    return "; ".join(f"type '{name}': {law}" for name, law in having.items()) or "the scene asks for none"
+    return "; ".join(f"type '{name}': {told}" for name, told in having.items()) or "the scene asks for none"
 
 
 def rolling_law(roller: Roller) -> str:

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from oracle.machine import OMEGA, ROTATION, VELOCITY, Machine, Reactions
+from oracle.machine import Machine, Reactions
 from oracle.multibody import simulate
+from oracle.vectors import OMEGA, ROTATION, VELOCITY
 
 REFERENCE = Path(__file__).parents[1] / "reference"
 # as good as the reference is; a row of testbench_psi0 lies 1 ms after an exchange, where roller rates change

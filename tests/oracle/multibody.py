@@ -12,7 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from oracle.machine import AXIS, FLAT, OMEGA, POSITION, ROTATION, UP, VELOCITY, Machine, Mode, Wheel, cross
+from oracle.machine import Machine, Mode
+from oracle.vectors import AXIS, FLAT, OMEGA, POSITION, ROTATION, UP, VELOCITY, cross
+from oracle.wheel import Wheel
 
 # s, with brush: where all of a contact begins to slide a third derivative jumps, which long steps do not see. A
 # roller's rate is off by 5e-9 rad/s without it, by 4e-12 at 2e-5 s.

@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 import omnisim
-from oracle.machine import AXIS, FLAT, UP, Machine, Mode, Reactions, cross
+from oracle.machine import Machine, Mode, Reactions
 from oracle.multibody import Turning, observe, place
+from oracle.vectors import AXIS, FLAT, UP, cross
 
 
 class Given(Machine):

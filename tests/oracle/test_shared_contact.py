@@ -13,10 +13,10 @@ from scenes import REFERENCE, reference_data
 
 import omnisim
 from omnisim.scene.scene import load
-from oracle.machine import AXIS
 from oracle.scenes import resisting
 from oracle.shared_contact import limit, simulate
 from oracle.states import OnTwo, states
+from oracle.vectors import AXIS
 
 BASE = REFERENCE / "testbench_psi30.toml"
 RATIO = 10.0

@@ -16,11 +16,11 @@ from omnisim.dynamics.spatial.records import ORIENTATION, POSITION, SLOTS
 from omnisim.dynamics.state import places_in
 from omnisim.march.spatial_contacts import stand_in_space
 from omnisim.scene.scene import parse
-from oracle.machine import cross
 from oracle.spatial.bodies import Coordinates, Layout, placed, rotation, turned
 from oracle.spatial.machine import Machine, Reactions
 from oracle.spatial.motion import energy
 from oracle.spatial.states import GRID, SCENES, changed, heights, states
+from oracle.vectors import cross
 
 SMOOTH = [name for name, scene in SCENES.items() if scene["friction"]["law"] != "coulomb"]
 FEW, MANY = 10, 60  # states of a scene

@@ -18,11 +18,11 @@ from omnisim.dynamics.spatial.records import SLOTS
 from omnisim.dynamics.spatial.touching import standing
 from omnisim.march.runge_kutta import refresh
 from omnisim.scene.scene import parse
-from oracle.machine import cross
 from oracle.spatial.bodies import Coordinates, rotation, turned
 from oracle.spatial.machine import Machine
 from oracle.spatial.states import states
 from oracle.test_spatial import SCENES, Engine, Pairs, add_accelerations, add_energy, add_joints, assert_equal
+from oracle.vectors import cross
 
 CASES = ("kiwi_slope", "mecanum_springs", "double_row")
 LOADS = tuple(f"{name} of {axles}" for name in ("forces", "moments") for axles in ("axles", "roller axles"))

@@ -6,12 +6,12 @@ The laws hold at states of all kinds: standing, leaning, on bumps, springs and r
 import numpy as np
 import pytest
 
-from oracle.machine import cross
 from oracle.spatial.bodies import Coordinates, Z, placed, turned
 from oracle.spatial.ground import Ground
 from oracle.spatial.machine import Machine
 from oracle.spatial.motion import energy, half, march, multiplied, packed, rates, start, unpacked
 from oracle.spatial.states import REFERENCES, SCENES, load, machine_of, rockers, states, unlike
+from oracle.vectors import cross
 
 TIME = 0.1  # of the tables, s
 H = 2e-6  # of differences along the motion, s

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import omnisim
-from oracle.machine import AXIS, POSITION, ROTATION, UP, VELOCITY, Machine, cross
+from oracle.machine import Machine
 from oracle.scenes import (
     BARE_ROWS,
     BASE,
@@ -26,6 +26,7 @@ from oracle.scenes import (
     resisting,
 )
 from oracle.states import Given, states
+from oracle.vectors import AXIS, POSITION, ROTATION, UP, VELOCITY, cross
 
 COULOMB = "friction={law='coulomb', coefficient=0.4}"
 SLOPE = "floor={slope_deg=8.0, uphill_deg=110.0}"

@@ -17,9 +17,10 @@ from omnisim.dynamics.state import BODY_STATES, places_in
 from omnisim.march.runge_kutta import evaluate
 from omnisim.run.loop import Loop
 from oracle.cases import REFERENCE
-from oracle.machine import AXIS, OMEGA, UP, VELOCITY, Machine
+from oracle.machine import Machine
 from oracle.scenes import BARE_ROWS, ROWS
 from oracle.states import Given
+from oracle.vectors import AXIS, OMEGA, UP, VELOCITY
 
 HERE = REFERENCE.parent / "oracle"
 PUSH = "wrench={times=[0.0], force=[[1.0, -2.0, 3.0]], yaw_torque=[0.1]}"

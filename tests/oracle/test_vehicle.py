@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from oracle.cases import agree, kinetic_rate, load
-from oracle.machine import OMEGA, POSITION, ROTATION, UP, VELOCITY, Machine, Reactions, cross
+from oracle.machine import Machine, Reactions
 from oracle.multibody import simulate, start
+from oracle.vectors import OMEGA, POSITION, ROTATION, UP, VELOCITY, cross
 
 UPRIGHT = ("contacts", "servo")
 

@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from oracle.machine import cross, skew
 from oracle.spatial.wheel import Wheel
+from oracle.vectors import cross, skew
 
 X, Y, Z = np.eye(3)
 

@@ -47,10 +47,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from oracle.machine import along_turning, cross, rolling_resistance
 from oracle.spatial.bodies import Bodies, Coordinates, Layout, placed, tilted_gravity
 from oracle.spatial.ground import Ground
 from oracle.spatial.wheel import Contact, Wheel
+from oracle.vectors import along_turning, cross
+from oracle.wheel import rolling_resistance
 
 LAWS = ("regularized", "saturated", "viscous", "coulomb", "brush", "none")
 

@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from oracle.machine import cross
 from oracle.spatial.bodies import Coordinates, X, Y, Z, placed, turned
 from oracle.spatial.machine import Machine, Reactions, rotor_inertia
+from oracle.vectors import cross
 
 
 def start(machine: Machine) -> Coordinates:

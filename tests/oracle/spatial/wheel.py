@@ -26,9 +26,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from oracle.machine import UP, cross
 from oracle.spatial.ground import Ground, Step
 from oracle.spatial.profiles import Hull, parts_of
+from oracle.vectors import UP, cross
 
 DIFFERENCE = 1e-6  # m, for the Jacobian of f
 LOOKS = 9  # directions across an edge, to begin with
