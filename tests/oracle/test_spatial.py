@@ -23,6 +23,7 @@ from oracle.spatial.states import GRID, SCENES, changed, heights, states
 from oracle.vectors import cross
 
 SMOOTH = [name for name, scene in SCENES.items() if scene["friction"]["law"] != "coulomb"]
+SLOW = ("brush of several lobes",)  # seconds even of few states
 FEW, MANY = 10, 60  # states of a scene
 LOSSES = {"friction_loss": "friction", "contact_loss": "contact", "damper_loss": "damper", "drive_work": "drive",
           "wrench_work": "wrench", "bearing_loss": "bearing", "rolling_loss": "rolling"}  # fmt: skip
@@ -200,7 +201,9 @@ def count(request):
     return request.param
 
 
-@pytest.fixture(scope="module", params=SMOOTH)
+@pytest.fixture(
+    scope="module", params=[pytest.param(name, marks=[pytest.mark.long] * (name in SLOW)) for name in SMOOTH]
+)
 def pairs(request, count, tmp_path_factory):
     folder, pairs = tmp_path_factory.mktemp("scene"), Pairs()
     np.save(folder / GRID["file"], heights())

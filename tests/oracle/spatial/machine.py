@@ -150,8 +150,9 @@ class Machine:
         slip = velocity + rate * contact.normal
         stream = np.zeros(3)
         if self.friction["law"] == "brush":  # with nu as it is: the ground is taken to be straight
+            part = self.wheels[w].touching(contact, self.ground)
             lowest = along_turning(
-                lambda axis: self.wheels[w].lowest(bodies.x[body], axis, contact.normal),
+                lambda axis: part.lowest(bodies.x[body], axis, contact.normal),
                 bodies.axis[body],
                 bodies.w[body],
             )

@@ -166,6 +166,7 @@ SCENES |= {
     "brush on springs": changed("mecanum_springs", friction=BRUSH),
     "brush on a bump": changed("mecanum_bump", friction=BRUSH),
     "brush of two rows": changed("double_row", friction=BRUSH),
+    "brush of several lobes": shaped("mecanum_springs", *LONG, friction=BRUSH),
     "no friction": changed("double_row", friction={"law": "none"}),
     "rolling resistance": resisting("kiwi_slope"),
     "rolling resistance on springs": resisting("mecanum_springs", friction=BRUSH),

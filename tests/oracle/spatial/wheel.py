@@ -122,9 +122,13 @@ class Wheel:
         """P of a roller along -nu."""
         return min((part.lowest(centre, axis, nu) for part in self.parts), key=lambda point: point @ nu)
 
+    def touching(self, contact: Contact, ground: Ground) -> "Part":
+        """Which part of a roller a contact is of."""
+        return self.parts[contact.piece // pieces_of(ground)]
+
     def contacts(self, centre: np.ndarray, axis: np.ndarray, ground: Ground) -> list[Contact]:
         """Where a roller overlaps the ground: one of its parts after the other."""
-        pieces = 1 + len(ground.steps)
+        pieces = pieces_of(ground)
         return [
             contact._replace(piece=number * pieces + contact.piece)
             for number, part in enumerate(self.parts)
@@ -221,6 +225,11 @@ class Part(NamedTuple):
                 inverse = np.linalg.inv(np.stack(rates, axis=1))
             place, last = place - inverse @ left, size
         return None
+
+
+def pieces_of(ground: Ground) -> int:
+    """The level or smooth part, and every edge."""
+    return 1 + len(ground.steps)
 
 
 def covered_by_default(around: int, phases: np.ndarray) -> float:
