@@ -43,7 +43,7 @@ OURS = {
     "formulations": Benchmark("bench.formulations", "Every body against the reduced equations", 15, 2),
     "kernels": Benchmark("bench.kernels", "Kernels", 31, 5),
     "spatial": Benchmark("bench.spatial", "Machines free in space", 3, 1),
-    "scaling": Benchmark("bench.scaling", "64 rollers against 8", 31, 5),
+    "scaling": Benchmark("bench.scaling", "More rollers, more rows", 31, 5),
     "startup": Benchmark("bench.startup", "Whole command", 5, 1),
     "memory": Benchmark("bench.memory", "Memory of the whole command", 3, 1),
     "studies": Benchmark("bench.studies", "Thousands of runs", 5, 1),

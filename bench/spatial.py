@@ -16,18 +16,15 @@ import statistics
 from collections.abc import Callable
 from functools import partial
 
-import numpy as np
-
 import omnisim
 from bench.bump_scene import STEM, bumps, end, outcome
-from bench.common import Claim, bare_wheel, interleaved, marching, ready, simulation, table
+from bench.common import Claim, bare_wheel, interleaved, marching, quiet, ready, simulation, table
 from bench.peers import c_loop
 from omnisim.scene.scene import Scene
 
 STEP = 1e-4  # s
 COASTING = 0.2  # s, of a march on the plane: short enough to fit between the turns of neighbours
 MARCHES_PER_ROUND = 200
-QUIET = 0.1  # of them, those that count
 TARGET, ALARM = 10.0, 30.0  # steps of the C loop
 ROLLERS_TARGET, ROLLERS_ALARM = 1.1, 2.5  # times the machine with six
 COUNTS = {6: (), 24: (
@@ -77,13 +74,6 @@ def beside_c(rounds: int) -> dict:
     seconds = quiet(interleaved(contestants, MARCHES_PER_ROUND * rounds))
     ns = {"machine": seconds["machine"] / ready(plane).steps * 1e9, "C": seconds["C"] / ready(wheel).steps * 1e9}
     return {"ns_per_step": ns, "ratio": ns["machine"] / ns["C"], **counted(plane)}
-
-
-def quiet(seconds: dict[str, list[float]]) -> dict[str, float]:
-    """Mean of each contestant over the tenth of the rounds that took least in all."""
-    rounds = np.array(list(seconds.values()))
-    least = np.argsort(rounds.sum(axis=0))[: math.ceil(QUIET * rounds.shape[1])]
-    return dict(zip(seconds, rounds[:, least].mean(axis=1).tolist(), strict=True))
 
 
 def counted(scene: Scene) -> dict[str, float]:

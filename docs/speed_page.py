@@ -35,7 +35,7 @@ WRITTEN = """Written by `python -m docs.speed_page` from the numbers in `bench/r
 INTRODUCTION = f"""# Speed and accuracy
 
 {WRITTEN}. Ratios are medians of rounds in which the contestants took
-turns, beside the C loops those of the quietest tenth of hundreds; the rules stand in `bench/README.md`. The machine
+turns, beside the C loops and for rollers and rows those of the quietest tenth of hundreds; the rules stand in `bench/README.md`. The machine
 is a share of a larger one, whose neighbours slow both sides of a ratio, and omnisim more than a C loop."""
 CLAIMS = """A target is what is aimed at. Beyond its alarm a value is no noise of a machine; `python -m bench --check` fails."""
 

@@ -82,8 +82,8 @@ def sentences(results: dict[str, dict]) -> list[str]:
         f"- MuJoCo on `{STOPS}`, the most accurate of {tried} settings, is {best['position_error'] * 1e3:.2f} mm off "
         f"at {2.0 / best['seconds']:.1f} times real time, its yaw by {best['yaw_error']:.2f} rad. `omnisim.simulate` "
         f"with `dopri5` at 1e-2 s is {nearer(best, quick)}, `rk4` at 5e-3 s {nearer(best, close)}.",
-        f"- 64 rollers cost {results['scaling']['1e-04']['ratio']:.2f} times as much as 8, with eight times the "
-        "exchanges: a roller in the air has no state.",
+        f"- 64 rollers cost {results['scaling']['rollers']['1e-04']['ratio']:.2f} times as much as 8, with eight times the "
+        f"exchanges: a roller in the air has no state. Two rows cost {span(results['scaling']['rows'])} times one row.",
         f"- Implicit contact tracking takes {ratio(results['kernels']['rk4']):.1f} times as long as explicit.",
     ]
 
@@ -91,6 +91,12 @@ def sentences(results: dict[str, dict]) -> list[str]:
 def min_ratio(part: dict, form: str) -> float:
     """SciPy's best by rk4, where it does best."""
     return min(row["ratio"]["rk4"] for row in part["equal"] if row["form"] == form)
+
+
+def span(rows: dict[str, dict]) -> str:
+    """The least and the largest ratio."""
+    ratios = [row["ratio"] for row in rows.values()]
+    return f"{min(ratios):.2f} to {max(ratios):.2f}"
 
 
 def nearer(best: dict, ours: dict) -> str:

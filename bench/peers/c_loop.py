@@ -9,7 +9,6 @@ state into vector registers makes each stage wait for scalars that were written 
 """
 
 import ctypes
-import math
 import shutil
 import subprocess
 import tempfile
@@ -20,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bench.common import Claim, March, bare_wheel, interleaved, ready, table
+from bench.common import Claim, March, bare_wheel, interleaved, quiet, ready, table
 from bench.machine_scenes import slipping_platform
 from omnisim.dynamics.state import YAW, Contents, X, Y, places_of
 from omnisim.scene.scene import Scene, changed
@@ -30,7 +29,6 @@ AGREEMENT = 1e-5  # of the error of a step: an exchange is located by steps of C
 PLAIN = "gcc -O3"
 FLAGS = (PLAIN, "gcc -O3 -march=native", "gcc -O3 -fno-tree-vectorize")
 MARCHES_PER_ROUND = 50
-QUIET = 0.1  # of them, those that count
 WHEELS = 4  # of mecanum_rk4.c
 
 ROLLING = (
@@ -251,9 +249,7 @@ def measured(loop: Loop, rounds: int) -> dict:
         apart = f"{differences[name]:.1e} apart, {bound:.1e} allowed"
         assert differences[name] < bound, f"{name}: not the same motion, {apart}"
         contestants[name] = lambda library=library: prepare(loop, library, ready(scene))
-    taken = interleaved(contestants, MARCHES_PER_ROUND * rounds)
-    quiet = np.argsort(np.sum(list(taken.values()), axis=0))[: math.ceil(QUIET * MARCHES_PER_ROUND * rounds)]
-    mean = {name: float(np.mean(np.array(values)[quiet])) for name, values in taken.items()}
+    mean = quiet(interleaved(contestants, MARCHES_PER_ROUND * rounds))
     steps = scene.config.time.steps
     return {
         name: {

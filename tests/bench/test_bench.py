@@ -14,9 +14,10 @@ import numpy as np
 import pytest
 
 import omnisim
-from bench import laws, limit, machine_scenes, memory, precision, run, targets, whole_machines
+from bench import laws, limit, machine_scenes, memory, precision, run, scaling, targets, whole_machines
 from bench.common import Claim, bare_wheel, claims_table, ready, table
 from bench.peers import c_loop
+from omnisim.cad.geometry import roller_frames
 from omnisim.dynamics.packing import bodies
 from omnisim.run.loop import Loop
 from omnisim.run.work_precision import converged
@@ -329,6 +330,7 @@ def test_every_benchmark_runs_and_reports(tmp_path):
     for text in (
         "by that with the set-valued one",
         "with 64 rollers",
+        "on two rows of rollers, by that on one: kiwi drive",
         "a step of 12 wheels",
         "order of rk4, six_rollers",
     ):
@@ -336,6 +338,17 @@ def test_every_benchmark_runs_and_reports(tmp_path):
     assert "| slope |" in done.stdout
     assert "| youbot | sideways |" in done.stdout
     assert {path.stem for path in tmp_path.iterdir()} >= set(parts) - {"c_loop", "limit"}  # which need a compiler
+
+
+@pytest.mark.parametrize("name", scaling.machines())
+def test_two_rows_have_the_rollers_of_one_at_the_same_azimuths(name):
+    one, two = scaling.on_rows(scaling.machines()[name]).values()
+    places = []
+    for scene in (one, two):
+        (kind,) = scene.config.wheel_types.values()
+        places.append(np.array([centre for centre, _ in roller_frames(kind)]))
+    np.testing.assert_allclose(places[1][:, [0, 2]], places[0][:, [0, 2]], rtol=0, atol=1e-16)
+    assert set(places[1][:, 1].round(6)) == {-0.01, 0.01} and not places[0][:, 1].any()
 
 
 def test_the_error_of_a_picked_step_is_judged_by_a_converged_run():
