@@ -84,7 +84,7 @@ def about_scene(scene: Scene) -> str:
                 *([section("at rest on the ground", rest.facts)] if rest.facts else []),
                 f"wheels\n{wheel_table(config, rest)}",
                 f"spin rates of ideal wheels, which do not slip, rad/s\n{ideal_table(config)}",
-                f"steepest slopes at rest, deg: static friction along the rollers' axes, estimated\n"
+                f"steepest slopes, deg: statics of wheels that stand on the middle of a roller, estimated\n"
                 f"{slope_table(config, parameters)}",
             ]
         for drive, names in motors(config).items():
@@ -186,7 +186,7 @@ def ideal_table(config: Config) -> str:
 
 
 def slope_table(config: Config, parameters: Parameters) -> str:
-    """On which slopes the machine slides, drives up no more, or tips."""
+    """On which slopes the machine slides, rolls away without power, drives up no more, or tips."""
     from omnisim.dynamics.slopes import least, steepest
 
     found = {
@@ -198,7 +198,7 @@ def slope_table(config: Config, parameters: Parameters) -> str:
         uphill_deg = config.floor.uphill_deg - config.initial.yaw_deg
         found[f"on its {config.floor.slope_deg:g} deg"] = steepest(config, parameters, uphill_deg)
     rows = [(name, *map(shown_slope, slopes)) for name, slopes in found.items()]
-    return columns([("uphill", "holds, wheels locked", "drives up", "tips"), *rows], indent="  ")
+    return columns([("uphill", "holds, wheels locked", "rests, no power", "drives up", "tips"), *rows], indent="  ")
 
 
 def shown_slope(slope: float) -> str:

@@ -1,12 +1,15 @@
-"""On which slopes a machine holds, drives up, or tips: estimates from statics.
+"""On which slopes a machine holds, rests without power, drives up, or tips: estimates from statics.
 
-Each wheel stands on the middle of a roller, whose bearing gives no torque, so that its contact holds along the
-roller's axis a = -c h + s k alone, by a force f:
+Each wheel stands on the middle of a roller, with N and a force along the roller's axis a = -c h + s k and across it,
+along b = s h + c k. The moments about a and about the axle k, of rolling resistance M, |M| <= f N, of the roller's
+bearing T and of the drive tau, balance the force at their levers, the roller's radius h_0 and R:
 
-    sum f a = M g sin S u      n . sum f D x a = 0      |f| <= mu N, c R |f| <= tau      u: uphill, tau: of the drive
+    h_0 F_b = M . a + T        R F_h = M . k + tau,  F_h = s F_b - c F_a        F_a^2 + F_b^2 <= (mu N)^2
 
-Such forces are there unless some twist of the machine lets gravity do more work than friction and drives can take
-(duality of linear programs); it is enough to try those twists in which two of the contacts do not slide.
+Wheels that are locked hold along their rollers by what rubs, across them by at most (f N + T) / h_0. Wheels that roll
+uphill turn with w = phi' k + chi' a against M = -f N w / |w|, phi' and chi' those of ideal wheels. The sums of such
+forces are a convex set of wrenches, which has to hold the weight's. Without power a machine rests unless some twist
+lets gravity do more work than wheels take that roll, sum f N |w| + T |chi'| + T_m |phi'|, T_m of the motor.
 """
 
 import math
@@ -29,21 +32,31 @@ STEEPEST = math.radians(89.999)
 HALVINGS = 40  # of a quarter turn, to 1e-12 rad
 DIRECTIONS = 24
 ROUNDING = 1e-12
+TINY = 1e-7  # of the largest: lengths that count as none
+TURNS = 80  # of weights for the twist that takes least
 
 
 class Slopes(NamedTuple):
-    """The steepest slopes (rad) that a machine stands on: with locked wheels, by its drives, and until it tips."""
+    """The steepest slopes (rad) that a machine stands on: with locked wheels, without power, driving up, until it
+    tips."""
 
     holds: float
+    rests: float
     climbs: float
     tips: float
 
 
 class Footing(NamedTuple):
-    """Of W contacts how they hold, a force along each (W, 3): x, y and moment about C; and the twists to try (K, 3)."""
+    """Of W contacts (W, 3) each: unit forces along a and b as x, y and moment about C, which by the machine's twist are
+    also the velocities there; phi' and chi' of rolling wheels by the twist."""
 
-    forces: np.ndarray
-    twists: np.ndarray
+    along: np.ndarray
+    across: np.ndarray
+    spins: np.ndarray
+    turns: np.ndarray
+
+
+Forces = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]  # by the loads (W,): a wrench (3,), and what may be more
 
 
 def steepest(config: Config, parameters: Parameters, uphill_deg: float) -> Slopes:
@@ -51,12 +64,13 @@ def steepest(config: Config, parameters: Parameters, uphill_deg: float) -> Slope
     uphill = np.array([math.cos(math.radians(uphill_deg)), math.sin(math.radians(uphill_deg))])
     found = footing(parameters)
     torques = np.array([driving_torque(wheel.drive) for wheel in config.wheels])
+    motors = np.array([friction_torque(wheel.drive) for wheel in config.wheels])
     friction = parameters.machine.friction if config.friction.law in RUBBING else 0.0
-    locked, driven = (
-        partial(stands, parameters, found, friction, most, uphill) for most in (np.full(len(torques), np.inf), torques)
-    )
-    holds = limit(locked)
-    return Slopes(holds, holds if driven(min(holds, STEEPEST)) else limit(driven), tipping(parameters, uphill))
+    holds = limit(partial(stands, parameters, uphill, partial(locked, parameters, found, friction)))
+    driven = partial(stands, parameters, uphill, partial(driving, parameters, found, friction, torques, uphill))
+    climbs = holds if driven(min(holds, STEEPEST)) else limit(driven)
+    rests = min(holds, resting(parameters, found, motors, uphill))
+    return Slopes(holds, rests, climbs, tipping(parameters, uphill))
 
 
 def least(config: Config, parameters: Parameters) -> Slopes:
@@ -79,29 +93,132 @@ def limit(stands: Callable[[float], bool]) -> float:
 def footing(parameters: Parameters) -> Footing:
     wheels = parameters.wheels
     x, y = centres(parameters)
-    along, across = -wheels.cos_psi, wheels.sin_psi  # of a, along h and k
-    a_x = along * wheels.cos_heading - across * wheels.sin_heading
-    a_y = along * wheels.sin_heading + across * wheels.cos_heading
-    forces = np.stack([a_x, a_y, x * a_y - y * a_x], axis=1)
-    _, sizes, axes = np.linalg.svd(forces, full_matrices=True)
-    free = axes[np.count_nonzero(sizes > ROUNDING * sizes[0]) :]  # twists that no contact resists
-    pairs = np.array([np.cross(one, other) for one, other in combinations([*forces, *free], 2)])
-    lengths = np.linalg.norm(pairs, axis=1)
-    twists = pairs[lengths > ROUNDING] / lengths[lengths > ROUNDING, None]
-    return Footing(forces, np.concatenate([twists, -twists]))
+    heading, left = (wheels.cos_heading, wheels.sin_heading), (-wheels.sin_heading, wheels.cos_heading)
+    h, k = (np.stack([e_x, e_y, x * e_y - y * e_x], axis=1) for e_x, e_y in (heading, left))
+    cos, sin = wheels.cos_psi[:, None], wheels.sin_psi[:, None]
+    spins, turns = (h - sin / cos * k) / wheels.radius[:, None], k / (cos * thickness(parameters)[:, None])
+    return Footing(sin * k - cos * h, sin * h + cos * k, spins, turns)
 
 
-def stands(
-    parameters: Parameters, footing: Footing, friction: float, torques: np.ndarray, uphill: np.ndarray, slope: float
-) -> bool:
-    """Whether friction and torques (W,), N m, hold the machine on a slope (rad)."""
-    machine, wheels = parameters.machine, parameters.wheels
-    weight = machine.mass * math.hypot(machine.gravity, *machine.downhill)
-    push = -weight * math.sin(slope) * uphill
-    loads = loads_under(parameters, weight * math.cos(slope), push)
-    most = np.minimum(friction * loads, torques / (wheels.radius * wheels.cos_psi))
-    taken = np.abs(footing.twists @ footing.forces.T) @ most
-    return bool(np.all(footing.twists[:, :2] @ push <= taken + ROUNDING * weight))
+def thickness(parameters: Parameters) -> np.ndarray:
+    """h_0: radius of a roller in its middle, m (W,)."""
+    return parameters.wheels.radius - parameters.wheels.roller_distance
+
+
+def weight_of(parameters: Parameters) -> float:
+    return parameters.machine.mass * math.hypot(parameters.machine.gravity, *parameters.machine.downhill)
+
+
+def loads_on(parameters: Parameters, uphill: np.ndarray, slope: float) -> np.ndarray:
+    """Normal forces (W,), N, of the machine at rest on a slope (rad)."""
+    weight = weight_of(parameters)
+    x, y = -weight * math.sin(slope) * uphill
+    return loads_under(parameters, weight * math.cos(slope), (x, y))
+
+
+# --- forces that may be ---------------------------------------------------------------------------
+
+
+def stands(parameters: Parameters, uphill: np.ndarray, forces: Forces, slope: float) -> bool:
+    """Whether the contacts hold the machine on a slope (rad)."""
+    weight = weight_of(parameters)
+    held, more = forces(loads_on(parameters, uphill, slope))
+    needed = np.array([*(weight * math.sin(slope) * uphill), 0.0])
+    return within((needed - held) / weight, more / weight)
+
+
+def within(wrench: np.ndarray, segments: np.ndarray) -> bool:
+    """Whether a wrench (3,) lies in the sum of the segments (G, 3) from -g to g: a convex body whose faces are normal
+    to two of them, or if all lie in a plane or on a line to what is normal to that."""
+    lengths = np.linalg.norm(segments, axis=1)
+    units = segments[lengths > ROUNDING] / lengths[lengths > ROUNDING, None]
+    _, sizes, axes = np.linalg.svd(np.concatenate([units, np.zeros((3, 3))]))
+    units = np.concatenate([units, axes[sizes <= ROUNDING]])
+    one, other = np.triu_indices(len(units), 1)
+    normals = np.cross(units[one], units[other])
+    sizes = np.linalg.norm(normals, axis=1)
+    normals = normals[sizes > ROUNDING] / sizes[sizes > ROUNDING, None]
+    return bool(np.all(np.abs(normals @ wrench) <= np.abs(normals @ segments.T).sum(axis=1) + ROUNDING))
+
+
+def locked(
+    parameters: Parameters, footing: Footing, friction: float, loads: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Of wheels that do not turn: a hexagon for the circle of friction as far as rollers resist, from within."""
+    wheels = parameters.wheels
+    rubbing = friction * loads
+    resisting = (wheels.rolling_resistance * loads + wheels.bearing_torque) / thickness(parameters)
+    across = np.minimum(resisting, rubbing)
+    edge = np.sqrt(rubbing**2 - across**2)
+    side, tip = 0.5 * across[:, None] * footing.across, 0.5 * (rubbing - edge)[:, None] * footing.along
+    return np.zeros(3), np.concatenate([edge[:, None] * footing.along, tip + side, tip - side])
+
+
+def driving(
+    parameters: Parameters,
+    footing: Footing,
+    friction: float,
+    torques: np.ndarray,
+    uphill: np.ndarray,
+    loads: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Of wheels that roll uphill by drives of at most these torques (W,), N m."""
+    wheels, cos, sin = parameters.wheels, parameters.wheels.cos_psi, parameters.wheels.sin_psi
+    spin, turn = footing.spins[:, :2] @ uphill, footing.turns[:, :2] @ uphill
+    rate = np.sqrt(spin**2 + turn**2 + 2.0 * sin * spin * turn)  # |w|, as k . a = s
+    moment = -wheels.rolling_resistance * loads / np.maximum(rate, ROUNDING)
+    bearing = -wheels.bearing_torque * np.sign(np.where(np.abs(turn) > ROUNDING * rate, turn, 0.0))
+    rubbing = friction * loads
+    across = np.clip((moment * (turn + sin * spin) + bearing) / thickness(parameters), -rubbing, rubbing)
+    middle = (sin * across - moment * (spin + sin * turn) / wheels.radius) / cos
+    reach, rest = torques / (wheels.radius * cos), np.sqrt(rubbing**2 - across**2)
+    low, high = np.clip(middle - reach, -rest, rest), np.clip(middle + reach, -rest, rest)
+    held = 0.5 * (low + high) @ footing.along + across @ footing.across
+    return held, 0.5 * (high - low)[:, None] * footing.along
+
+
+# --- rolling without power ------------------------------------------------------------------------
+
+
+def resting(parameters: Parameters, footing: Footing, motors: np.ndarray, uphill: np.ndarray) -> float:
+    """Slope (rad) from which on wheels roll by themselves, whose motors rub with these torques (W,), N m."""
+    weight, slope = weight_of(parameters), 0.0
+    for _ in range(HALVINGS):
+        drag = least_drag(parameters, footing, motors, loads_on(parameters, uphill, slope), uphill)
+        before, slope = slope, math.asin(min(drag / weight, 1.0))
+        if abs(slope - before) <= ROUNDING:
+            break
+    return slope
+
+
+def least_drag(
+    parameters: Parameters, footing: Footing, motors: np.ndarray, loads: np.ndarray, uphill: np.ndarray
+) -> float:
+    """The least work (J/m = N) that rolling wheels take by the way downhill, whatever else the machine does.
+
+    A sum of lengths |A t| over twists t that go 1 m downhill: in turn the twist with the least sum of (A t)^2 / |A t|
+    and the lengths there (Weiszfeld).
+    """
+    wheels, spins, turns = parameters.wheels, footing.spins, footing.turns
+    rolling = np.stack([spins + wheels.sin_psi[:, None] * turns, wheels.cos_psi[:, None] * turns], axis=1)  # w
+    single = np.stack([np.concatenate([turns, spins]), np.zeros((2 * len(wheels), 3))], axis=1)
+    costs = np.concatenate([wheels.rolling_resistance * loads, wheels.bearing_torque, motors])
+    rows, costs = np.concatenate([rolling, single])[costs > 0.0], costs[costs > 0.0]
+    downhill, drag, lengths = np.array([*-uphill, 0.0]), math.inf, np.ones(len(rows))
+    for _ in range(TURNS):
+        matrix = np.einsum("j,jia,jib->ab", costs / lengths, rows, rows)
+        twist = np.linalg.pinv(matrix, hermitian=True) @ downhill
+        if np.abs(matrix @ twist - downhill).max() > TINY:
+            return 0.0  # some way downhill takes nothing
+        lengths = np.linalg.norm(rows @ (twist / (downhill @ twist)), axis=1)
+        before, drag = drag, float(costs @ lengths)
+        if abs(before - drag) <= ROUNDING * drag:
+            break
+        lengths = np.maximum(lengths, TINY * lengths.max())
+    return drag
+
+
+# --- tipping --------------------------------------------------------------------------------------
 
 
 def tipping(parameters: Parameters, uphill: np.ndarray) -> float:

@@ -16,6 +16,21 @@ TRIANGLE = ((0.2, 0.02), (-0.1, 0.16), (-0.12, -0.15))
 LOCKED = {"kind": "dc_motor", "voltage": 0.0, "resistance": 1.0, "torque_constant": 1e-9, "rotor_inertia": 1e4}
 
 
+F, T = 1.5e-3, 2e-3  # m, N m: rolling resistance, and of a roller's bearing
+
+
+def rubbing(data: dict, **roller: float) -> dict:
+    """The machine with these keys of its rollers; they are its only resistance."""
+    ((name, kind),) = data["wheel_types"].items()
+    return data | {"wheel_types": {name: kind | {"roller": kind["roller"] | roller}}}
+
+
+def sizes(data: dict) -> tuple[float, float]:
+    """R and the radius of a roller, m."""
+    (kind,) = data["wheel_types"].values()
+    return kind["radius"], kind["radius"] - kind["roller_distance"]
+
+
 def estimate(data: dict, uphill_deg: float = 0.0):
     config = scene(data).config
     return steepest(config, pack(config), uphill_deg)
@@ -54,6 +69,47 @@ def test_torques_limit_what_wheels_can_climb():
 
 
 @pytest.mark.short
+def test_rolling_resistance_holds_locked_wheels_across_their_rollers():
+    """Aside straight rollers have nothing else; on mecanum wheels it shares the circle of friction."""
+    straight, mecanum = (rubbing(machine(kind, friction=COULOMB), rolling_resistance=F) for kind in ("omni", "mecanum"))
+    part = F / sizes(straight)[1]
+    assert math.tan(estimate(straight, 90.0).holds) == pytest.approx(part, rel=1e-11)
+    assert math.tan(estimate(straight).holds) == pytest.approx(MU, rel=1e-11)  # nothing more along them
+    part = F / sizes(mecanum)[1]
+    expected = math.sqrt(0.5) * (part + math.sqrt(MU**2 - part**2))
+    assert math.tan(estimate(mecanum, 90.0).holds) == pytest.approx(expected, rel=1e-11)
+
+
+@pytest.mark.short
+def test_a_machine_without_power_rests_below_what_its_wheels_resist():
+    """Ahead f / R, aside as its rollers and wheels turn together; a bearing of straight rollers resists aside alone."""
+    data = rubbing(machine("mecanum", friction=COULOMB), rolling_resistance=F)
+    radius, thin = sizes(data)
+    assert math.tan(estimate(data).rests) == pytest.approx(F / radius, rel=1e-9)
+    expected = F * math.hypot(1.0 / thin, 1.0 / thin - 1.0 / radius)
+    assert math.tan(estimate(data, 90.0).rests) == pytest.approx(expected, rel=1e-9)
+    straight = rubbing(machine("omni", friction=COULOMB), bearing_torque=T)
+    mass = bodies(scene(straight).config).mass
+    assert math.sin(estimate(straight, 90.0).rests) == pytest.approx(
+        4.0 * T / sizes(straight)[1] / (mass * G), rel=1e-9
+    )
+    motor = {"kind": "dc_motor", "voltage": 0.0, "resistance": 2.0, "torque_constant": 0.1, "friction_torque": 0.05}
+    braked = machine("omni", friction=COULOMB, drives=[motor] * 4)
+    assert math.sin(estimate(braked).rests) == pytest.approx(4.0 * 0.05 / 0.0625 / (mass * G), rel=1e-9)
+    assert estimate(machine("omni", friction=COULOMB)).rests == 0.0
+
+
+@pytest.mark.short
+def test_drives_climb_against_rolling_resistance():
+    rate = {"kind": "rate", "rate": 1.0, "proportional": 1.0, "torque_limit": 0.3}
+    data = rubbing(machine("omni", friction=COULOMB, drives=[rate] * 4), rolling_resistance=F)
+    (radius, _), mass = sizes(data), bodies(scene(data).config).mass
+    climbs = estimate(data).climbs
+    expected = (4.0 * 0.3 / (mass * G) - F * math.cos(climbs)) / radius
+    assert math.sin(climbs) == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.short
 def test_a_machine_tips_where_its_plumb_line_leaves_the_wheels():
     data = machine("omni", friction=COULOMB)
     height, (front, left) = bodies(scene(data).config).centre[2], BOX[0]
@@ -75,3 +131,21 @@ def test_a_skew_machine_holds_below_the_estimate_and_slides_above(uphill_deg):
         assert motion.complete, motion.attributes["status"]
         speeds.append(np.linalg.norm(motion["body/velocity"][-1]))
     assert speeds[0] < 1e-6 and speeds[1] > 1e-4  # m/s
+
+
+@pytest.mark.parametrize(("which", "drive", "uphill_deg"), [
+    ("rests", {"kind": "free"}, 0.0), ("rests", {"kind": "free"}, 35.0), ("holds", LOCKED, 70.0),
+])  # fmt: skip
+def test_rollers_that_resist_creep_below_the_estimate_and_run_away_above(which, drive, uphill_deg):
+    """Below it the speed settles, above it grows by g times what the slope is steeper."""
+    data = rubbing(machine("omni", friction=COULOMB, drives=[drive] * 4), rolling_resistance=F)
+    slope = getattr(estimate(data, uphill_deg), which)
+    early, late = {}, {}  # gained in the first half second, and in the next
+    for part in (0.9, 1.1):
+        floor = {"slope_deg": math.degrees(part * slope), "uphill_deg": uphill_deg}
+        motion = omnisim.simulate(scene(data | {"floor": floor}, "time={end=1.0, step=1e-3, output_interval=0.5}"))
+        assert motion.complete, motion.attributes["status"]
+        speeds = np.linalg.norm(motion["body/velocity"], axis=1)
+        early[part], late[part] = np.diff(speeds)
+    assert late[0.9] < 0.1 * early[0.9]  # measured 0.085, 0.082, 4e-7
+    assert late[1.1] > 0.8 * 0.5 * 0.1 * G * math.tan(slope)  # measured 1.08, 0.88, 0.94
