@@ -5,17 +5,18 @@ see rubber.py.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from omnisim.cad.robot_description import COLOURS, LAID, Body, bodies, headed, numbers
+from omnisim.cad.robot_description import COLOURS, LAID, Body, bodies, headed, numbers, rolling_resistances
 from omnisim.cad.rubber import SETTINGS, press, touching_name
 from omnisim.dynamics.packing import gravity, pack
 from omnisim.dynamics.state import places_in
 from omnisim.march.spatial_start import pose_at_start, quaternion, state_in_space
 from omnisim.scene.schema import Config
+from omnisim.scene.wheel_schema import WheelType
 
 STEP = 1e-4  # s
 # As near to rigid as this step allows: less stiffness and damping by mass (1/s^2, 1/s), critically damped.
@@ -35,7 +36,7 @@ def mjcf(config: Config, name: str, meshes: Mapping[str, str], contacts: Mapping
     A rate drive is a velocity actuator with its proportional gain and its limit, without the integral; any other drive
     is a torque (N m), of a motor at the axle. Actuators have the names of the wheels.
     """
-    root = headed(Element("mujoco", model=name), config)
+    root = headed(Element("mujoco", model=name), config, *differences(config))
     SubElement(root, "compiler", angle="radian", eulerseq="XYZ")
     along, normal = gravity(config)
     free = config.upright == "free"
@@ -62,7 +63,8 @@ def mjcf(config: Config, name: str, meshes: Mapping[str, str], contacts: Mapping
         if kind == "roller":
             drawn, touching = meshes[size], contacts[size]
             SubElement(element, "geom", UNTOUCHED, type="mesh", mesh=drawn, rgba=COLOURS["rubber"])
-            SubElement(element, "geom", TOUCHING, name=touching_name(body), type="mesh", mesh=touching)
+            given = TOUCHING | resisting(config.wheel_types[size], config.friction.coefficient)
+            SubElement(element, "geom", given, name=touching_name(body), type="mesh", mesh=touching)
         elif size[0] > 0.0:
             stand_in(element, body)
         elements[body.name] = element
@@ -71,6 +73,22 @@ def mjcf(config: Config, name: str, meshes: Mapping[str, str], contacts: Mapping
     actuators(SubElement(root, "actuator"), config)
     start(SubElement(SubElement(root, "keyframe"), "key", name="start"), config, everything)
     return root
+
+
+def differences(config: Config) -> Iterator[str]:
+    """What MuJoCo cannot be told, or is told otherwise."""
+    if config.friction.law == "brush":
+        creep = f"creep_stiffness = {config.friction.creep_stiffness:g}"
+        yield f"left out: rubber that creeps, {creep}; MuJoCo's friction sticks up to the coefficient"
+    if told := rolling_resistances(config):
+        yield f"{told} is the rolling friction of rollers; it has no rolling_rate, and shares one cone with friction"
+
+
+def resisting(kind: WheelType, coefficient: float) -> dict[str, str]:
+    """Rolling friction of a geom: like rolling resistance a length, by the load."""
+    if not kind.roller.has_rolling_resistance:
+        return {}
+    return {"condim": "6", "friction": numbers(coefficient, 0.0, kind.roller.rolling_resistance)}
 
 
 def base_joints(element: Element, config: Config) -> None:

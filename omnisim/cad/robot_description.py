@@ -65,6 +65,13 @@ def note(config: Config) -> str:
     return said + ("; the floor is the base plane, without bumps, grid and steps" if not config.floor.is_plane else "")
 
 
+def rolling_resistances(config: Config) -> str:
+    """Those of the wheel types in use, as a comment tells them; nothing if no roller resists."""
+    found = {wheel.type: config.type_of(wheel).roller.rolling_resistance for wheel in config.wheels}
+    told = ", ".join(f"{f:g} m ({name})" for name, f in found.items() if f > 0.0)
+    return f"rolling_resistance {told}" if told else ""
+
+
 def bodies(config: Config) -> Iterator[Body]:
     """Parents before what they carry."""
     root = None
@@ -140,6 +147,8 @@ def numbers(*values: float) -> str:
     return " ".join(repr(float(value)) for value in values)
 
 
-def headed(root: Element, config: Config) -> Element:
-    root.append(Comment(f" {note(config).replace('--', '-')} "))  # two hyphens would end the comment
+def headed(root: Element, config: Config, *more: str) -> Element:
+    """With comments: the note, and what else has to be said."""
+    for said in (note(config), *more):
+        root.append(Comment(f" {said.replace('--', '-')} "))  # two hyphens would end the comment
     return root

@@ -16,8 +16,8 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from omnisim.cad.robot_description import Body, numbers
-from omnisim.scene.ground_schema import Contact
 from omnisim.scene.schema import Config
+from omnisim.scene.wheel_schema import WheelType
 
 IMPEDANCE = 1e-4  # the smallest that MuJoCo takes
 SLIP_RATE = 2e3  # 1/s
@@ -40,20 +40,22 @@ def touching_name(body: Body) -> str:
 
 def press(element: Element, config: Config, everything: list[Body]) -> None:
     """A contact pair of the floor and each roller."""
-    friction = numbers(config.friction.coefficient, config.friction.coefficient, 0.0, 0.0, 0.0)
     mobility = inverse_masses(everything)
     for body in everything:
         kind, wheel_type = body.shape
         if kind == "roller":
-            own = rubber(config.wheel_types[wheel_type].contact, mobility[body.name])
-            SubElement(element, "pair", own, geom1="floor", geom2=touching_name(body), friction=friction)
+            own = rubber(config.wheel_types[wheel_type], mobility[body.name], config.friction.coefficient)
+            SubElement(element, "pair", own, geom1="floor", geom2=touching_name(body))
 
 
-def rubber(contact: Contact | None, mobility: float) -> dict[str, str]:
-    """Attributes of a contact pair of a roller with this inverse mass, 1/kg."""
+def rubber(kind: WheelType, mobility: float, coefficient: float) -> dict[str, str]:
+    """Attributes of a contact pair of a roller with this inverse mass, 1/kg, and this coefficient of friction; rolling
+    friction is like rolling resistance a length, by the load."""
+    contact, rolling = kind.contact, kind.roller.rolling_resistance
     assert contact is not None
     return {
-        "condim": "3",
+        "condim": "6" if rolling > 0.0 else "3",
+        "friction": numbers(coefficient, coefficient, 0.0, rolling, rolling),
         "solref": numbers(-contact.stiffness * mobility, -contact.damping * mobility),
         "solreffriction": numbers(-1.0, -SLIP_RATE * IMPEDANCE),
         "solimp": numbers(IMPEDANCE, IMPEDANCE, 1e-3),

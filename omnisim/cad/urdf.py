@@ -1,22 +1,23 @@
 """A scene as a URDF: what it leaves out (floor, drives, rotors) is the business of who reads it.
 
 URDF has no shape that is round both ways but the sphere: a roller touches as a row of them, which its profile holds.
-Nor has it springs: a suspension slides between limits that nothing reaches, with its damping.
+Nor has it springs: a suspension slides between limits that nothing reaches, with its damping. Friction on the floor,
+creep and rolling resistance go by the load, friction of a joint does not: a comment has them.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from xml.etree.ElementTree import Element, SubElement
 
 from omnisim.cad.geometry import Spheres, spheres_within
-from omnisim.cad.robot_description import COLOURS, LAID, Body, bodies, headed, numbers
-from omnisim.scene.schema import Config
+from omnisim.cad.robot_description import COLOURS, LAID, Body, bodies, headed, numbers, rolling_resistances
+from omnisim.scene.schema import FRICTION_KEYS, Config
 
 LIMITS = {"lower": "-1", "upper": "1", "effort": "1e6", "velocity": "1e3"}  # m, N, m/s: a slide has to have some
 
 
 def urdf(config: Config, name: str, meshes: Mapping[str, str]) -> Element:
     """The machine, or the wheel alone: links on continuous joints. meshes: of a roller of each wheel type in use."""
-    root = headed(Element("robot", name=name), config)
+    root = headed(Element("robot", name=name), config, *left_out(config))
     for colour, rgba in COLOURS.items():
         SubElement(SubElement(root, "material", name=colour), "color", rgba=rgba)
     spheres = {used: spheres_within(config.wheel_types[used]) for used in meshes}
@@ -31,6 +32,15 @@ def urdf(config: Config, name: str, meshes: Mapping[str, str]) -> Element:
         if body.parent is not None:
             joint(root, body)
     return root
+
+
+def left_out(config: Config) -> Iterator[str]:
+    """What a simulator has to be told by other ways, since URDF has no word for it."""
+    friction = config.friction
+    given = [f"{key} {getattr(friction, key):g}" for key in FRICTION_KEYS[friction.law]]
+    law = [f"friction '{friction.law}', {' '.join(given)}"] if given else []
+    if said := "; ".join([*law, *filter(None, [rolling_resistances(config)])]):
+        yield f"left out, as URDF has no word for it: {said}"
 
 
 def inertial(link: Element, body: Body) -> None:

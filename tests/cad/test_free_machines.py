@@ -112,3 +112,11 @@ def test_rubber_presses_as_the_scene_says(mujoco, tmp_path):
     assert abs(state.qpos[2] / -sag - 1.0) < 1e-10
     mujoco.mj_step(model, state, nstep=2000)
     assert abs(state.qpos[2] / -sag - 1.0) < 1e-2  # measured 2e-3: edges of facets
+
+
+def test_mujoco_reads_rolling_resistance_of_rubber_in_its_pairs(mujoco, tmp_path):
+    config = flying("rolling resistance on springs").config
+    model, _ = started(mujoco, tmp_path, config)
+    mu = config.friction.coefficient
+    assert (model.pair_dim == 6).all() and len(model.pair_dim) == sum(config.type_of(w).rollers for w in config.wheels)
+    np.testing.assert_array_equal(model.pair_friction, [[mu, mu, 0.0, 2e-3, 2e-3]] * len(model.pair_dim))
