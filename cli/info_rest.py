@@ -86,7 +86,7 @@ def shape_facts(kind: WheelType) -> dict[str, str]:
     rises = "the wheel stays round: both carry it there"
     if kind.profile.kind != "exact":
         found = rolling(kind)
-        rises = f"the wheel is {1e3 * (found.highest - found.lowest):.3g} mm lower there"
+        rises = f"between two the wheel goes up and down by {1e3 * (found.highest - found.lowest):.3g} mm"
     half, middle, end = half_length(kind), thickest(kind), end_radius(kind)
     return {
         "roller length": f"{2.0 * half:.6g} m",

@@ -226,7 +226,7 @@ def tipping(parameters: Parameters, uphill: np.ndarray) -> float:
     if parameters.machine.upright == SERVO:
         return 0.5 * math.pi
     ratios = [reach / out for reach, out in edges(parameters, -uphill) if out > ROUNDING]
-    return math.atan2(max(min(ratios), 0.0), parameters.machine.height)
+    return math.atan2(max(min(ratios, default=0.0), 0.0), parameters.machine.height)
 
 
 def edges(parameters: Parameters, downhill: np.ndarray) -> Iterator[tuple[float, float]]:

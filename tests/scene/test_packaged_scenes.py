@@ -32,6 +32,7 @@ WHEELS = {
     "soccer_kit": 3,
     "soccer_robot": 4,
     "thirty_two_rollers": 1,
+    "wheel_bench": 1,
     "youbot": 4,
 }
 FREE = ("cable_duct", "kiwi_ramp", "rocker")
