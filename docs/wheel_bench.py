@@ -25,7 +25,7 @@ PAGE, PICTURE = HERE / "rolling.md", HERE / "pictures/wheel_bench.png"
 BEGIN, END = "<!-- python -m docs.wheel_bench -->\n", "<!-- end -->\n"
 LOADS = (117.7, 215.8)  # N
 ANGLES = (0.0, 30.0, 45.0, 60.0, 90.0)  # deg, between the way and the wheel
-LEAST, LARGEST = 1.04, 10.34  # N, on concrete; 1.08 and 10.11 on aluminium
+CONCRETE, ALUMINIUM = (1.04, 10.34), (1.08, 10.11)  # N, least and largest mean
 LARGEST_AT, ACROSS = 60.0, 90.0  # deg
 SPEED, STEADY, SHORTEST, TURNS = 0.1, 0.5, 0.8, 3  # m/s; s from when on it is measured, so long; over so many exchanges
 SPINS = "rubber that rolls and spins"
@@ -78,10 +78,10 @@ def drag(lost: Losses, angle_deg: float, load: float, at: np.ndarray | None = No
     return load * math.fsum(arm * rate for arm, rate in zip(arms, turned, strict=True))
 
 
-def found() -> dict[str, Losses]:
+def found(published: tuple[float, float] = CONCRETE) -> dict[str, Losses]:
     """Three kinds of losses, each with what the two published numbers say: along the wheel one of them acts, and at 60
     deg another takes the rest."""
-    along, most = LEAST / LOADS[0] * WHEEL.radius, LARGEST / LOADS[1]
+    along, most = published[0] / LOADS[0] * WHEEL.radius, published[1] / LOADS[1]
     turned = turning(LARGEST_AT)
     spinning = (most - along * turned.rolling) / turned.spinning
     return {
@@ -140,8 +140,8 @@ def table() -> str:
     lines = [
         f"| mean drag, N, by angle | load, N | {' | '.join(f'{angle:g} deg' for angle in ANGLES)} |",
         f"| --- | ---: |{' ---: |' * len(ANGLES)}",
-        f"| published | {LOADS[0]} | *{LEAST}* | | | | |",
-        f"| | {LOADS[1]} | | | | *{LARGEST}* | |",
+        f"| published | {LOADS[0]} | *{CONCRETE[0]}* | | | | |",
+        f"| | {LOADS[1]} | | | | *{CONCRETE[1]}* | |",
     ]
     for name, lost in found().items():
         for load in LOADS:
@@ -171,7 +171,7 @@ def draw() -> None:
             draw_means(means, lost, load, color=colour, linestyle=line, label=name if load == LOADS[1] else None)
     runs = pulled(found()[SPINS], LOADS[1])
     means.plot(ANGLES, [force.mean() for _, force in runs], "s", color=COLOURS[2], label="runs on barrels")
-    means.plot([0.0, LARGEST_AT], [LEAST, LARGEST], "*", color="black", markersize=13, label="published")
+    means.plot([0.0, LARGEST_AT], CONCRETE, "*", color="black", markersize=13, label="published")
     means.set(xlabel="angle between way and wheel / deg", ylabel="mean drag / N", title="117.7 N (dashed), 215.8 N")
     for angle, (way, force), colour in zip(ANGLES, runs, COLOURS, strict=False):
         shown = way < 0.08  # m

@@ -200,6 +200,7 @@ def test_two_losses_span_the_published_drag_and_are_largest_at_60_deg_by_where_t
     least, oblique, largest = (expected_drag(*at, SWEPT) for at in ((0.0, LIGHT), (45.0, HEAVY), (60.0, HEAVY)))
     assert least == pytest.approx(1.04, rel=1e-3) and largest == pytest.approx(10.34, rel=1e-3)
     assert oblique < middle < largest < expected_drag(80.0, HEAVY, SWEPT) < end
+    assert end / middle == pytest.approx(1.48, abs=5e-3)
 
 
 @pytest.mark.parametrize(("flatter", "negative"), [(1.0e-3, False), (2.9e-3, True)])
