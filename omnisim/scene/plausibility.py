@@ -20,7 +20,7 @@ from omnisim.scene.problems import Problem
 from omnisim.scene.rollers import gap_between_rows, half_length, half_width, hub_radius, roller_solid, thickest
 from omnisim.scene.schema import Config, Wheel
 from omnisim.scene.solids import disk_solid, gap, outline, pitches
-from omnisim.scene.spatial_doubts import fast_rubber, high_start, soft_rubber, soft_springs
+from omnisim.scene.spatial_doubts import fast_rubber, high_start, soft_rubber, soft_springs, wrong_radius
 from omnisim.scene.toml_text import KeyPath
 from omnisim.scene.wheel_schema import WheelType
 
@@ -346,6 +346,7 @@ CHECKS: tuple[Check, ...] = (
     hollow_ground,
     crowded_rollers,
     crowded_hub,
+    wrong_radius,
     large_lengths,
     densities,
     gyrations,

@@ -1,4 +1,4 @@
-"""What a scene of a machine free in space says that is hardly meant: of rubber, springs, step and height."""
+"""What a scene of a machine free in space says that is hardly meant: of rollers, rubber, springs, step and height."""
 
 import math
 from collections.abc import Iterator
@@ -9,12 +9,29 @@ from omnisim.base.methods import IMPLICIT, METHODS
 from omnisim.scene.heights import heights_of
 from omnisim.scene.masses import point_masses, share_of_weight
 from omnisim.scene.problems import Problem
+from omnisim.scene.rollers import rolling
 from omnisim.scene.schema import Config, Wheel
 from omnisim.scene.toml_text import KeyPath
 
+BESIDE = 0.01  # of the radius of a wheel, off what its rollers make it
 MOST_SAG = 1e-3  # m, of rubber under its share of the weight
 HIGH = 2.0  # wheel radii, above the highest ground
 SHARING = 2.0  # rollers that carry a wheel where one takes over from the next
+
+
+def wrong_radius(config: Config) -> Iterator[Problem]:
+    """A wheel whose rollers, if they are not cut for it, carry it on another radius than the scene gives."""
+    for name, kind in config.wheel_types.items():
+        if kind.profile.kind == "exact":
+            continue
+        found = rolling(kind)
+        if not found.lowest - BESIDE * kind.radius <= kind.radius <= found.highest + BESIDE * kind.radius:
+            what = (
+                f"its rollers carry it on {found.lowest:.4g} to {found.highest:.4g} m, by roller_distance and profile"
+            )
+            yield Problem(
+                ("wheel_types", name, "radius"), f"{what}; expected about {found.mean:.4g} m, or other rollers"
+            )
 
 
 def soft_rubber(config: Config) -> Iterator[Problem]:

@@ -11,7 +11,8 @@ from scenes import REFERENCE
 
 import omnisim
 from omnisim.scene import plausibility
-from omnisim.scene.scene import packaged_scenes, parse
+from omnisim.scene.packaged import packaged_scenes, packaged_wheels
+from omnisim.scene.scene import parse
 
 WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
 MECANUM, OMNI = "wheel_types.mecanum", "wheel_types.omni"
@@ -67,6 +68,7 @@ DOUBTS = {
     "next but one": (plausibility.crowded_rollers, "soccer_kit", [f"{OMNI}.roller_distance=0.024"], "roller_count = 20", "rollers overlap the next but one, so that not even two rows hold them, by 0.00"),
     "hub": (plausibility.crowded_hub, "youbot", [f"{MECANUM}.disk={{mass=0.4, hub_radius=0.03, width=0.05}}"], "disk.hub_radius = 0.03", "rollers reach 0.0055 m into the hub; expected at most 2 roller_distance - radius = 0.0245 m"),
     "axle": (plausibility.crowded_hub, "kiwi", [f"{OMNI}.roller_distance=0.02"], "roller_distance = 0.02", "rollers reach the axle; expected more than half the radius, 0.025 m"),
+    "another radius": (plausibility.wrong_radius, "kiwi_ramp", [f"{OMNI}.radius=0.052"], "radius = 0.052", "its rollers carry it on 0.04997 to 0.05 m, by roller_distance and profile; expected about 0.04999 m, or other rollers"),
     "grams": (plausibility.densities, "youbot", [f"{MECANUM}.roller.mass=50"], "roller.mass = 50", "is 2.7e+06 kg/m^3; expected 50 to 23000"),
     "g/cm^3": (plausibility.densities, "youbot", [f"{MECANUM}.roller={{density=1.1}}"], "roller.density = 1.1", "is 1.1 kg/m^3; expected 50"),
     "grams of a disk": (plausibility.densities, "youbot", [f"{MECANUM}.disk.mass=400"], "disk.mass = 400", "expected at most 23000"),
@@ -124,7 +126,13 @@ def test_wheels_on_one_axle_that_are_too_near_overlap_by_what_they_are_wider_tha
 
 
 @pytest.mark.short
-@pytest.mark.parametrize("name", packaged_scenes())
+def test_a_radius_within_one_per_cent_of_what_rollers_give_is_not_doubted():
+    assert doubted("kiwi_ramp", f"{OMNI}.radius=0.0504").warnings == ()
+    assert len(doubted("kiwi_ramp", f"{OMNI}.radius=0.0506").warnings) == 1
+
+
+@pytest.mark.short
+@pytest.mark.parametrize("name", packaged_scenes() + packaged_wheels())
 def test_a_packaged_scene_is_not_doubted(name):
     assert omnisim.load(name).warnings == ()
 
@@ -144,6 +152,7 @@ def test_a_reference_case_is_not_doubted(path):
         ("youbot", [f"{MECANUM}.roller_count=9"], r"a roller_distance of at least (\S+) m", f"{MECANUM}.roller_distance"),
         ("soccer_kit", [f"{OMNI}.roller_distance=0.024"], r"at most (\d+) rollers", f"{OMNI}.roller_count"),
         ("youbot", [f"{MECANUM}.disk={{mass=0.4, hub_radius=0.03, width=0.05}}"], r"radius = (\S+) m", f"{MECANUM}.disk.hub_radius"),
+        ("kiwi_ramp", [f"{OMNI}.radius=0.052"], r"expected about (\S+) m", f"{OMNI}.radius"),
         ("youbot", [f"{MECANUM}.disk.inertia_diameter=1e-4"], r"inertia_axle, ([^;]+);", f"{MECANUM}.disk.inertia_diameter"),
     ],
 )  # fmt: skip
