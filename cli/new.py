@@ -71,6 +71,7 @@ QUESTIONS: dict[str, tuple[str, str, Any]] = {
     "no_load_current": ("No-load current", "A", "0.3 A"),
     "gear": ("Gear ratio, motor to wheel", "", "20"),
 }
+OF_WHEEL = ("rollers", "roller_diameter", "wheel_mass")
 PLACES = {"mecanum": ("track", "wheelbase"), "four-omni": ("track", "wheelbase"), "kiwi": ("distance",)}
 MOTORS = {
     "rate": ("torque",),
@@ -94,6 +95,7 @@ def all_asked(command):
 @click.option("--kind", type=click.Choice(tuple(PLACES)), help="Four mecanum, three omni or four omni wheels.")
 @all_asked
 @click.option("--motor", type=click.Choice(tuple(MOTORS)), help="A controller with a largest torque, or a data sheet.")
+@click.option("--wheel", metavar="NAME", help="A wheel that is sold: omnisim data lists them.")
 @click.option("--rollers", type=click.IntRange(4, 100), help="Rollers of one wheel; else estimated.")
 @click.option("--roller-diameter", type=Quantity("m"), help="Of a roller amid; else estimated.")
 @click.option("--wheel-mass", type=Quantity("kg"), help="One wheel with its rollers; else estimated.")
@@ -113,6 +115,7 @@ def new(file: str, force: bool, yes: bool, **given: Any) -> None:
     omnisim new                                   asks
     omnisim new kit.toml --yes                    a mecanum platform of 12 kg, to change in the editor
     omnisim new arm.toml --kind kiwi --wheel-radius 50mm --distance 15cm --mass 3 --torque "10 kg cm"
+    omnisim new desk.toml --wheel lekiwi_omni_102   a robot on wheels that are sold
     """
     from omnisim.scene.scene import SceneError, parse
 
@@ -152,22 +155,49 @@ def answered(given: dict[str, Any], yes: bool) -> tuple[Robot, list[str]]:
     from omnisim.scene.design import Controller, Motor, Robot
 
     motor_kind = meant("motor", given, MOTORS)  # before the first question: what cannot be is said at once
-    kind = meant("kind", given, PLACES) or choose("kind", "Kind of machine", given, PLACES, yes)
+    places = PLACES
+    if given["wheel"]:
+        places = on_wheels(given)
+    elif not yes and given["wheel_radius"] is None:
+        note("wheels that are sold: --wheel NAME, of `omnisim data`")
+    kind = meant("kind", given, places) or choose("kind", "Kind of machine", given, places, yes)
     answers = {name: answer(name, given, kind, yes) for name in ("wheel_radius", *PLACES[kind], "mass")}
     question = "Motors: rate (a controller with a largest torque) or dc_motor (by a data sheet)"
     motor_kind = motor_kind or choose("motor", question, given, MOTORS, yes)
     by_motor = {name: answer(name, given, kind, yes) for name in MOTORS[motor_kind]}
     motor = Controller(**by_motor) if motor_kind == "rate" else Motor(*by_motor.values())
-    rest = {name: given[name] for name in ("rollers", "roller_diameter", "wheel_mass", "size", "friction", "speed")}
+    rest = {name: given[name] for name in (*OF_WHEEL, "size", "friction", "speed", "wheel")}
     robot = Robot(kind, motor=motor, side=given["side"], **answers, **rest)
     told = answers | by_motor | rest | {"side": given["side"]}
+    if robot.wheel:
+        del told["wheel_radius"]
     return robot, ["--kind", kind, *options({name: value for name, value in told.items() if value is not None})]
+
+
+def on_wheels(given: dict[str, Any]) -> dict[str, tuple[str, ...]]:
+    """The kinds of machines that the packaged wheel is for, which gives its radius; Failure for what it settles."""
+    from omnisim.scene.bought_wheel import bought_wheel
+    from omnisim.scene.design import DesignError
+
+    try:
+        wheel = bought_wheel(given["wheel"])
+    except DesignError as error:
+        raise Failure(f"--wheel {error}", BAD_INPUT) from None
+    for name in ("wheel_radius", *OF_WHEEL):
+        if given[name] is not None:
+            raise Failure(f"--{name.replace('_', '-')}: --wheel {wheel.name} has its own", BAD_INPUT)
+    if given["kind"] and given["kind"] not in wheel.kinds:
+        known = ", ".join(wheel.kinds)
+        raise Failure(f"--kind {given['kind']}: not of --wheel {wheel.name}, which is for {known}", BAD_INPUT)
+    given["wheel_radius"] = wheel.radius
+    return {kind: names for kind, names in PLACES.items() if kind in wheel.kinds}
 
 
 def options(answers: dict[str, Any]) -> Iterator[str]:
     for name, value in answers.items():
         yield f"--{name.replace('_', '-')}"
-        yield from (f"{part:.9g}" for part in (value if isinstance(value, tuple) else (value,)))
+        parts = value if isinstance(value, tuple) else (value,)
+        yield from (part if isinstance(part, str) else f"{part:.9g}" for part in parts)
 
 
 def meant(what: str, given: dict[str, Any], choices: dict[str, tuple[str, ...]]) -> str | None:

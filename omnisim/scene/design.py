@@ -94,7 +94,7 @@ class Motor(NamedTuple):
 
 class Robot(NamedTuple):
     """What a data sheet says (m, kg, m/s). Places of the wheels: track and wheelbase, or of a kiwi the distance of each
-    from the middle. None: estimated."""
+    from the middle. wheel: the name of a packaged one, whose radius is wheel_radius. None: estimated."""
 
     kind: str
     wheel_radius: float
@@ -110,6 +110,7 @@ class Robot(NamedTuple):
     friction: float | None = None
     speed: float | None = None
     side: float = 1.0
+    wheel: str | None = None
 
 
 class Wheel(NamedTuple):

@@ -3,6 +3,7 @@
 scene_text(Robot("mecanum", wheel_radius=0.076, mass=12.0, motor=Controller(2.0), track=0.3, wheelbase=0.35))
 """
 
+from omnisim.scene.bought_wheel import STEP, BoughtWheel, bought_wheel
 from omnisim.scene.design import (
     FRICTION,
     KINDS,
@@ -23,25 +24,33 @@ ESTIMATED = "# ESTIMATED"
 
 def scene_text(robot: Robot, command: str = "omnisim new") -> str:
     """The scene, as TOML with comments; `command` is how to write it again. Raises DesignError."""
-    wheel, places = part(robot), wheels(robot)
-    chassis = robot.mass - len(places) * wheel.mass
+    places = wheels(robot)
+    bought = bought_wheel(robot.wheel) if robot.wheel else None
+    if bought:
+        kind, each, wheel_type = bought.name, bought.mass, _bought_type(bought)
+    else:
+        own = part(robot)
+        kind, each, wheel_type = KINDS[robot.kind].wheel, own.mass, _wheel_type(robot, own)
+    chassis = robot.mass - len(places) * each
     if chassis <= 0.0:
-        much = f"{len(places)} wheels weigh {len(places) * wheel.mass:.3g} kg"
-        raise DesignError(f"a machine of {robot.mass:g} kg is too light: its {much}; what is the mass of one wheel?")
-    friction = FRICTION if robot.friction is None else robot.friction
+        much = f"{len(places)} wheels weigh {len(places) * each:.3g} kg"
+        asked = "" if bought else "; what is the mass of one wheel?"
+        raise DesignError(f"a machine of {robot.mass:g} kg is too light: its {much}{asked}")
+    usual = bought.coefficient if bought else FRICTION
+    friction = usual if robot.friction is None else robot.friction
     motion = square(robot, friction)
     blocks = [
-        _head(robot, command, motion, friction),
-        _wheel_type(robot, wheel),
+        _head(robot, command, motion),
+        _laws(robot, bought, motion, friction),
+        wheel_type,
         _chassis(robot, chassis),
-        _wheels(robot, places),
+        _wheels(robot, kind, places),
         _command(robot, motion),
     ]
     return "\n".join(blocks)
 
 
-def _head(robot: Robot, command: str, motion: Square, friction: float) -> str:
-    end = 4.0 * motion.leg + 0.5
+def _head(robot: Robot, command: str, motion: Square) -> str:
     return f"""\
 # {KINDS[robot.kind].told.capitalize()}: {robot.mass:g} kg, wheels of {robot.wheel_radius:g} m radius.
 #
@@ -49,15 +58,30 @@ def _head(robot: Robot, command: str, motion: Square, friction: float) -> str:
 # What is ESTIMATED says so: replace it by what you know. `omnisim info` shows what follows from it.
 schema = 1
 title = "{robot.kind} of {robot.mass:g} kg drives a square"
+"""
 
+
+def _laws(robot: Robot, bought: BoughtWheel | None, motion: Square, friction: float) -> str:
+    """Time, friction, and what a packaged wheel needs beside."""
+    law, step, tables = (bought.law, bought.step, bought.tables) if bought else (('law = "coulomb"',), STEP, "")
+    lines = "\n".join(law)
+    return f"""\
 [time]
-end = {end:.6g} # s
-step = 5e-4
+end = {4.0 * motion.leg + 0.5:.6g} # s
+step = {step:g}
 output_interval = 0.01
-
+{tables}
 [friction]
-law = "coulomb"
+{lines}
 coefficient = {friction:g} {_marked(robot.friction)}of rollers on the floor
+"""
+
+
+def _bought_type(wheel: BoughtWheel) -> str:
+    return f"""\
+# {wheel.told}: `omnisim data {wheel.name}` has its numbers and their sources.
+[wheel_types.{wheel.name}]
+from = "{wheel.name}" # what is given here as well wins
 """
 
 
@@ -101,12 +125,12 @@ def _size(robot: Robot) -> tuple[float, float, float]:
     return robot.wheelbase + 2.0 * robot.wheel_radius, robot.track, 2.0 * robot.wheel_radius
 
 
-def _wheels(robot: Robot, places: list[Wheel]) -> str:
+def _wheels(robot: Robot, kind: str, places: list[Wheel]) -> str:
     inertia = robot.mass / len(places) * robot.wheel_radius**2  # of the machine, at one wheel
     drive = robot.motor.drive(inertia)
     blocks = [f"{ESTIMATED}: the gains of the controllers, by the mass."]
     for place in places:
-        lines = [f'name = "{place.name}"', f'type = "{KINDS[robot.kind].wheel}"']
+        lines = [f'name = "{place.name}"', f'type = "{kind}"']
         lines += [f"position = [{short(place.x)}, {short(place.y)}]"]
         lines += [f"heading_deg = {short(place.heading)}"] * (place.heading != 0.0)
         lines += ["mirrored = true"] * place.mirrored

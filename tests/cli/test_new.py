@@ -11,9 +11,11 @@ from click.testing import CliRunner
 from commands import command
 
 import omnisim
+from omnisim.scene.bought_wheel import bought_wheel
 from omnisim.scene.design import KINDS, Controller, DesignError, Motor, Robot, part
 from omnisim.scene.estimates import estimates
 from omnisim.scene.first_scene import scene_text
+from omnisim.scene.packaged import packaged_wheels
 from omnisim.scene.scene import parse
 from omnisim.scene.solids import gap, hub_radius
 from omnisim.scene.toml_text import show_path
@@ -220,3 +222,38 @@ def test_a_motor_is_taken_from_its_data_sheet_with_the_units_printed_there(folde
     assert wrong.exit_code == 2 and "wheels.front_left.drive.stall_torque = 5.88399: contradicts" in wrong.stderr
     assert wrong.stderr.count("contradicts") == 1  # of four motors
     assert "--torque: not of --motor dc_motor" in command("new", "w.toml", "--motor", "dc_motor", "--torque", 1).stderr
+
+
+@pytest.mark.short
+@pytest.mark.parametrize("name", packaged_wheels())
+def test_a_robot_on_a_packaged_wheel_loads_without_a_warning(name):
+    """It has that wheel, and what the wheel's own scene needs: rubber, method, step."""
+    wheel, own = bought_wheel(name), omnisim.load(name).config
+    for kind in wheel.kinds:
+        lengths = dict.fromkeys(("track", "wheelbase", "distance"), 6.0 * wheel.radius)
+        robot = Robot(kind, wheel.radius, 4.0 * wheel.mass + 3.0, Controller(2.0), wheel=name, **lengths)
+        scene = parse(scene_text(robot))
+        assert scene.warnings == ()
+        config = scene.config
+        assert config.wheel_types[name] == own.wheel_types[name]
+        assert config.upright == ("free" if own.upright == "free" else "contacts")
+        assert (abs(own.wheel_types[name].roller_angle_deg) > 20.0) == (kind == "mecanum")
+
+
+def test_a_wheel_that_is_sold_settles_what_it_has(folder):
+    assert command("new", "desk.toml", "--yes", "--wheel", "xrp_omni_70", "--kind", "kiwi").exit_code == 0
+    text = Path("desk.toml").read_text()
+    assert tomllib.loads(text)["wheel_types"] == {"xrp_omni_70": {"from": "xrp_omni_70"}}
+    again = re.search("Written by: omnisim (.*)", text)[1].split()
+    assert command(*again, "again.toml").exit_code == 0 and Path("again.toml").read_text() == text
+    for options, told in (
+        (["xrp_omni_7"], "--wheel xrp_omni_7: no packaged wheel has this name; did you mean 'xrp_omni_70'?"),
+        (
+            ["xrp_omni_70", "--kind", "mecanum"],
+            "--kind mecanum: not of --wheel xrp_omni_70, which is for kiwi, four-omni",
+        ),
+        (["xrp_omni_70", "--wheel-radius", "3cm"], "--wheel-radius: --wheel xrp_omni_70 has its own"),
+        (["omni_125", "--mass", "1"], "a machine of 1 kg is too light: its 4 wheels weigh"),
+    ):
+        result = command("new", "other.toml", "--yes", "--wheel", *options)
+        assert result.exit_code == 2 and told in result.stderr and not Path("other.toml").exists()
