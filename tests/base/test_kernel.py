@@ -53,6 +53,7 @@ def test_an_edit_in_a_called_file_changes_what_the_cached_caller_computes(packag
     assert run(package, **cache)[0] == 11.0
 
 
+@pytest.mark.long
 def test_the_same_sources_share_one_cache_and_others_do_not(package, tmp_path):
     cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     first, again = run(package, **cache)[1], run(package, **cache)[1]
@@ -89,6 +90,7 @@ def test_a_key_of_the_scene_a_dataset_and_a_plot_recompile_nothing(kernel_module
     assert not [name for name in kernel_modules if name.startswith(rooms)]
 
 
+@pytest.mark.long
 def test_an_edit_counts_if_a_kernel_may_see_it(package, kernel_modules):
     for path in package.rglob("*.py"):
         before, text = kernel.source_hash(package), path.read_text()
@@ -161,6 +163,7 @@ def test_a_full_disk_costs_the_kept_kernels_but_not_the_result(package, tmp_path
     assert not list((tmp_path / "cache").rglob("*.nbc*"))
 
 
+@pytest.mark.long
 def test_signatures_compiled_by_two_processes_at_once_get_files_of_their_own(package, tmp_path):
     """Each process starts before the other has written anything, and Numba's own cache would number both files 1."""
     environment = {**os.environ, "PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
@@ -217,6 +220,7 @@ print(force(Machine(Wheel(1.0, np.array([5.0])), 3.0), 0.5))
 """
 
 
+@pytest.mark.long
 def test_what_is_not_there_is_not_compiled_and_every_kind_is_on_disk_afterwards(package, tmp_path):
     environment = {**os.environ, "PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
 

@@ -12,6 +12,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from helpers.stages import either
 
 import omnisim
 from bench import laws, limit, machine_scenes, memory, precision, run, scaling, targets, whole_machines
@@ -56,6 +57,7 @@ def test_a_right_hand_side_takes_a_root_and_two_divisions_for_each_wheel(loop, w
     assert of_rhs.path < of_step.path < 4 * of_rhs.path  # angles of a stage need no forces of the one before
 
 
+@pytest.mark.long
 def test_omnisim_takes_as_many_roots_and_sines_as_the_c_loops():
     if not all(map(shutil.which, ("gcc", "g++"))):
         pytest.skip("no gcc or no g++ on this machine")
@@ -81,7 +83,9 @@ def scipy_peer():
 
 
 @pytest.mark.parametrize("form", ["NumPy", "scalars", "compiled"])
-@pytest.mark.parametrize("solver", ["LSODA, solve_ivp", "LSODA, odeint", "DOP853, solve_ivp"])
+@pytest.mark.parametrize(
+    "solver", either(["LSODA, solve_ivp", "LSODA, odeint", "DOP853, solve_ivp"], ["LSODA, odeint"])
+)
 @pytest.mark.parametrize("psi", [pytest.param(0.0, marks=pytest.mark.long), 30.0])
 def test_scipy_moves_a_bare_wheel_as_the_march_does(scipy_peer, solver, form, psi):
     scene = bare_wheel(1e-4, end=0.5, psi=psi)
@@ -96,7 +100,9 @@ def test_implicit_solvers_of_scipy_move_a_bare_wheel_as_the_march_does(scipy_pee
     np.testing.assert_allclose(found, scipy_peer.final(scene), rtol=0, atol=1e-5)  # measured: 7e-9, BDF 1.1e-6
 
 
-@pytest.mark.parametrize("solver", ["LSODA, solve_ivp", "LSODA, odeint", "Radau, solve_ivp"])
+@pytest.mark.parametrize(
+    "solver", either(["LSODA, solve_ivp", "LSODA, odeint", "Radau, solve_ivp"], ["LSODA, odeint", "Radau, solve_ivp"])
+)
 def test_scipy_moves_a_stiff_wheel_as_radau5_does(scipy_peer, solver):
     scene = scipy_peer.smooth(omnisim.load("coulomb_wheel", ("solver.method=radau5", "time.end=0.3")), 1e-4)
     found = scipy_peer.integrate(ready(scene), solver, "compiled", 1e-9)
@@ -105,7 +111,10 @@ def test_scipy_moves_a_stiff_wheel_as_radau5_does(scipy_peer, solver):
 
 @pytest.mark.parametrize(
     ("solver", "form"),
-    [("LSODA, solve_ivp", "NumPy"), *((f"{name}, solve_ivp", "compiled") for name in ("LSODA", "Radau", "BDF"))],
+    [
+        pytest.param("LSODA, solve_ivp", "NumPy", marks=pytest.mark.long),
+        *((f"{name}, solve_ivp", "compiled") for name in ("LSODA", "Radau", "BDF")),
+    ],
 )
 def test_scipy_moves_a_stiff_platform_as_radau5_does(scipy_peer, solver, form):
     """Over three exchanges, before its command has risen in full."""
@@ -177,8 +186,8 @@ def test_a_run_that_stops_has_no_error_to_compare():
     assert law_error(1e-3, "rk4", 1e-3) == np.inf
 
 
-@pytest.mark.parametrize("drive", ["rate", "torque"])
-@pytest.mark.parametrize("motion", machine_scenes.MOTIONS)
+@pytest.mark.parametrize("drive", either(["rate", "torque"], ["rate"]))
+@pytest.mark.parametrize("motion", either(machine_scenes.MOTIONS, ["sideways"]))
 def test_the_reference_of_the_platform_is_confirmed_and_the_ladder_tends_to_it(motion, drive):
     converged = whole_machines.reference(motion, drive)
     run = omnisim.simulate(machine_scenes.platform(motion, drive, "rk4", 1e-3))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from helpers.stages import either
 from roller_profiles import PROFILES, shape
 from scene_text import message, replaced
 from uneven import kind as roller_kind
@@ -71,7 +72,7 @@ TYPES = {
 }
 
 
-@pytest.mark.parametrize("name", TYPES)
+@pytest.mark.parametrize("name", either(TYPES, list(TYPES)[::8]))
 def test_the_solid_of_a_packaged_roller_is_that_of_its_mesh(name):
     kind = TYPES[name]
     assert roller_solid(kind) == pytest.approx(integrals(*bored_roller(kind)), rel=1e-4)  # measured up to 3.6e-5
@@ -88,7 +89,7 @@ def test_the_inertias_of_a_packaged_disk_that_has_a_shape_are_those_of_its_mesh(
     assert (disk.inertia_axle, disk.inertia_diameter) == pytest.approx(found, rel=1e-4)  # measured up to 2.7e-5
 
 
-@pytest.mark.parametrize("bore", [0.0, 0.002, 0.007])
+@pytest.mark.parametrize("bore", either([0.0, 0.002, 0.007], [0.002]))
 @pytest.mark.parametrize("name", PROFILES)
 def test_the_solid_of_a_roller_of_any_profile_is_that_of_its_mesh(name, bore):
     kind = roller_kind(profile=shape(name), roller=Roller(bore_radius=bore))

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from helpers.stages import either
 from scenes import wheel_record
 
 import omnisim
@@ -82,7 +83,7 @@ def test_the_gap_is_the_smallest_distance_of_points_on_two_rollers_and_never_abo
     assert near.min() - found < 1e-5  # of a grid; measured 0 to 3.4e-6
 
 
-@pytest.mark.parametrize("angle", [0.0, 25.0, -25.0])
+@pytest.mark.parametrize("angle", either([0.0, 25.0, -25.0], [25.0]))
 def test_the_gap_between_rows_is_the_smallest_distance_of_points_on_their_rollers(angle):
     """Neighbours ahead and behind on the other row are not equally far where rollers stand aslant."""
     from scipy.spatial import cKDTree

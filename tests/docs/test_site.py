@@ -62,6 +62,7 @@ def test_no_page_loads_anything_from_elsewhere_and_all_that_it_loads_is_there(si
         assert not re.search(r"(@import|url\()\s*[\"']?(https?:)?//", sheet.read_text(encoding="utf-8")), sheet.name
 
 
+@pytest.mark.long
 def test_every_equation_is_typeset(site, browser):
     """What stands between $ and $, or in a block `math`; TeX that KaTeX does not know would be an error."""
     tab, equations = browser.new_page(), {}

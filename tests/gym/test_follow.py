@@ -89,6 +89,7 @@ def test_every_machine_of_many_is_bit_for_bit_a_single_one_with_its_own_seed_thr
 
 
 @pytest.mark.parametrize("threads", [2, 3, 5])
+@pytest.mark.long
 def test_no_bit_depends_on_the_number_of_threads(threads, monkeypatch):
     monkeypatch.setattr("omnisim.gym.machines.WORTH_SHARING", -1.0)  # s: always
     acted = actions(60, 5, 3)

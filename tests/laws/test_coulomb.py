@@ -214,6 +214,7 @@ def test_steps_far_too_long_for_coulomb_friction_are_found_out_by_their_energy(n
     [("rk4", (1e-3, 1e-4), 3.6), *(pytest.param(*given, marks=pytest.mark.long)
                                    for given in (("auto", (1e-3, 1e-4), 2.8), ("radau5", (1e-3, 1e-4), 4.0)))],
 )  # fmt: skip
+@pytest.mark.long
 def test_the_order_holds_through_releases_and_slow_slip_of_a_driven_wheel(method, steps, order):
     """A mecanum wheel from rest under a torque that rises beyond its limit and falls back, against radau5 at 2e-5."""
     driven = (

@@ -11,7 +11,8 @@ LEAST = 45  # hard scenes
 
 LONG = (
     "coasting on two rollers", "psi = 80 deg", "pointed tips", "near the limit", "near the limit, regularized", "kerb",
-    "pits", "ground of ridges", "standing on a slope",
+    "pits", "ground of ridges", "standing on a slope", "bump under a platform", "tilted by 30 deg", "stuck for 1e5 s",
+    "slip_speed 1e-7", "stiffness 1e8 N/m", "authors' viscosity", "authors' viscosity, thrown", "two hundred rollers",
 )  # fmt: skip
 
 parametrized = pytest.mark.parametrize(

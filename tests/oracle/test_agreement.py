@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.stages import either
 
 import omnisim
 from omnisim.scene.scene import load
@@ -60,18 +61,13 @@ def compare(path: Path, overrides: tuple[str, ...], servo_torque: str | None) ->
     assert max(worst.values()) < BOUND, worst
 
 
-def either(names, quick):
-    """Those that are quick, and the others as long ones."""
-    return [name if name in quick else pytest.param(name, marks=pytest.mark.long) for name in names]
-
-
 @pytest.mark.parametrize("case", either(CASES, ["viscous"]))
 def test_the_engine_moves_as_the_free_bodies_do(case):
     compare(BASE, (*MOVING, *CASES[case]), "wheels/wheel/servo_torque")
 
 
 @pytest.mark.parametrize("law", either(LAWS, ["viscous"]))
-@pytest.mark.parametrize("machine", either(MACHINES, ["three skew wheels", "four mecanum wheels"]))
+@pytest.mark.parametrize("machine", either(MACHINES, ["three skew wheels"]))
 def test_the_engine_moves_a_vehicle_as_the_free_bodies_do(machine, law):
     path, overrides = MACHINES[machine]
     servo = "body/servo_torque" if "scene.upright=servo" in overrides else None

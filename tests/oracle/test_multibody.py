@@ -65,6 +65,7 @@ def test_constraints_survive_an_exchange_under_load():
     assert motion["constraint_residual"].max() < 1e-12  # measured: 7e-15
 
 
+@pytest.mark.long
 def test_results_do_not_depend_on_the_tolerance():
     fine, coarse = (simulate(busy_scene(), [0.0, 0.05], rtol) for rtol in (1e-13, 1e-11))
     for key in ("position", "velocity", "yaw", "spin_angle", "normal_force", "servo_torque"):
@@ -95,6 +96,7 @@ def test_centre_of_mass_obeys_the_external_forces():
     np.testing.assert_allclose(motion["normal_force"], 2.6 * 9.81 - np.array([1.0, 5.0, 5.0]), rtol=1e-12)
 
 
+@pytest.mark.long
 def test_mirrored_wheel_moves_as_the_mirror_image():
     """Reflection in the plane of h and n: psi, roller rates, V_y, yaw, F_k and lambda change sign."""
     scene = busy_scene()

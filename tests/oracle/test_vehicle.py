@@ -49,12 +49,14 @@ def test_four_mecanum_wheels_follow_the_reference():
 
 
 @pytest.mark.parametrize("upright", UPRIGHT)
+@pytest.mark.long
 def test_constraints_survive_exchanges_under_load(upright: str):
     motion = simulate(skew(upright, law="viscous"), [0.0, 0.12])
     assert {name for _, name in motion["exchange_times"]} == {"front", "left", "right"}
     assert motion["constraint_residual"].max() < 1e-12  # measured: 2e-14
 
 
+@pytest.mark.long
 def test_results_do_not_depend_on_the_tolerance():
     fine, coarse = (simulate(skew(), [0.0, 0.03], rtol) for rtol in (1e-13, 1e-11))
     for key in ("position", "velocity", "yaw", "yaw_rate", "kinetic"):
@@ -140,6 +142,7 @@ def test_three_rows_keep_four_wheels_on_the_floor():
 
 
 @pytest.mark.parametrize("upright", UPRIGHT)
+@pytest.mark.long
 def test_mirrored_vehicle_moves_as_the_mirror_image(upright: str):
     """Reflection in the plane of x and z: psi, roller rates, y, headings, yaw and F_k change sign."""
     scene = skew(upright)
@@ -178,6 +181,7 @@ def test_wheels_that_turn_alike_exchange_rollers_together():
     assert np.ptp(times) < 1e-12
 
 
+@pytest.mark.long
 def test_a_lifted_wheel_is_refused():
     scene = skew()
     scene["wrench"] = {"times": [0.0, 0.1], "yaw_torque": [0.0, 0.0], "force": [[0.0, 0.0, 0.0], [0.0, 0.0, 40.0]]}

@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from helpers.stages import either
 from scenes import final_reference, final_state, reference_scene
 
 import omnisim
@@ -61,7 +62,12 @@ def test_differences_of_rounding_tell_no_error_below_it():
 
 
 @pytest.mark.parametrize("method", ["rk4", "dopri5"])
-@pytest.mark.parametrize("name", ["coulomb_wheel", "kiwi", "mecanum", "testbench_psi0", "testbench_psi30"])
+@pytest.mark.parametrize(
+    "name",
+    either(
+        ["coulomb_wheel", "kiwi", "mecanum", "testbench_psi0", "testbench_psi30"], ["coulomb_wheel", "testbench_psi30"]
+    ),
+)
 def test_the_final_state_is_as_near_to_the_reference_as_wanted(name, method):
     """Measured: at most 0.05 of the target."""
     for wanted in (1e-5, 1e-8):
@@ -70,7 +76,10 @@ def test_the_final_state_is_as_near_to_the_reference_as_wanted(name, method):
 
 
 @pytest.mark.parametrize("method", ["rk4", "dopri5"])
-@pytest.mark.parametrize("name", ["coulomb_wheel", "six_rollers", "soccer_kit", "soccer_robot", "mixed"])
+@pytest.mark.parametrize(
+    "name",
+    either(["coulomb_wheel", "six_rollers", "soccer_kit", "soccer_robot", "mixed"], ["six_rollers", "soccer_kit"]),
+)
 def test_errors_of_all_rows_are_below_the_estimate(name, method):
     """On machines that stick and slip, where errors fall by jerks: measured 3.5 to 1600 times below."""
     exact = omnisim.simulate(omnisim.load(name, ["solver.method=dopri5", "time.step=2e-5"]))  # good to 1e-11

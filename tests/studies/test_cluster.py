@@ -61,6 +61,7 @@ def test_a_cluster_finds_the_same_bits(cluster):
     same(sweep(STUDY, cluster=address), sweep(STUDY, workers=1))
 
 
+@pytest.mark.long
 def test_a_worker_that_is_killed_loses_nothing(cluster, tmp_path):
     address, (_, worker, _) = cluster
     killed = []
@@ -75,6 +76,7 @@ def test_a_worker_that_is_killed_loses_nothing(cluster, tmp_path):
     same(found, sweep(STUDY, workers=1))
 
 
+@pytest.mark.long
 def test_a_scheduler_that_vanishes_leaves_what_has_finished(cluster, tmp_path):
     address, (scheduler, *_) = cluster
     path = tmp_path / "study.h5"
@@ -88,6 +90,7 @@ def test_a_scheduler_that_vanishes_leaves_what_has_finished(cluster, tmp_path):
     assert journal_of(path).exists() and not path.exists()
 
 
+@pytest.mark.long
 def test_a_cluster_that_is_started_here(tmp_path):
     same(sweep(STUDY, cluster="local", workers=2), sweep(STUDY, workers=1))
 

@@ -206,6 +206,7 @@ def test_a_line_that_a_crash_has_cut_is_done_again(tmp_path):
     same(sweep(DRAWN, path, workers=1, resume=True), sweep(DRAWN, workers=1))
 
 
+@pytest.mark.long
 def test_a_killed_worker_costs_the_run_that_killed_it():
     study = load_study(DRAWN)
     rows = {row.run: row for rows in on_cores(Deadly(study), list(range(40)), 2, lambda: False) for row in rows}
@@ -217,6 +218,7 @@ def test_a_killed_worker_costs_the_run_that_killed_it():
         assert row.measures[0] == (None if np.isnan(expected["far"][run]) else expected["far"][run])
 
 
+@pytest.mark.long
 def test_a_worker_that_is_killed_while_it_waits_is_replaced():
     study = load_study(DRAWN)
     task = Task(study)
@@ -281,6 +283,7 @@ def test_several_scenes_at_once_come_back_in_their_order():
         omnisim.simulate_many(["kiwi", "kiwy"])
 
 
+@pytest.mark.long
 def test_kill_9_of_the_command_loses_no_finished_run(tmp_path):
     study = tmp_path / "study.toml"
     study.write_text("""

@@ -15,6 +15,7 @@ def compared():
     return dict(zip(("mecanum", "omni"), compare_wheels(wheels, 20.0), strict=True))
 
 
+@pytest.mark.long
 def test_mecanum_wheels_go_sideways_slower_by_the_mean_cosine_of_their_rollers_azimuth(compared):
     """A roller at azimuth q that does not slip lets the wheel go sideways at phi' R cos q / tan(psi): at a constant
     rate sin(alpha) / alpha of the ideal, on average over its sector; the controllers do not hold it quite."""
