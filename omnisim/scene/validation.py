@@ -1,10 +1,12 @@
 """From what tomllib returns to a Config, or to every problem found."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import Any
+from functools import wraps
+from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
+from omnisim.base.keeping import UNKNOWN, Ask, Common, alone
 from omnisim.scene.estimates import complete, shape_rules
 from omnisim.scene.floor_rules import floor_rules, narrow_bumps
 from omnisim.scene.machine_rules import MACHINE_RULES
@@ -17,6 +19,31 @@ from omnisim.scene.toml_text import KeyPath
 from omnisim.scene.values import Table
 
 Rule = Callable[[Config], Iterator[Problem]]
+Asked = Callable[[Config], tuple[Problem, ...]]
+
+
+def asked(*rules: Rule) -> tuple[Asked, ...]:
+    """The same rules, each of which tells all that it finds."""
+
+    def telling(rule: Rule) -> Asked:
+        return wraps(rule)(lambda config: tuple(rule(config)))  # type: ignore[return-value]
+
+    return tuple(map(telling, rules))
+
+
+OF_KEYS = asked(*RULES, shape_rules, spatial_rules, floor_rules, profile_rules)
+OF_SHAPES = asked(narrow_bumps)
+OF_MACHINES = asked(*MACHINE_RULES)
+
+
+class Variants(NamedTuple):
+    """Who tells what variants of a scene have in common: of what a file gives, and of what `complete` makes of it."""
+
+    given: Ask = alone
+    complete: Ask = alone
+
+
+NO_OTHERS = Variants()
 
 
 def validate(data: Mapping[str, Any]) -> Config:
@@ -24,8 +51,9 @@ def validate(data: Mapping[str, Any]) -> Config:
     return checked(tuples(data))
 
 
-def checked(data: Mapping[str, Any]) -> Config:
+def checked(data: Mapping[str, Any], variants: Variants = NO_OTHERS) -> Config:
     """The same of data whose lists are tuples; what is a model in it already, as `settled` has it, stays that one.
+    variants: it is one of them.
 
     Rules across keys compare values, bumps and estimates need shapes, and rules of the machine its parts: each stage
     waits for the one before.
@@ -34,17 +62,52 @@ def checked(data: Mapping[str, Any]) -> Config:
         config = Config.model_validate(data)
     except ValidationError as error:
         raise ConfigError(schema_problems(error, data)) from None
-    _obey((*RULES, shape_rules, spatial_rules, floor_rules, profile_rules), config)
-    _obey((narrow_bumps,), config)
+    _obey(OF_KEYS, config, variants.given)
+    _obey(OF_SHAPES, config, variants.given)
     config = complete(config)
-    _obey(MACHINE_RULES, config)
+    _obey(OF_MACHINES, config, variants.complete)
     return config
 
 
-def _obey(rules: Iterable[Rule], config: Config) -> None:
-    problems = [problem for rule in rules for problem in rule(config)]
+def _obey(rules: Iterable[Asked], config: Config, ask: Ask) -> None:
+    problems = [problem for rule in rules for problem in ask(rule, config)]
     if problems:
         raise ConfigError(problems)
+
+
+def variants_of(data: Mapping[str, Any], paths: Iterable[KeyPath]) -> Variants:
+    """Of scenes that differ from this one (data whose lists are tuples) where these paths lead."""
+    try:
+        sample = _unknown(Config.model_validate(data), list(paths))
+        given = Common(sample)
+    except (ValidationError, LookupError):  # they are no scenes
+        return NO_OTHERS
+    try:
+        return Variants(given, Common(_completed(sample)))
+    except TypeError:  # what it lacks follows from what nobody knows
+        return Variants(given)
+
+
+def _unknown(value: Any, paths: list[KeyPath]) -> Any:
+    """A part of a scene with UNKNOWN where these paths lead; of a table that is not there as a whole."""
+    if () in paths or value is None:
+        return UNKNOWN
+    below = {path[0]: [other[1:] for other in paths if other[0] == path[0]] for path in paths}
+    if isinstance(value, Table):
+        names = {field.alias or name: name for name, field in type(value).model_fields.items()}
+        changes = {names[key]: _unknown(getattr(value, names[key]), own) for key, own in below.items()}
+        return value.model_copy(update=changes)
+    entries = dict(value) if isinstance(value, dict) else dict(enumerate(value))
+    entries |= {key: _unknown(entries[key], own) for key, own in below.items()}
+    return entries if isinstance(value, dict) else tuple(entries.values())
+
+
+def _completed(sample: Config) -> Config:
+    """The same of a scene with UNKNOWN in it; so is its chassis, if what that lacks is."""
+    try:
+        return complete(sample)
+    except TypeError:
+        return complete(sample.model_copy(update={"chassis": None})).model_copy(update={"chassis": UNKNOWN})
 
 
 def settled(data: Mapping[str, Any], paths: Iterable[KeyPath]) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from omnisim.scene.problems import Problem, schema_problems
 from omnisim.scene.scene import Scene, load
 from omnisim.scene.schema import Config
 from omnisim.scene.toml_text import KeyPath, rewrite
-from omnisim.scene.validation import checked, settled, tuples
+from omnisim.scene.validation import Variants, checked, settled, tuples, variants_of
 from omnisim.studies.factors import Distribution, Factor, drawn_values, factors, settings, with_values
 from omnisim.studies.schema import MOST_RUNS, StudyConfig
 
@@ -103,9 +103,19 @@ class Study:
         return tuples(self.scene.document.data)
 
     @cached_property
+    def targets(self) -> list[KeyPath]:
+        """All paths in the scene's data that runs set."""
+        return [target for factor in self.factors for target in factor.targets]
+
+    @cached_property
     def settled(self) -> dict[str, Any]:
-        """The same with what does not vary validated."""
-        return settled(self.base, [target for factor in self.factors for target in factor.targets])
+        """What the scene says, with what does not vary validated."""
+        return settled(self.base, self.targets)
+
+    @cached_property
+    def variants(self) -> Variants:
+        """The scenes of all runs."""
+        return variants_of(self.base, self.targets)
 
     def data(self, run: int) -> dict[str, Any]:
         """What the scene of a run says."""
@@ -113,7 +123,7 @@ class Study:
 
     def checked(self, run: int) -> Config:
         """The scene of a run. Raises ConfigError where there is none."""
-        return checked(self._varied(self.settled, run))
+        return checked(self._varied(self.settled, run), self.variants)
 
     def _varied(self, data: dict[str, Any], run: int) -> dict[str, Any]:
         return with_values(data, [(path, tuples(value)) for path, value in self.settings(run)])
