@@ -47,16 +47,16 @@ class Unknown:
         raise TypeError("nobody knows this value yet")
 
     __eq__ = __ne__ = __hash__ = __bool__ = __repr__ = __format__ = __reduce_ex__ = _looked_at
-    __class__ = property(_looked_at)  # type: ignore[assignment]  # isinstance asks for it
+    __class__ = property(_looked_at)  # isinstance asks for it
 
 
 UNKNOWN = Unknown()
 
 
-class Ask(Protocol):
+class Ask(Protocol[Variant]):
     """Who finds what a function makes of something."""
 
-    def __call__(self, function: Callable[[Variant], Found], variant: Variant) -> Found: ...
+    def __call__(self, function: Callable[[Variant], Found], variant: Variant, /) -> Found: ...
 
 
 def alone(function: Callable[[Variant], Found], variant: Variant) -> Found:

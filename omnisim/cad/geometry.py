@@ -16,7 +16,7 @@ import numpy as np
 from omnisim.base.records import records
 from omnisim.contact.roller_profile import length, profile_radius
 from omnisim.dynamics.parameters import WHEEL
-from omnisim.dynamics.wheel_values import placed_values, shared_values
+from omnisim.dynamics.wheel_values import heading_values, placed_values, shared_values
 from omnisim.scene import rollers
 from omnisim.scene.drives import drive_law
 from omnisim.scene.schema import Wheel
@@ -46,8 +46,9 @@ SHORTFALL = 2.5e-3  # of the wheel radius: how much lower a row of spheres may c
 def of_type(kind: WheelType) -> np.record:
     """The record of a wheel of this type, not mirrored."""
     wheel = Wheel(name="wheel", type="wheel")
-    values = shared_values(kind, drive_law(wheel.drive), False, None) | placed_values(kind, wheel, (0.0, 0.0))
-    return records(WHEEL, [values | {"rates": 0, "contacts": 0, "row": 0, "rows": 1, "holding_mobility": 0.0}])[0]
+    values = shared_values(kind, drive_law(wheel.drive), False, None) | heading_values(wheel)
+    own = placed_values(kind, wheel, values, (0.0, 0.0))
+    return records(WHEEL, [values | own | {"rates": 0, "contacts": 0, "row": 0, "rows": 1}])[0]
 
 
 # --- rollers on their wheel -----------------------------------------------------------------------

@@ -10,6 +10,7 @@ from omnisim.base.keeping import kept
 from omnisim.dynamics.parameters import DRIVE_INPUT, FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE
 from omnisim.scene.cubic import cubic_curvature
 from omnisim.scene.drive_schema import Drive
+from omnisim.scene.ideal_kinematics import wheel_rows
 from omnisim.scene.schema import Command, Config, Wheel, Wrench
 
 SHORTEST = 1e-14  # relative: pieces of tables that are no longer than rounding are left out
@@ -18,13 +19,13 @@ WRENCH = [FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE]
 Table = tuple[tuple[float, ...], tuple[Any, ...]]  # times and values
 
 
-def merge_tables(config: Config, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def merge_tables(config: Config) -> tuple[np.ndarray, np.ndarray]:
     """All tables of a scene on the union of their knots: starts (S,) and inputs (S, channels, 2).
 
     Between two knots every input is linear, so one number, the current piece, tells all of them; a jump is two
-    equal knots, between which no piece lies. rows: of the ideal machine.
+    equal knots, between which no piece lies.
     """
-    starts, inputs = merged(rows, config.wrench, config.command, *map(drive_table, config.wheels))
+    starts, inputs = merged(wheel_rows(config), config.wrench, config.command, *map(drive_table, config.wheels))
     return starts.copy(), inputs.copy()
 
 
@@ -51,7 +52,7 @@ def followed_table(drive: Drive, curvature: tuple[float, ...]) -> Table:
 def merged(
     rows: np.ndarray, wrench: Wrench, command: Command | None, *drives: Table | None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The same of a wrench, a command and a table for each drive."""
+    """The same of a wrench, a command and a table for each drive; rows: of the ideal machine."""
     found = list(tables(rows, wrench, command, drives))
     knots = sorted({time for _, times, _ in found for time in times if time > 0.0})
     edges = np.array([0.0, *knots, math.inf])

@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from omnisim.base.keeping import kept
+from omnisim.base.copying import copied
+from omnisim.base.keeping import Ask, alone, kept
 from omnisim.base.records import blank, records
 from omnisim.base.trigonometry import exact_cos_sin
 from omnisim.contact.friction import LAWS
@@ -32,8 +33,14 @@ from omnisim.dynamics.spatial.packing import carried_wheels, mobility_bound, pac
 from omnisim.dynamics.spatial.records import SLOTS
 from omnisim.dynamics.state import TOUCHING, Contents, Places, places_in_space, places_of
 from omnisim.dynamics.wheel_values import (
+    HEADING,
+    OWN,
+    Reach,
     bearing_relaxation,
+    heading_values,
     placed_values,
+    reach,
+    shared_records,
     shared_values,
     slip_mobility_bound,
     wheel_records,
@@ -48,48 +55,205 @@ from omnisim.scene.wheel_schema import WheelType
 UPRIGHT = {"servo": SERVO, "contacts": CONTACTS, "free": FREE}
 
 
-def pack(config: Config) -> Parameters:
+def pack(config: Config, ask: Ask[Config] = alone) -> Parameters:
     """Parameters of a validated scene.
 
     What follows from one table of the scene, or from a few, is kept: of a machine that differs from one before in some
-    of its tables only what follows from those is found anew.
+    of its tables only what follows from those is found anew. ask: who tells what follows from the scene; of variants
+    their Common, so that they share arrays.
     """
-    types = [config.type_of(wheel) for wheel in config.wheels]
-    laws = [drive_law(wheel.drive) for wheel in config.wheels]
-    rows = wheel_rows(config)
-    machine = machine_values(config, types, laws)
-    centre, step = machine["centre"].tolist(), config.time.step
-    shared = [
-        shared_values(kind, law, wheel.mirrored, step)
-        for kind, wheel, law in zip(types, config.wheels, laws, strict=True)
-    ]
-    wheels = [
-        own | placed_values(kind, wheel, centre) for own, kind, wheel in zip(shared, types, config.wheels, strict=True)
-    ]
-    twists = None if config.chassis is None else inverse(rows, rms_distance(config))
-    machine["odometry"] = twists is not None
-    if twists is not None:
-        spin_angles = np.array([wheel.spin_angle for wheel in config.wheels])
-        for wheel, column in zip(wheels, twists.T.tolist(), strict=True):
-            wheel["odometry"] = column
-        machine["odometry_yaw"] = math.radians(config.initial.yaw_deg) - twists[2] @ spin_angles
-    machine["places"] = state_places(config, machine)
-    for wheel in wheels:
-        heavy = 1.0 / (HEAVY * machine["mass"] * wheel["radius"] ** 2)
-        wheel["holding_mobility"] = heavy if wheel["follows"] else wheel["spin_mobility"]
-    space = pack_space(config, wheels, machine) if config.upright == "free" else None
-    if space is None:
-        bounds = [slip_mobility_bound(machine, wheel, kind) for wheel, kind in zip(wheels, types, strict=True)]
-    else:
+    machine = ask(machine_kind, config) | machine_values(config, ask)
+    centre = machine["centre"]
+    shared, headings = ask(shared_of, config), ask(headings_of, config)
+    mounted = zip(ask(types_of, config), config.wheels, headings, strict=True)
+    placed = [placed_values(kind, wheel, heading, centre) for kind, wheel, heading in mounted]
+    for wheel, own in zip(placed, shared, strict=True):
+        heavy = 1.0 / (HEAVY * machine["mass"] * own["radius"] ** 2)
+        wheel["holding_mobility"] = heavy if own["follows"] else own["spin_mobility"]
+    space = None
+    if machine["upright"] == FREE:
+        wheels = [own | heading | place for own, heading, place in zip(shared, headings, placed, strict=True)]
+        space = pack_space(config, wheels, machine)
         bounds = [mobility_bound(space, wheel) for wheel in wheels]
+    else:
+        offsets = [wheel["offset"] for wheel in placed]
+        reaches = zip(offsets, ask(reaches_of, config), strict=True)
+        bounds = [slip_mobility_bound(machine, offset, found) for offset, found in reaches]
     machine["slip_mobility"] = max(bounds)
-    constants = (
+    return Parameters(
         records(MACHINE, [machine])[0],
-        wheel_records(wheels, shared, types, machine),
-        rows_of(wheels, types),
-        sectors(*(kind.rollers for kind in types)).copy(),
+        wheel_records(ask(wheel_bytes, config), OWN, placed),
+        rows_of(ask(offsets_of, config), placed),
+        ask(sectors_of, config),
+        *ask(merge_tables, config),
+        copied(ask(blank_workspace, config)),
+        space,
     )
-    return Parameters(*constants, *merge_tables(config, rows), workspace(config, len(wheels), machine["most"]), space)
+
+
+# --- of a scene -----------------------------------------------------------------------------------
+
+
+@kept
+def types_of(config: Config) -> list[WheelType]:
+    """Of all wheels."""
+    return [config.type_of(wheel) for wheel in config.wheels]
+
+
+@kept
+def shared_of(config: Config) -> list[dict]:
+    """Those values of the WHEEL record of each wheel that others share."""
+    step = config.time.step
+    return [
+        shared_values(kind, drive_law(wheel.drive), wheel.mirrored, step)
+        for kind, wheel in zip(types_of(config), config.wheels, strict=True)
+    ]
+
+
+@kept
+def headings_of(config: Config) -> list[dict]:
+    """Values of the WHEEL record of each wheel that tell where it heads."""
+    found = list(map(heading_values, config.wheels))
+    twists = odometry_of(config)
+    if twists is not None:
+        for values, column in zip(found, twists.T.tolist(), strict=True):
+            values["odometry"] = column
+    return found
+
+
+@kept
+def odometry_of(config: Config) -> np.ndarray | None:
+    """(3, W): the twist of the chassis by the spin rates of ideal wheels; None if they leave a motion open."""
+    return None if config.chassis is None else inverse(wheel_rows(config), rms_distance(config))
+
+
+def reaches_of(config: Config) -> list[Reach]:
+    return [reach(*each) for each in zip(shared_of(config), types_of(config), strict=True)]
+
+
+def wheel_bytes(config: Config) -> bytes:
+    """Of the records WHEEL, but what is their OWN."""
+    machine = machine_kind(config)
+    shared = shared_records(machine["slots"], machine["places"], *shared_of(config), *types_of(config))
+    return wheel_records(shared, HEADING, headings_of(config)).tobytes()
+
+
+def blank_workspace(config: Config) -> Workspace:
+    """A Workspace for this scene."""
+    types, multibody = types_of(config), config.solver.formulation == "multibody"
+    return workspace(len(types), max(kind.rollers for kind in types), config.friction.law == "coulomb", multibody)
+
+
+@lru_cache
+def workspace(wheels: int, rollers: int, coulomb: bool, multibody: bool) -> Workspace:
+    """The same for so many wheels of at most so many rollers, with coulomb friction, in the multibody formulation. To
+    be copied."""
+    parts = blank(PART, wheels)
+    parts["first"] = [TOUCHING * w for w in range(wheels)]
+    return Workspace(
+        contacts=blank(CONTACT, TOUCHING * wheels),
+        parts=parts,
+        loads=blank(LOADS, 1)[0],
+        resting=blank(RESTING, TOUCHING) if coulomb else None,
+        articulated=blank(ARTICULATED, wheels) if multibody else None,
+        joints=blank(JOINT, wheels, rollers + 1),
+    )
+
+
+class Bodies(NamedTuple):
+    """What the bodies of a machine make up: M, the common centre of mass (x, y, z), I_z and S about it, SI."""
+
+    mass: float
+    centre: np.ndarray
+    yaw_inertia: float
+    moment: np.ndarray
+
+
+def bodies(config: Config, ask: Ask[Config] = alone) -> Bodies:
+    """The chassis, and each wheel with its rollers as one body; chassis axes."""
+    masses, points = point_masses(config)
+    inertias = ask(wheel_inertias, config)
+    if config.chassis is not None:
+        inertias = [*inertias, config.chassis.inertia[2]]
+    x_centre, y_centre, height = common_centre(masses, points)
+    planar = [(x - x_centre, y - y_centre) for x, y, _ in points]
+    yaw_inertia = math.fsum(inertias) + math.fsum(m * (x * x + y * y) for m, (x, y) in zip(masses, planar, strict=True))
+    lifted = [m * z for m, (_, _, z) in zip(masses, points, strict=True)]
+    moment = np.array(exact_moments(lifted, planar))
+    return Bodies(math.fsum(masses), np.array([x_centre, y_centre, height]), yaw_inertia, moment)
+
+
+def wheel_inertias(config: Config) -> list[float]:
+    """Of each wheel with its rollers about the diameter through its centre of mass, kg m^2."""
+    return [central_inertia(kind) for kind in types_of(config)]
+
+
+def machine_values(config: Config, ask: Ask[Config]) -> dict:
+    """Values of the MACHINE record that tell how large everything is, but the bound of its mobility."""
+    chassis, whole = config.chassis, bodies(config, ask)
+    along, normal = ask(gravity, config)
+    centre = whole.centre.tolist()
+    pushed = (0.0, 0.0, centre[2]) if chassis is None else chassis.center_of_mass  # of a bare wheel its centre
+    friction = ask(friction_values, config)
+    return {
+        "gravity": normal,
+        "downhill": along,
+        "mass": whole.mass,
+        "mobility": 1.0 / whole.mass,
+        "yaw_inertia": whole.yaw_inertia,
+        "yaw_mobility": 1.0 / whole.yaw_inertia,
+        "height": centre[2],
+        "moment": whole.moment.tolist(),
+        "centre": centre[:2],
+        "lever": [to - origin for to, origin in zip(pushed, centre, strict=True)],
+        "slip_floor": slip_floor(config.friction, whole.mass * normal),
+        "chassis_mass": chassis.mass if chassis else 0.0,
+        "chassis_inertia": chassis.inertia if chassis else (0.0, 0.0, 0.0),
+        "odometry_yaw": ask(odometry_yaw, config),
+        **friction,
+    }
+
+
+def friction_values(config: Config) -> dict:
+    """Those of friction."""
+    friction = config.friction
+    return {
+        "friction": friction.coefficient,
+        "slip_speed": friction.slip_speed,
+        "creep_stiffness": friction.creep_stiffness,
+        "viscosity": friction.viscosity,
+        "patch_radius": friction.patch_radius if friction.contact_torque != "none" else 0.0,
+    }
+
+
+def odometry_yaw(config: Config) -> float:
+    """Yaw that the wheels report at spin angles 0, rad; 0 where they report none."""
+    twists = odometry_of(config)
+    if twists is None:
+        return 0.0
+    return float(
+        math.radians(config.initial.yaw_deg) - twists[2] @ np.array([wheel.spin_angle for wheel in config.wheels])
+    )
+
+
+@kept
+def machine_kind(config: Config) -> dict:
+    """Values of the MACHINE record that tell what the machine has, and where that stands in the state."""
+    rollers = roller_flags(*types_of(config))
+    every_rate = rollers["bearing_friction"] or config.solver.formulation == "multibody"
+    found = {
+        "inclined": any(gravity(config)[0]),
+        "upright": UPRIGHT[config.upright],
+        "law": LAWS[config.friction.law],
+        "implicit_tracking": config.solver.tracking == "implicit",
+        "every_rate": every_rate,
+        "slots": rollers["most"] if every_rate else SLOTS if config.upright == "free" else TOUCHING,
+        "odometry": odometry_of(config) is not None,
+        **rollers,
+        **drive_flags(*(drive_law(wheel.drive) for wheel in config.wheels)),
+        **push_flags(config.wrench),
+    }
+    return found | {"places": state_places(config, found)}
 
 
 def state_places(config: Config, machine: dict) -> Places:
@@ -105,84 +269,6 @@ def state_places(config: Config, machine: dict) -> Places:
         carriers=len(carried_wheels(config)) if free else 0,
     )
     return (places_in_space if free else places_of)(contents)
-
-
-def workspace(config: Config, wheels: int, rollers: int) -> Workspace:
-    """A Workspace for a scene of so many wheels, of at most so many rollers."""
-    parts = blank(PART, wheels)
-    parts["first"] = [TOUCHING * w for w in range(wheels)]
-    return Workspace(
-        contacts=blank(CONTACT, TOUCHING * wheels),
-        parts=parts,
-        loads=blank(LOADS, 1)[0],
-        resting=blank(RESTING, TOUCHING) if config.friction.law == "coulomb" else None,
-        articulated=blank(ARTICULATED, wheels) if config.solver.formulation == "multibody" else None,
-        joints=blank(JOINT, wheels, rollers + 1),
-    )
-
-
-class Bodies(NamedTuple):
-    """What the bodies of a machine make up: M, the common centre of mass (x, y, z), I_z and S about it, SI."""
-
-    mass: float
-    centre: np.ndarray
-    yaw_inertia: float
-    moment: np.ndarray
-
-
-def bodies(config: Config) -> Bodies:
-    """The chassis, and each wheel with its rollers as one body; chassis axes."""
-    masses, points = point_masses(config)
-    inertias = [central_inertia(config.type_of(wheel)) for wheel in config.wheels]
-    if config.chassis is not None:
-        inertias.append(config.chassis.inertia[2])
-    x_centre, y_centre, height = common_centre(masses, points)
-    planar = [(x - x_centre, y - y_centre) for x, y, _ in points]
-    yaw_inertia = math.fsum(inertias) + math.fsum(m * (x * x + y * y) for m, (x, y) in zip(masses, planar, strict=True))
-    lifted = [m * z for m, (_, _, z) in zip(masses, points, strict=True)]
-    moment = np.array(exact_moments(lifted, planar))
-    return Bodies(math.fsum(masses), np.array([x_centre, y_centre, height]), yaw_inertia, moment)
-
-
-def machine_values(config: Config, types: list[WheelType], laws: list[DriveLaw]) -> dict:
-    """Values of the MACHINE record, but those that take all wheels to know; and `most`: rollers of a wheel."""
-    friction, chassis = config.friction, config.chassis
-    whole = bodies(config)
-    along, normal = gravity(config)
-    at_centre = np.array([0.0, 0.0, whole.centre[2]])  # of a bare wheel
-    pushed = at_centre if chassis is None else np.array(chassis.center_of_mass)
-    rollers = roller_flags(*types)
-    every_rate = rollers["bearing_friction"] or config.solver.formulation == "multibody"
-    return {
-        "gravity": normal,
-        "downhill": along,
-        "inclined": any(along),
-        "mass": whole.mass,
-        "mobility": 1.0 / whole.mass,
-        "yaw_inertia": whole.yaw_inertia,
-        "yaw_mobility": 1.0 / whole.yaw_inertia,
-        "height": whole.centre[2],
-        "moment": whole.moment,
-        "centre": whole.centre[:2],
-        "lever": pushed - whole.centre,
-        "upright": UPRIGHT[config.upright],
-        "law": LAWS[friction.law],
-        "friction": friction.coefficient,
-        "slip_speed": friction.slip_speed,
-        "creep_stiffness": friction.creep_stiffness,
-        "viscosity": friction.viscosity,
-        "slip_floor": slip_floor(friction, whole.mass * normal),
-        "patch_radius": friction.patch_radius if friction.contact_torque != "none" else 0.0,
-        "implicit_tracking": config.solver.tracking == "implicit",
-        "chassis_mass": chassis.mass if chassis else 0.0,
-        "chassis_inertia": chassis.inertia if chassis else (0.0, 0.0, 0.0),
-        "every_rate": every_rate,
-        "slots": rollers["most"] if every_rate else SLOTS if config.upright == "free" else TOUCHING,
-        "odometry_yaw": 0.0,
-        **rollers,
-        **drive_flags(*laws),
-        **push_flags(config.wrench),
-    }
 
 
 @kept
@@ -243,12 +329,18 @@ def slip_floor(friction: Friction, weight: float) -> float:
     return {"coulomb": 0.0, "regularized": friction.slip_speed, "saturated": friction.slip_speed}.get(friction.law, 1.0)
 
 
-def rows_of(wheels: list[dict], types: list[WheelType]) -> np.recarray:
-    """The rows of rollers of wheels with these values, records ROLLER_ROW."""
-    rows = blank(ROLLER_ROW, sum(len(kind.rings) for kind in types))
-    rows["phase"] = [wheel["phase"] for wheel, kind in zip(wheels, types, strict=True) for _ in kind.rings]
-    rows["offset"] = [row.offset for kind in types for row in kind.rings]
-    return rows
+def offsets_of(config: Config) -> list[tuple[int, float]]:
+    """Of each row of rollers its wheel, and how far it is from the middle of that along the axle, m."""
+    return [(w, row.offset) for w, kind in enumerate(types_of(config)) for row in kind.rings]
+
+
+def rows_of(offsets: list[tuple[int, float]], placed: list[dict]) -> np.recarray:
+    """Records ROLLER_ROW of the rows with these `offsets_of`, of wheels with these values."""
+    return records(ROLLER_ROW, [{"phase": placed[w]["phase"], "offset": offset} for w, offset in offsets])
+
+
+def sectors_of(config: Config) -> np.ndarray:
+    return sectors(*(kind.rollers for kind in types_of(config))).copy()
 
 
 @lru_cache

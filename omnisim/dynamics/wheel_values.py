@@ -1,8 +1,8 @@
 """From a wheel of a scene to the numbers that kernels know of it: values of its WHEEL record."""
 
 import math
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,8 +16,9 @@ from omnisim.scene.drives import DriveLaw, Motor
 from omnisim.scene.schema import Wheel
 from omnisim.scene.wheel_schema import Roller, WheelType
 
-# What follows from where a wheel stands, and from the machine; all else is the same for many wheels and machines.
-OWN = ("cos_heading", "sin_heading", "offset", "phase", "holding_mobility", "odometry")
+# What tells where a wheel heads, and what follows from its place in the machine; all else many wheels share.
+HEADING = {"cos_heading": 1.0, "sin_heading": 0.0, "odometry": (0.0, 0.0, 0.0)}
+OWN = ("offset", "phase", "holding_mobility")
 
 
 @kept
@@ -56,17 +57,21 @@ def shared_values(kind: WheelType, law: DriveLaw, mirrored: bool, step: float | 
     }
 
 
-def placed_values(kind: WheelType, wheel: Wheel, centre: Sequence[float]) -> dict:
-    """Those that tell where a wheel stands; centre: of the machine's mass, chassis axes, m. Its odometry is still to
-    be found."""
+def heading_values(wheel: Wheel) -> dict:
+    """Those of HEADING. Its odometry is still to be found."""
     cos, sin = exact_cos_sin(wheel.heading_deg)
+    return HEADING | {"cos_heading": cos, "sin_heading": sin}
+
+
+def placed_values(kind: WheelType, wheel: Wheel, heading: dict, centre: Sequence[float]) -> dict:
+    """Those that are its OWN; centre: of the machine's mass, chassis axes, m. Its holding mobility is still to be
+    found."""
+    cos, sin = heading["cos_heading"], heading["sin_heading"]
     x, y = wheel.position[0] - centre[0], wheel.position[1] - centre[1]
     return {
-        "cos_heading": cos,
-        "sin_heading": sin,
         "offset": (x * cos + y * sin, y * cos - x * sin),
         "phase": math.radians(wheel.phase_deg + kind.rows[0].phase_deg),
-        "odometry": (0.0, 0.0, 0.0),
+        "holding_mobility": 0.0,
     }
 
 
@@ -97,25 +102,21 @@ def bearing_relaxation(roller: Roller) -> float:
     return (roller.bearing_viscosity + roller.bearing_torque / roller.bearing_rate) / roller.inertia_axial
 
 
-def wheel_records(wheels: list[dict], shared: list[dict], types: list[WheelType], machine: dict) -> np.recarray:
-    """Records WHEEL with these values; shared: the `shared_values` of each; types: of all wheels; machine: values of
-    its record."""
-    found = np.frombuffer(
-        bytearray(shared_records(machine["slots"], machine["places"], *shared, *types)), recorded(WHEEL)
-    )
-    for name in OWN:
+def wheel_records(content: bytes, names: Iterable[str], wheels: list[dict]) -> np.recarray:
+    """Records WHEEL with these bytes, but for the fields of these names."""
+    found = np.frombuffer(bytearray(content), recorded(WHEEL))
+    for name in names:
         found[name] = [wheel[name] for wheel in wheels]
     return found.view(np.recarray)
 
 
 @kept
 def shared_records(slots: int, places: Places, *known: Any) -> bytes:
-    """Bytes of records WHEEL with zeros in the place of what is their own; known: `shared_values` of all wheels, then
-    their types."""
+    """Bytes of records WHEEL with zeros in the place of what tells where a wheel stands and what is its OWN; known:
+    `shared_values` of all wheels, then their types."""
     count = len(known) // 2
     shared, rows = known[:count], [len(kind.rows) for kind in known[count:]]
-    none = {"offset": (0.0, 0.0), "odometry": (0.0, 0.0, 0.0)}
-    own = {name: none.get(name, 0.0) for name in OWN}
+    none = {"offset": (0.0, 0.0), "phase": 0.0, "holding_mobility": 0.0, **HEADING}
     starts = [
         {
             "rates": places.roller_rate + slots * w,
@@ -125,21 +126,41 @@ def shared_records(slots: int, places: Places, *known: Any) -> bytes:
         }
         for w in range(count)
     ]
-    return records(WHEEL, [own | values | start for values, start in zip(shared, starts, strict=True)]).tobytes()
+    return records(WHEEL, [none | values | start for values, start in zip(shared, starts, strict=True)]).tobytes()
 
 
-def slip_mobility_bound(machine: dict, wheel: dict, kind: WheelType) -> float:
-    """Upper bound of the trace of `mobility.inverse_mass` over the whole roller, on any row, 1/kg.
+class Reach(NamedTuple):
+    """What bounds the inverse mass of a contact on a wheel: by its spin and its roller, 1/kg; where it may be, m."""
 
-    Each entry of the Jacobian is bounded by its largest magnitude on [-alpha, alpha].
-    """
+    spin: float
+    roller: float
+    axial: float
+    across: float
+    along: float
+
+
+def reach(wheel: dict, kind: WheelType) -> Reach:
+    """The same of a wheel with these `shared_values`."""
     radius, distance = wheel["radius"], wheel["roller_distance"]
     h_0 = radius - distance
     c = wheel["cos_psi"]
     s = abs(wheel["sin_psi"])
-    l = distance * math.tan(wheel["alpha"]) * abs(wheel["tan_psi"]) + max(abs(row.offset) for row in kind.rows)
     spin = (radius + s * s * h_0) ** 2 + (s * c * h_0) ** 2
-    e_h, e_k = map(abs, wheel["offset"])
-    yaw = (e_k + l + c * wheel["sin_alpha"] * s * h_0) ** 2 + (e_h + c * c * wheel["sin_alpha"] * h_0) ** 2
-    roller = h_0**2 * wheel["axial_mobility"]
-    return 2.0 / machine["mass"] + spin * wheel["spin_mobility"] + yaw / machine["yaw_inertia"] + roller
+    return Reach(
+        spin=spin * wheel["spin_mobility"],
+        roller=h_0**2 * wheel["axial_mobility"],
+        axial=distance * math.tan(wheel["alpha"]) * abs(wheel["tan_psi"]) + max(abs(row.offset) for row in kind.rows),
+        across=c * wheel["sin_alpha"] * s * h_0,
+        along=c * c * wheel["sin_alpha"] * h_0,
+    )
+
+
+def slip_mobility_bound(machine: dict, offset: Sequence[float], found: Reach) -> float:
+    """Upper bound of the trace of `mobility.inverse_mass` over the whole roller, on any row, 1/kg; offset: of a wheel
+    from the centre of mass, along and across its heading, m.
+
+    Each entry of the Jacobian is bounded by its largest magnitude on [-alpha, alpha].
+    """
+    e_h, e_k = map(abs, offset)
+    yaw = (e_k + found.axial + found.across) ** 2 + (e_h + found.along) ** 2
+    return 2.0 / machine["mass"] + found.spin + yaw / machine["yaw_inertia"] + found.roller

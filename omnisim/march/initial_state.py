@@ -1,12 +1,14 @@
 """The state at t = 0, and the memory of a march."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from omnisim.base.keeping import kept
+from omnisim.base.keeping import Ask, alone, kept
 from omnisim.base.methods import EXPLICIT, METHODS, Method
 from omnisim.base.records import blank, recorded, records
+from omnisim.dynamics.packing import machine_kind, shared_of, types_of
 from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.spatial.records import SPATIAL_MODE, SPATIAL_MONITORS
 from omnisim.dynamics.spatial.swings import fastest_swing
@@ -20,13 +22,13 @@ from omnisim.scene.schema import Config, Time
 COARSE_STEP = 1e-2  # s: of an upright machine, and of methods that are there for their accuracy
 
 
-def begin(config: Config, parameters: Parameters) -> Run:
-    """A Run at t = 0; the march itself finds the rollers in contact."""
+def begin(config: Config, parameters: Parameters, ask: Ask[Config] = alone) -> Run:
+    """A Run at t = 0; the march itself finds the rollers in contact. ask: who tells what follows from the scene."""
     choice = resolve(config, parameters)
     if parameters.space is not None:
         y, rates = state_in_space(config, parameters, pose_at_start(config, parameters))
     else:
-        y, rates = initial_state(config, parameters)
+        y, rates = initial_state(config, parameters, ask)
     count = len(parameters.wheels)
     mode, monitors = (MODE, MONITORS) if parameters.space is None else (SPATIAL_MODE, SPATIAL_MONITORS)
     method = METHODS[config.solver.method]
@@ -110,11 +112,11 @@ def blank_rows(run: Run, count: int, bearing_loads: bool = False, odometry: bool
     )
 
 
-def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, np.ndarray]:
+def initial_state(config: Config, parameters: Parameters, ask: Ask[Config] = alone) -> tuple[np.ndarray, np.ndarray]:
     """State y (n,) without the rates of the rollers in contact, and rates (W, N) of all rollers, rad/s."""
     machine = parameters.machine
     wheels = np.asarray(parameters.wheels)
-    at = places_in(parameters)
+    at = ask(machine_kind, config)["places"]
     count, rollers = parameters.sector.shape[:2]
     states = at.drift + 2 if parameters.workspace.articulated is not None else at.bodies
     y = np.zeros(states)
@@ -130,20 +132,37 @@ def initial_state(config: Config, parameters: Parameters) -> tuple[np.ndarray, n
     y[at.yaw_rate] = yaw_rate
     if machine["odometry"]:
         y[at.odometry : at.odometry + 2] = position
-    spin_angles = y[at.spin_angle : at.spin_angle + count]
-    spin_angles[:] = [wheel.spin_angle for wheel in config.wheels]
-    spin_rates = y[at.spin_rate : at.spin_rate + count]
-    spin_rates[:] = [wheel.spin_rate for wheel in config.wheels]
-    rates = (spin_rates * wheels["sin_psi"])[:, None] + rates_given(config, rollers)  # p = chi' + w . a
+    turning = ask(turning_wheels, config)
+    y[at.spin_angle : at.spin_angle + count] = spin_angles = turning.spin_angles
+    y[at.spin_rate : at.spin_rate + count] = turning.spin_rates
+    rates = turning.rates
     if yaw_rate:
         rates = rates - yaw_rate * (wheels["cos_psi"][:, None] * np.sin(roller_azimuths(wheels, spin_angles)))
-    there = np.arange(rollers) < wheels["rollers"][:, None]
-    rates = np.where(there, rates, 0.0)
+    rates = np.where(turning.there, rates, 0.0)
     if machine["implicit_tracking"]:
         q = roller_azimuths(wheels, spin_angles)
         headings = yaw + np.radians([wheel.heading_deg for wheel in config.wheels])
-        y[at.rho : at.bodies].reshape(count, rollers, 3)[there] = -roller_directions(q, headings)[there]
+        directions = roller_directions(q, headings)[turning.there]
+        y[at.rho : at.bodies].reshape(count, rollers, 3)[turning.there] = -directions
     return y, rates
+
+
+class Turning(NamedTuple):
+    """How wheels (W,) begin to turn: spin angles, rad, and rates, rad/s; axial rates of rollers (W, N) on a chassis
+    that does not turn, rad/s; which of these there are."""
+
+    spin_angles: np.ndarray
+    spin_rates: np.ndarray
+    rates: np.ndarray
+    there: np.ndarray
+
+
+def turning_wheels(config: Config) -> Turning:
+    spin_angles, spin_rates = np.array([(wheel.spin_angle, wheel.spin_rate) for wheel in config.wheels]).T
+    counts = np.array([kind.rollers for kind in types_of(config)])
+    sin_psi = np.array([values["sin_psi"] for values in shared_of(config)])
+    rates = (spin_rates * sin_psi)[:, None] + rates_given(config, counts.max())  # p = chi' + w . a
+    return Turning(spin_angles, spin_rates, rates, np.arange(counts.max()) < counts[:, None])
 
 
 def rates_given(config: Config, rollers: int) -> np.ndarray:

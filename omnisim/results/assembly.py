@@ -108,7 +108,7 @@ def datasets(found: Observables, kept: int, end: Ending, log: np.ndarray) -> dic
 
 def finite_count(found: Observables) -> int:
     """Number of rows before the first that holds NaN or infinity in any dataset; all are computed only in doubt."""
-    return len(found.times) if moderate(found.rows) else finite_rows(found.everything())
+    return len(found.rows.y) if moderate(found.rows) else finite_rows(found.everything())
 
 
 def so_far(rows: Recording, clock: np.record) -> Recording:

@@ -24,6 +24,7 @@ from omnisim.results.spatial import balanced_in_space, body_in_space, origin_in_
 from omnisim.scene.schema import Config
 
 EXTREMES, BEARINGS = "extremes", "bearings"  # a group for each quantity, a group for each wheel
+ODOMETRY = "odometry's extremes"  # a group
 WORKS = ("energy/friction_loss", "energy/bearing_loss", "energy/drive_work", "energy/wrench_work")
 
 
@@ -38,8 +39,7 @@ class Observables:
         self.parameters = parameters
         self.rows = rows
         self.config = config
-        self.times = np.arange(len(rows.y)) * interval
-        self.names = {wheel.name: w for w, wheel in enumerate(config.wheels)}
+        self.interval = interval
         self._groups: dict[str, dict[str, np.ndarray]] = {}
 
     def __getitem__(self, path: str) -> np.ndarray:
@@ -51,9 +51,19 @@ class Observables:
         wheels = [f"{folder}/{name}" for folder in ("wheels", BEARINGS) for name in self.names]
         extremes = [f"{EXTREMES}/{name}" for name in (*OF_WHEELS, *OF_MOTORS, *LENGTHS)]
         found: dict[str, np.ndarray] = {}
-        for group in ("time", "body", "energy", "odometry", "constraints", *wheels, *extremes):
+        for group in ("time", "body", "energy", "odometry", ODOMETRY, "constraints", *wheels, *extremes):
             found |= self._group(group)
         return found
+
+    @cached_property
+    def times(self) -> np.ndarray:
+        """(T,), s"""
+        return np.arange(len(self.rows.y)) * self.interval
+
+    @cached_property
+    def names(self) -> dict[str, int]:
+        """The wheels by name."""
+        return {wheel.name: w for w, wheel in enumerate(self.config.wheels)}
 
     @cached_property
     def plain(self) -> Parameters:
@@ -92,8 +102,9 @@ class Observables:
             data = data | self._balanced(data)
             return data | (motor_energies(parameters, self.rows.y, data["energy/balance"]) if machine.motors else {})
         if name == "odometry" and machine.odometry:
-            extremes = odometry_extremes(self.rows.odometry_extremes)
-            return odometry(parameters, self.rows.y) | extremes
+            return odometry(parameters, self.rows.y)
+        if name == ODOMETRY and machine.odometry and len(self.rows.odometry_extremes) == len(self.rows.y):
+            return odometry_extremes(self.rows.odometry_extremes)
         if name == "constraints" and parameters.workspace.articulated is not None:
             return residuals(parameters, self.rows.y)
         if folder and last in self.names:
@@ -158,7 +169,7 @@ def group_of(path: str) -> str:
     first, *rest = path.split("/")
     if first in ("interval_max", "interval_min"):
         if rest[0] != "wheels":
-            return rest[0]
+            return ODOMETRY
         return f"{BEARINGS}/{rest[1]}" if rest[-1].startswith("bearing_") else f"{EXTREMES}/{rest[2]}"
     if path in WORKS:
         return "works"

@@ -7,7 +7,7 @@ import numpy as np
 
 from omnisim.base import status
 from omnisim.base.calls import direct
-from omnisim.base.keeping import kept
+from omnisim.base.keeping import Ask, alone, kept
 from omnisim.base.methods import METHODS
 from omnisim.base.records import recorded
 from omnisim.base.status import EVENTS_PER_STEP
@@ -31,9 +31,10 @@ class Start(NamedTuple):
     run: Run
 
 
-def packed(config: Config) -> Start:
-    parameters = pack(config)
-    return Start(parameters, begin(config, parameters))
+def packed(config: Config, ask: Ask[Config] = alone) -> Start:
+    """The scene as it begins; ask: see `pack`."""
+    parameters = pack(config, ask)
+    return Start(parameters, begin(config, parameters, ask))
 
 
 packed_once = kept(packed)  # to be copied: of scenes that are run again
@@ -48,15 +49,18 @@ class Marching:
     """A march as far as it has come: parameters, the run, its rows and events, and the wall time that it took, s.
 
     log: where its events go, by default one of its own; runs of which nobody reads them may have one in common. start:
-    what the scene begins with, packed anew unless it is given. Raises MemoryError if the rows do not fit into memory.
+    what the scene begins with, packed anew unless it is given. odometry: whether extremes of its error are followed, if
+    the machine has any. Raises MemoryError if the rows do not fit into memory.
     """
 
-    def __init__(self, config: Config, log: np.recarray | None = None, start: Start | None = None):
+    def __init__(
+        self, config: Config, log: np.recarray | None = None, start: Start | None = None, odometry: bool = True
+    ):
         self.config = config
         self.stages = METHODS[config.solver.method].stages
         self.parameters, self.run = start or packed(config)
-        has_odometry = bool(self.parameters.machine.odometry)
-        self.rows = blank_rows(self.run, config.time.outputs + 1, config.bearing_loads, has_odometry)
+        followed = odometry and bool(self.parameters.machine["odometry"])
+        self.rows = blank_rows(self.run, config.time.outputs + 1, config.bearing_loads, followed)
         self.log = blank_log() if log is None else log
         self.wall_time = 0.0
 

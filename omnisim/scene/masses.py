@@ -11,6 +11,7 @@ from omnisim.scene.wheel_schema import WheelType
 CLEARANCE = 0.5  # of the smallest wheel radius: how high a chassis box lies where the scene does not say
 
 
+@kept
 def point_masses(config: Config) -> tuple[list[float], list[tuple[float, float, float]]]:
     """Masses (kg) and centres of mass (chassis axes, m) of the wheels in their order, and of the chassis.
 

@@ -26,7 +26,7 @@ def asked(*rules: Rule) -> tuple[Asked, ...]:
     """The same rules, each of which tells all that it finds."""
 
     def telling(rule: Rule) -> Asked:
-        return wraps(rule)(lambda config: tuple(rule(config)))  # type: ignore[return-value]
+        return wraps(rule)(lambda config: tuple(rule(config)))
 
     return tuple(map(telling, rules))
 
@@ -39,8 +39,8 @@ OF_MACHINES = asked(*MACHINE_RULES)
 class Variants(NamedTuple):
     """Who tells what variants of a scene have in common: of what a file gives, and of what `complete` makes of it."""
 
-    given: Ask = alone
-    complete: Ask = alone
+    given: Ask[Config] = alone
+    complete: Ask[Config] = alone
 
 
 NO_OTHERS = Variants()
@@ -69,7 +69,7 @@ def checked(data: Mapping[str, Any], variants: Variants = NO_OTHERS) -> Config:
     return config
 
 
-def _obey(rules: Iterable[Asked], config: Config, ask: Ask) -> None:
+def _obey(rules: Iterable[Asked], config: Config, ask: Ask[Config]) -> None:
     problems = [problem for rule in rules for problem in ask(rule, config)]
     if problems:
         raise ConfigError(problems)
@@ -95,7 +95,7 @@ def _unknown(value: Any, paths: list[KeyPath]) -> Any:
     below = {path[0]: [other[1:] for other in paths if other[0] == path[0]] for path in paths}
     if isinstance(value, Table):
         names = {field.alias or name: name for name, field in type(value).model_fields.items()}
-        changes = {names[key]: _unknown(getattr(value, names[key]), own) for key, own in below.items()}
+        changes = {names[str(key)]: _unknown(getattr(value, names[str(key)]), own) for key, own in below.items()}
         return value.model_copy(update=changes)
     entries = dict(value) if isinstance(value, dict) else dict(enumerate(value))
     entries |= {key: _unknown(entries[key], own) for key, own in below.items()}

@@ -13,7 +13,7 @@ from omnisim.results.assembly import outcome
 from omnisim.results.layout import COMPLETE
 from omnisim.results.observables import Observables
 from omnisim.results.trajectory import Trajectory
-from omnisim.run.marching import Marching, blank_log
+from omnisim.run.marching import Marching, blank_log, packed
 from omnisim.run.simulation import simulate
 from omnisim.scene.document import by_name, sentence
 from omnisim.scene.problems import ConfigError, Problem
@@ -75,7 +75,7 @@ class Task:
         """
         found: list[Any] = [blank_log()] * len(runs)  # one for all, whose events nobody reads
         with no_collection():
-            for stage in (self.begun, self.marched, self.measured):
+            for stage in (self.possible, self.begun, self.marched, self.measured):
                 found = [
                     entry if isinstance(entry, Row) else self.guarded(stage, run, entry)
                     for run, entry in zip(runs, found, strict=True)
@@ -93,17 +93,29 @@ class Task:
         except Exception as error:
             return self.nothing(run, f"failed: a bug in omnisim: {type(error).__name__}: {error}".replace("\n", " "))
 
-    def begun(self, run: int, log: np.recarray) -> Marching | Row:
-        """A run that can march; its Row if its scene is impossible, or if it needs more than that."""
+    def possible(self, run: int, log: np.recarray) -> tuple[Config, np.recarray] | Row:
+        """The scene of a run, and the log of its events; its Row if it is impossible, or if it needs more than that."""
         try:
             config = self.study.checked(run)
-            return self.whole(run) if self.folder or config.solver.error is not None else Marching(config, log)
+            return self.whole(run) if self.folder or config.solver.error is not None else (config, log)
         except ConfigError as error:
-            data = self.study.data(run)
-            told = "; ".join(sentence(problem, data) for problem in error.problems)
-            return self.nothing(run, f"{IMPOSSIBLE}: {told}")
+            return self.impossible(run, error)
         except SceneError as error:
             return self.nothing(run, f"{IMPOSSIBLE}: {error}")
+
+    def begun(self, run: int, possible: tuple[Config, np.recarray]) -> Marching | Row:
+        """A run that can march; its Row if a machine free in space cannot begin where it is put."""
+        config, log = possible
+        try:
+            return Marching(config, log, packed(config, self.study.variants.complete))
+        except ConfigError as error:
+            return self.impossible(run, error)
+
+    def impossible(self, run: int, error: ConfigError) -> Row:
+        """The Row of a run without a scene."""
+        data = self.study.data(run)
+        told = "; ".join(sentence(problem, data) for problem in error.problems)
+        return self.nothing(run, f"{IMPOSSIBLE}: {told}")
 
     def marched(self, run: int, marching: Marching) -> Marching:
         marching.march()
@@ -113,7 +125,7 @@ class Task:
         """The Row of a run that has marched."""
         found = marching.observables()
         end = outcome(marching.config, marching.run, found)
-        numbers = self.numbers(found, marching.config, end.sentence == COMPLETE, len(found.times) > 0)
+        numbers = self.numbers(found, marching.config, end.sentence == COMPLETE, len(found.rows.y) > 0)
         return Row(run, end.sentence, end.time, marching.wall_time, *numbers)
 
     def nothing(self, run: int, status: str) -> Row:
