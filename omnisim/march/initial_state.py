@@ -104,12 +104,17 @@ def blank_rows(run: Run, count: int, bearing_loads: bool = False, odometry: bool
     return Recording(
         y=np.empty((count, len(run.y))),
         rates=np.empty((count, wheels, rollers)),
-        mode=blank(run.mode.dtype, count, wheels),
+        mode=unwritten(run.mode.dtype, count, wheels),
         piece=np.empty(count, np.uint32),
-        extremes=blank(EXTREME, count, wheels),
+        extremes=unwritten(EXTREME, count, wheels),
         bearing_extremes=np.empty((count * bearing_loads, wheels, rollers + 1, 4)),
         odometry_extremes=np.empty((count * odometry, 3)),
     )
+
+
+def unwritten(dtype: np.dtype, *shape: int) -> np.recarray:
+    """Space for records: to clear it takes long."""
+    return np.empty(shape, recorded(dtype)).view(np.recarray)
 
 
 def initial_state(config: Config, parameters: Parameters, ask: Ask[Config] = alone) -> tuple[np.ndarray, np.ndarray]:

@@ -9,13 +9,12 @@ from omnisim.base import status
 from omnisim.base.calls import direct
 from omnisim.base.keeping import Ask, alone, kept
 from omnisim.base.methods import METHODS
-from omnisim.base.records import recorded
 from omnisim.base.status import EVENTS_PER_STEP
 from omnisim.dynamics.packing import pack
 from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.state import Run
 from omnisim.march.event_log import EVENT
-from omnisim.march.initial_state import begin, blank_rows
+from omnisim.march.initial_state import begin, blank_rows, unwritten
 from omnisim.march.march import march
 from omnisim.results.assembly import Ending, outcome, so_far
 from omnisim.results.observables import Observables
@@ -41,8 +40,8 @@ packed_once = kept(packed)  # to be copied: of scenes that are run again
 
 
 def blank_log() -> np.recarray:
-    """Space for events; to clear it takes long."""
-    return np.empty(4 * EVENTS_PER_STEP, recorded(EVENT)).view(np.recarray)
+    """Space for events."""
+    return unwritten(EVENT, 4 * EVENTS_PER_STEP)
 
 
 class Marching:

@@ -61,6 +61,11 @@ class Reading:
             parts.append(f"{self.reduce} of {'the march' if self.followed else 'rows'}")
         return ", ".join(parts)
 
+    def follows(self, folder: str) -> bool:
+        """Whether it asks for what the march follows of a dataset in this folder."""
+        path = self.paths[0]
+        return (self.followed and path.startswith(folder)) or path.startswith((f"{MOST}/{folder}", f"{LEAST}/{folder}"))
+
     def of(self, found: Datasets, config: Config) -> float:
         """Its value in a complete run of this scene. Raises NoNumber where there is none."""
         if self.followed:

@@ -4,6 +4,7 @@ import gc
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -25,6 +26,7 @@ from omnisim.studies.factors import Distribution, with_values
 from omnisim.studies.measures import NoNumber, Reading, last_values, readings
 from omnisim.studies.study import Study, StudyError
 
+TOGETHER = 64  # runs that go through every stage side by side
 IMPOSSIBLE = "impossible"  # begins the status of a run that has no scene
 
 
@@ -41,6 +43,19 @@ class Row(NamedTuple):
     wall_time: float
     measures: tuple[float | None, ...]
     final: tuple[float | None, ...]
+
+
+class Ended(NamedTuple):
+    """A run that has marched: its datasets, its scene, how and when it ended, s, the wall time of that, s, whether it
+    has any row, and the numbers that have been read of it."""
+
+    found: Observables | Trajectory
+    config: Config
+    status: str
+    time: float
+    wall_time: float
+    some: bool
+    numbers: list[float | None]
 
 
 class Task:
@@ -65,21 +80,28 @@ class Task:
         for other in other_kinds(study):
             with suppress(ConfigError):
                 sample(other).everything()
+        self.odometry = any(reading.follows("odometry/") for reading in self.readings)
         self.final = tuple(last_values(config)) if study.config.keep.trajectories == "final" else ()
 
     def __call__(self, runs: Sequence[int]) -> list[Row]:
-        """What is known of these runs when they have run: all are begun, all march, all are measured. What Python does
-        for one after the other takes half as long as between two marches, which empty the caches of the processor.
+        """What is known of these runs when they have run.
 
         Raises OSError where a trajectory cannot be kept; nothing else that fails in a run ends the study.
         """
-        found: list[Any] = [blank_log()] * len(runs)  # one for all, whose events nobody reads
+        log = blank_log()  # one for all, whose events nobody reads
         with no_collection():
-            for stage in (self.possible, self.begun, self.marched, self.measured):
-                found = [
-                    entry if isinstance(entry, Row) else self.guarded(stage, run, entry)
-                    for run, entry in zip(runs, found, strict=True)
-                ]
+            return [row for i in range(0, len(runs), TOGETHER) for row in self.together(runs[i : i + TOGETHER], log)]
+
+    def together(self, runs: Sequence[int], log: np.recarray) -> list[Row]:
+        """The same of a few, which go through every stage side by side: what Python does for one after the other takes
+        half as long as between other stages, which empty the caches of the processor."""
+        found: list[Any] = [log] * len(runs)
+        stages: list[Callable[[int, Any], Any]] = [self.possible, self.begun, self.marched, self.ended]
+        for stage in (*stages, *self.reads, self.row):
+            found = [
+                entry if isinstance(entry, Row) else self.guarded(stage, run, entry)
+                for run, entry in zip(runs, found, strict=True)
+            ]
         return found
 
     def guarded(self, stage: Callable[[int, Any], Any], run: int, entry: Any) -> Any:
@@ -107,7 +129,7 @@ class Task:
         """A run that can march; its Row if a machine free in space cannot begin where it is put."""
         config, log = possible
         try:
-            return Marching(config, log, packed(config, self.study.variants.complete))
+            return Marching(config, log, packed(config, self.study.variants.complete), self.odometry)
         except ConfigError as error:
             return self.impossible(run, error)
 
@@ -121,12 +143,23 @@ class Task:
         marching.march()
         return marching
 
-    def measured(self, run: int, marching: Marching) -> Row:
-        """The Row of a run that has marched."""
+    def ended(self, run: int, marching: Marching) -> Ended:
         found = marching.observables()
         end = outcome(marching.config, marching.run, found)
-        numbers = self.numbers(found, marching.config, end.sentence == COMPLETE, len(found.rows.y) > 0)
-        return Row(run, end.sentence, end.time, marching.wall_time, *numbers)
+        some = len(found.rows.y) > 0
+        return Ended(found, marching.config, end.sentence, end.time, marching.wall_time, some, [])
+
+    @property
+    def reads(self) -> Iterator[Callable[[int, Ended], Ended]]:
+        """Stages that find a number each: the measures of a complete run, the last state of one with any row."""
+        for reading in self.readings:
+            yield partial(read, reading, lambda ended: ended.status == COMPLETE)
+        for reading in self.final:
+            yield partial(read, reading, lambda ended: ended.some)
+
+    def row(self, run: int, ended: Ended) -> Row:
+        numbers, split = tuple(ended.numbers), len(self.readings)
+        return Row(run, ended.status, ended.time, ended.wall_time, numbers[:split], numbers[split:])
 
     def nothing(self, run: int, status: str) -> Row:
         """The Row of a run without numbers."""
@@ -142,24 +175,17 @@ class Task:
         trajectory = simulate(scene)
         if self.folder:
             trajectory.save(self.folder / f"run_{run:06d}.h5", overwrite=True)
-        numbers = self.numbers(trajectory, scene.config, trajectory.complete, len(trajectory.time) > 0)
         a = trajectory.attributes
-        return Row(run, a["status"], a["stop_time"], a["wall_time"], *numbers)
+        some = len(trajectory.time) > 0
+        ended = Ended(trajectory, scene.config, a["status"], a["stop_time"], a["wall_time"], some, [])
+        for stage in self.reads:
+            stage(run, ended)
+        return self.row(run, ended)
 
     def overrides(self, run: int) -> dict[str, object]:
         """What `load` sets for this run: values by dotted keys."""
         data = self.study.scene.document.data
         return {show_path(by_name(path, data)): value for path, value in self.study.settings(run)}
-
-    def numbers(
-        self, found: Observables | Trajectory, config: Config, complete: bool, any_row: bool
-    ) -> tuple[tuple[float | None, ...], tuple[float | None, ...]]:
-        """The measures of a complete run, and the last state of one with any row; None where there is no number."""
-        wanted = (self.readings, complete), (self.final, any_row)
-        measures, final = (
-            tuple(number(reading, found, config) if there else None for reading in entries) for entries, there in wanted
-        )
-        return measures, final
 
 
 @contextmanager
@@ -173,6 +199,12 @@ def no_collection() -> Iterator[None]:
     finally:
         if collecting:
             gc.enable()
+
+
+def read(reading: Reading, tells: Callable[[Ended], bool], run: int, ended: Ended) -> Ended:
+    """A number more of a run that tells it."""
+    ended.numbers.append(number(reading, ended.found, ended.config) if tells(ended) else None)
+    return ended
 
 
 def number(reading: Reading, found: Observables | Trajectory, config: Config) -> float | None:

@@ -1,5 +1,6 @@
 """Runs of a batch share what does not vary between them; each is the run that it would be alone."""
 
+import math
 import random
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 
 import omnisim
 from omnisim.base.copying import copied
-from omnisim.base.keeping import MOST, kept
+from omnisim.base.keeping import MOST, UNKNOWN, Common, alone, kept
 from omnisim.run.marching import Start, packed, packed_once
 from omnisim.scene.problems import ConfigError
 from omnisim.scene.scene import changed, packaged_scenes
@@ -82,10 +83,10 @@ def bits_of(start: Start) -> list:
     return [bits(start.parameters), bits(start.run._replace(trial=None))]
 
 
-def outcome(config_of) -> object:
+def outcome(config_of, ask=alone) -> object:
     """What a scene begins with, to the last bit, or what is wrong with it."""
     try:
-        return bits_of(packed(config_of()))
+        return bits_of(packed(config_of(), ask))
     except ConfigError as error:
         return error.problems
 
@@ -96,9 +97,9 @@ def test_a_scene_that_shares_tables_with_others_begins_as_if_it_were_alone(name)
     for seed in range(DRAWS):
         study = study_of(name, seed, measure={"far": MEASURES["far"]})
         for run in (1, 0, 1):
-            shared = outcome(lambda study=study, run=run: study.checked(run))
-            alone = outcome(lambda study=study, run=run: checked(study.data(run)))  # all of its tables are its own
-            assert shared == alone, (study.config.vary, run)
+            shared = outcome(lambda study=study, run=run: study.checked(run), study.variants.complete)
+            by_itself = outcome(lambda study=study, run=run: checked(study.data(run)))  # all of its tables are its own
+            assert shared == by_itself, (study.config.vary, run)
             possible += isinstance(shared, list)
     assert possible >= 3  # of 12: else nothing is compared
 
@@ -166,3 +167,48 @@ def test_what_is_kept_is_told_of_the_very_same_object_only():
     for i in range(3 * MOST):  # objects that go, and whose places in memory others take
         assert doubled((float(i), 0.5)) == [2.0 * i, 1.0]
     assert doubled(same) == [2.0, -0.0]
+
+
+LOOKS = {
+    "adds": lambda numbers: numbers[1] + 1.0,
+    "compares": lambda numbers: numbers[1] == 1.0,
+    "asks what it is": lambda numbers: isinstance(numbers[1], float),
+    "asks whether it is zero": lambda numbers: bool(numbers[1]),
+    "rounds": lambda numbers: math.floor(numbers[1]),
+    "makes an array of it": lambda numbers: np.array(numbers),
+    "puts it into an array": lambda numbers: np.zeros(2).__setitem__(slice(None), numbers),
+    "writes it": lambda numbers: f"{numbers[1]}",
+    "looks it up": lambda numbers: {1.0: 2.0}.get(numbers[1]),
+    "hands it on": lambda numbers: [numbers[1]],
+    "hands it on deep within": lambda numbers: {"all": (numbers, 3)},
+    "stores it as an object": lambda numbers: np.array(numbers, dtype=object),
+}
+
+
+@pytest.mark.parametrize("look", LOOKS.values(), ids=LOOKS)
+def test_what_looks_at_an_unknown_value_is_found_for_every_variant(look):
+    common = Common((2.0, UNKNOWN))
+    for value in (1.0, 5.0):
+        assert repr(common(look, (2.0, value))) == repr(look((2.0, value)))
+
+
+def test_what_does_not_look_is_found_once():
+    calls = []
+
+    def first(numbers):
+        calls.append(numbers)
+        return [numbers[0] + 1.0, numbers[1] is None]
+
+    common = Common((2.0, UNKNOWN))
+    assert common(first, (2.0, 7.0)) is common(first, (2.0, 8.0))
+    assert common(first, (2.0, 9.0)) == [3.0, False] and len(calls) == 1
+
+
+def test_runs_that_differ_in_numbers_pack_only_what_follows_from_those():
+    vary = {"friction.coefficient": {"uniform": [0.1, 0.9]}, "wheels.*.phase_deg": {"uniform": [0, 40], "each": True}}
+    study = load_study({"schema": 1, "scene": "youbot", "vary": vary, "design": {"kind": "random", "count": 2}})
+    ask = study.variants.complete
+    first, second = (packed(study.checked(run), ask).parameters for run in range(2))
+    assert first.inputs is second.inputs and first.sector is second.sector
+    assert first.machine.friction != second.machine.friction and first.wheels[0].phase != second.wheels[0].phase
+    assert not np.shares_memory(first.workspace.contacts, second.workspace.contacts)
