@@ -11,10 +11,9 @@ from typing import Any
 from omnisim.base.formatting import visible
 from omnisim.studies.study import StudyError
 from omnisim.studies.task import Row, Task
-from omnisim.studies.workers import Batch, Batches, cores
+from omnisim.studies.workers import AHEAD, Batch, Batches, cores
 
 PATIENCE = 10.0  # s, in which a scheduler answers
-AHEAD = 2  # batches that each core of the cluster has before it
 LOCAL = "local"
 LOG = logging.getLogger(__name__)
 

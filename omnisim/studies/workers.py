@@ -13,6 +13,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from typing import Any, NamedTuple, Protocol, TypeVar, cast
 
@@ -20,7 +21,10 @@ BATCH_SECONDS = 0.25  # of a batch, about: what a crash can lose
 T_co = TypeVar("T_co", covariant=True)
 MOST_BORN_DEAD = 20  # processes that end before they have done anything, one after the other
 BORN_DEAD = "processes end as they begin: a script must call this below `if __name__ == '__main__':`"
+LEAST = 0.04  # of such a batch: the smallest towards the end
+MOST = 2000  # runs of a batch: what waits for a worker must fit into a pipe
 SHARE = 2  # batches that each worker can still expect
+AHEAD = 2  # batches of several runs that each worker has before it, so that it waits for nobody
 
 
 class Task(Protocol[T_co]):
@@ -43,9 +47,14 @@ class Batch(NamedTuple):
     tried: int = 0
 
 
-class Worker(NamedTuple):
+@dataclass
+class Worker:
+    """held: the batch under way, and what waits behind it; since: when the first of them began."""
+
     process: Any
     connection: Connection
+    held: deque[Batch]
+    since: float = 0.0
 
 
 def serve(task: Task[Any], connection: Connection, inherited: list[Connection]) -> None:
@@ -78,15 +87,21 @@ class Batches:
         self.workers = workers
         self.size = 1
 
+    @property
+    def ahead(self) -> int:
+        """How many of them a worker has before it: of single runs, which may take long, one."""
+        return AHEAD if self.size > 1 else 1
+
     def next(self) -> Batch | None:
         if self.again:
             return self.again.popleft()
-        size = min(self.size, max(1, len(self.left) // (SHARE * self.workers)), len(self.left))
+        least = max(1, int(LEAST * self.size))
+        size = min(self.size, max(least, len(self.left) // (SHARE * self.workers)), len(self.left))
         return Batch(tuple(self.left.popleft() for _ in range(size))) if size else None
 
     def took(self, batch: Batch, seconds: float) -> None:
         """A batch has taken so long."""
-        self.size = max(1, min(2 * self.size, int(BATCH_SECONDS * len(batch.runs) / max(seconds, 1e-6))))
+        self.size = max(1, min(2 * self.size, int(BATCH_SECONDS * len(batch.runs) / max(seconds, 1e-6)), MOST))
 
     def failed(self, batch: Batch) -> bool:
         """A worker died of a batch; whether it is worth another try."""
@@ -109,62 +124,73 @@ def on_cores(task: Task[T_co], runs: list[int], workers: int, stop: Callable[[],
         sys.platform == "linux" and threading.active_count() == 1
     )  # a fork may inherit locks that other threads hold
     context = multiprocessing.get_context("fork" if alone else "spawn")
-    busy: dict[Connection, tuple[Worker, Batch, float]] = {}
-    idle: list[Worker] = []
+    hands: list[Worker] = []
     born_dead = 0
 
-    def another() -> Worker:
-        return start(context, task, [*idle, *(other for other, _, _ in busy.values())])
+    def replaced(worker: Worker) -> None:
+        hands.remove(worker)
+        worker.process.join()
+        worker.connection.close()
+        hands.append(start(context, task, hands))
 
     def hand_out() -> None:
         nonlocal born_dead
-        while idle and (batch := batches.next()):
-            worker = idle.pop()
+        while True:
+            worker = min(hands, key=lambda worker: len(worker.held))
+            if len(worker.held) >= batches.ahead or not (batch := batches.next()):
+                return
             try:
                 worker.connection.send(batch.runs)
-            except OSError:  # it was killed while it waited
+            except OSError:  # it was killed
                 batches.again.appendleft(batch)
-                idle.append(another())
+                if worker.held:  # found below
+                    return
+                replaced(worker)
                 born_dead += 1
                 if born_dead > MOST_BORN_DEAD:
                     raise RuntimeError(BORN_DEAD) from None
                 continue
-            busy[worker.connection] = worker, batch, time.perf_counter()
+            worker.since = worker.since if worker.held else time.perf_counter()
+            worker.held.append(batch)
 
     for _ in range(min(workers, len(runs))):
-        idle.append(another())
+        hands.append(start(context, task, hands))
     try:
         while True:
             stopping = stop()
             if not stopping:
                 hand_out()
+            busy = {worker.connection: worker for worker in hands if worker.held}
             if not busy:
                 return
             for ready in wait(list(busy), timeout=0.1):
-                worker, batch, begun = busy.pop(cast(Connection, ready))
+                worker = busy[cast(Connection, ready)]
                 try:
                     rows = worker.connection.recv()
                 except (EOFError, OSError):
-                    worker.process.join()
-                    idle.append(another())
-                    if not batches.failed(batch):
-                        yield [task.lost(batch.runs[0], end_of(worker.process.exitcode))]
+                    suspect, *others = worker.held
+                    batches.again.extendleft(others)
+                    replaced(worker)
+                    if not batches.failed(suspect):
+                        yield [task.lost(suspect.runs[0], end_of(worker.process.exitcode))]
                     continue
-                idle.append(worker)
+                batch, begun = worker.held.popleft(), worker.since
+                worker.since = time.perf_counter()
                 if isinstance(rows, Exception):
                     raise rows
                 born_dead = 0
-                batches.took(batch, time.perf_counter() - begun)
+                batches.took(batch, worker.since - begun)
                 if not stopping:
                     hand_out()  # before anybody looks at the rows
                 yield rows
     finally:
-        for worker, _, _ in busy.values():
-            worker.process.kill()
-        for worker in idle:
-            with suppress(OSError):
-                worker.connection.send(())
-        for worker in [*idle, *(worker for worker, _, _ in busy.values())]:
+        for worker in hands:
+            if worker.held:
+                worker.process.kill()
+            else:
+                with suppress(OSError):
+                    worker.connection.send(())
+        for worker in hands:
             worker.process.join()
             worker.connection.close()
 
@@ -188,7 +214,7 @@ def start(context: Any, task: Task[Any], others: list[Worker]) -> Worker:
     process = context.Process(target=serve, args=(task, there, inherited), daemon=True)
     process.start()
     there.close()
-    return Worker(process, here)
+    return Worker(process, here, deque())
 
 
 def end_of(code: int | None) -> str:
