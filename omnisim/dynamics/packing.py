@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from omnisim.base.copying import copied
+from omnisim.base.blocks import cleared
 from omnisim.base.keeping import Ask, alone, kept
-from omnisim.base.records import blank, records
+from omnisim.base.records import records
 from omnisim.base.trigonometry import exact_cos_sin
 from omnisim.contact.friction import LAWS
 from omnisim.contact.mobility import HEAVY
@@ -86,7 +86,7 @@ def pack(config: Config, ask: Ask[Config] = alone) -> Parameters:
         rows_of(ask(offsets_of, config), placed),
         ask(sectors_of, config),
         *ask(merge_tables, config),
-        copied(ask(blank_workspace, config)),
+        blank_workspace(config, machine["most"]),
         space,
     )
 
@@ -138,25 +138,21 @@ def wheel_bytes(config: Config) -> bytes:
     return wheel_records(shared, HEADING, headings_of(config)).tobytes()
 
 
-def blank_workspace(config: Config) -> Workspace:
-    """A Workspace for this scene."""
-    types, multibody = types_of(config), config.solver.formulation == "multibody"
-    return workspace(len(types), max(kind.rollers for kind in types), config.friction.law == "coulomb", multibody)
-
-
-@lru_cache
-def workspace(wheels: int, rollers: int, coulomb: bool, multibody: bool) -> Workspace:
-    """The same for so many wheels of at most so many rollers, with coulomb friction, in the multibody formulation. To
-    be copied."""
-    parts = blank(PART, wheels)
+def blank_workspace(config: Config, most: int) -> Workspace:
+    """A Workspace for this scene, whose wheels have at most so many rollers."""
+    wheels, multibody = len(config.wheels), config.solver.formulation == "multibody"
+    contacts, parts, loads, resting, articulated, joints = cleared(
+        (CONTACT, (TOUCHING * wheels,)),
+        (PART, (wheels,)),
+        (LOADS, (1,)),
+        (RESTING, (TOUCHING,)),
+        (ARTICULATED, (wheels,)),
+        (JOINT, (wheels, most + 1)),
+    )
     parts["first"] = [TOUCHING * w for w in range(wheels)]
+    coulomb = config.friction.law == "coulomb"
     return Workspace(
-        contacts=blank(CONTACT, TOUCHING * wheels),
-        parts=parts,
-        loads=blank(LOADS, 1)[0],
-        resting=blank(RESTING, TOUCHING) if coulomb else None,
-        articulated=blank(ARTICULATED, wheels) if multibody else None,
-        joints=blank(JOINT, wheels, rollers + 1),
+        contacts, parts, loads[0], resting if coulomb else None, articulated if multibody else None, joints
     )
 
 

@@ -5,9 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from omnisim.base.blocks import cleared
 from omnisim.base.keeping import Ask, alone, kept
 from omnisim.base.methods import EXPLICIT, METHODS, Method
-from omnisim.base.records import blank, recorded, records
+from omnisim.base.records import recorded, records
 from omnisim.dynamics.packing import machine_kind, shared_of, types_of
 from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.spatial.records import SPATIAL_MODE, SPATIAL_MONITORS
@@ -30,7 +31,8 @@ def begin(config: Config, parameters: Parameters, ask: Ask[Config] = alone) -> R
     else:
         y, rates = initial_state(config, parameters, ask)
     count = len(parameters.wheels)
-    mode, monitors = (MODE, MONITORS) if parameters.space is None else (SPATIAL_MODE, SPATIAL_MONITORS)
+    own, seen = (MODE, MONITORS) if parameters.space is None else (SPATIAL_MODE, SPATIAL_MONITORS)
+    mode, monitors, monitors_end = cleared((own, (count,)), (seen, (count,)), (seen, (count,)))
     method = METHODS[config.solver.method]
     return Run(
         y=y,
@@ -39,9 +41,9 @@ def begin(config: Config, parameters: Parameters, ask: Ask[Config] = alone) -> R
         increment=np.zeros_like(y),
         slopes=np.zeros((method.tableau.stages + 1, len(y))),
         rates=rates,
-        mode=blank(mode, count),
-        monitors=blank(monitors, count),
-        monitors_end=blank(monitors, count),
+        mode=mode,
+        monitors=monitors,
+        monitors_end=monitors_end,
         clock=clock_at_start(config.time, method, choice, parameters),
         newton=newton_workspace(parameters, len(y)) if choice != EXPLICIT else None,
     )
