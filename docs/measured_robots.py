@@ -1,5 +1,6 @@
 """Fits of the measured mecanum robot, for docs/pages/measured_robots.md (extra study).
 
+    python -m docs.measured_robots picture                          the picture of the page (extra plot)
     python -m docs.measured_robots ideal                            ideal kinematics, with intervals by a bootstrap over runs
     python -m docs.measured_robots FOLDER squares_mended creep      real rollers, kept as FOLDER/squares_mended_creep.json
 
@@ -23,6 +24,7 @@ from omnisim.fitting.paths import errors, measured
 from omnisim.fitting.simulation import SimulatedPaths, prepared
 from omnisim.scene.document import parsed
 
+PICTURE = Path(__file__).parent / "pages/pictures/measured_robot.png"
 STEP = 0.05  # s
 BRUSH = {"law": "brush", "coefficient": 0.5, "creep_stiffness": 12.0, "slip_speed": 2e-3}
 CREEP = {"friction.creep_stiffness": {"start": 12.0, "from": 2.0, "to": 60.0}}
@@ -152,8 +154,31 @@ def one_radius(fit: Fit) -> Fit:
     return replace(fit, parameters=(joined, *fit.parameters[len(radii) :]))
 
 
+def draw() -> None:
+    """The picture of the page: paths of ideal kinematics fitted to the other kind of path, by both logs."""
+    import matplotlib.pyplot as plt
+
+    figure, many = plt.subplots(1, 2, figsize=(9, 4.4), layout="constrained")
+    for axes, (kind, other, run) in zip(many, (("squares", "circles", 3), ("circles", "squares", 3)), strict=True):
+        for suffix, colour, label in (("", "#d1495b", "log as published"), ("_mended", "#00798c", "each message once")):
+            fit = load_fit(f"omni4_{kind}{suffix}")
+            i = next(i for i, log in enumerate(fit.logs) if f"{other}_{run}" in log.file)
+            path = IdealPaths(fit)(values(fit, fit.fitted)[None], [i])[0][0]
+            way = measured(fit.logs[i], fit.compared(fit.logs[i]))
+            end = 1e3 * errors(path, way).end_position
+            axes.plot(*path.position.T, color=colour, lw=1.3, label=f"{label}: {end:.0f} mm off at the end")
+            axes.plot(*path.position[-1], "o", color=colour, ms=5)
+        axes.plot(*way.position.T, color="#1f2933", lw=4, alpha=0.2, zorder=0, label="measured")
+        axes.plot(*way.position[-1], "o", color="#1f2933", ms=9, alpha=0.3, zorder=0)
+        axes.set(aspect="equal", xlabel="x / m", ylabel="y / m", title=f"{other} {run}, by what {kind} tell")
+        axes.legend(frameon=False, fontsize=8, loc="center")
+    figure.savefig(PICTURE, dpi=110)
+
+
 def main(folder: str, logs: str = "", free: str = "") -> None:
-    """What ideal kinematics does, printed; or one fit, kept."""
+    """The picture; what ideal kinematics does, printed; or one fit, kept."""
+    if folder == "picture":
+        return draw()
     if folder == "ideal":
         for name in [logs] if logs else ("squares", "circles", "squares_mended", "circles_mended"):
             told = ideal(name, "circles" if "squares" in name else "squares")
