@@ -126,15 +126,18 @@ SHAPE_RULES: dict[str, Callable[[Profile], Found]] = {
 
 
 def place_rules(path: KeyPath, kind: WheelType) -> Iterator[Problem]:
-    """Rollers of a row are apart, and carry the wheel over the gaps between them."""
+    """Rollers of a row are apart, and carry the wheel over the gaps between them; exact ones without gaps do both."""
+    whole = kind.profile.kind == "exact" and kind.spread and kind.covered_deg is None
+    if not whole:
+        yield from [*room_rules(path, kind)] or drop_rules(path, kind)
+
+
+def room_rules(path: KeyPath, kind: WheelType) -> Iterator[Problem]:
+    """Of exact rollers that overlap there is a doubt only: a scene may have those of two rows in one plane."""
+    from omnisim.scene.rollers import gap_in_row, thickest  # here: NumPy is slow to import, and few scenes need it
+
     if kind.profile.kind == "exact":
         return
-    from omnisim.scene.rollers import (  # here: NumPy is slow to import, and few scenes need it
-        gap_in_row,
-        rolling,
-        thickest,
-    )
-
     if kind.roller.bore_radius >= thickest(kind):
         allowed = f"less than {thickest(kind):g}, the roller's own radius"
         yield Problem((*path[:-1], "roller", "bore_radius"), f"must be {allowed}")
@@ -146,7 +149,13 @@ def place_rules(path: KeyPath, kind: WheelType) -> Iterator[Problem]:
     if room < 0.0:
         what = f"too wide for {kind.roller_count} in a row: neighbours overlap by {-room:.3g} m"
         yield Problem(path, f"{what}; expected a smaller roller, or fewer")
-    lowest = rolling(kind).lowest if kind.disk.hub_radius > 0.0 else math.inf
-    if lowest <= kind.disk.hub_radius:
+
+
+def drop_rules(path: KeyPath, kind: WheelType) -> Iterator[Problem]:
+    from omnisim.scene.rollers import rolling  # here as well
+
+    hub = kind.disk.hub_radius
+    lowest = rolling(kind).lowest if hub > 0.0 else math.inf
+    if lowest <= hub:
         what = f"between two rollers the wheel drops to {lowest:.4g} m, onto its hub"
-        yield Problem((*path[:-1], "disk", "hub_radius"), f"{what}; must be less")
+        yield Problem((*path[:-1], "disk", "hub_radius"), f"{what}; must be less than that, or rollers nearer")

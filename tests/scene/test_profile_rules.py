@@ -154,6 +154,14 @@ def test_a_gap_that_drops_the_wheel_onto_its_hub_is_told_of():
     )
 
 
+def test_exact_rollers_that_are_cut_short_are_told_of_as_well():
+    """Each over 5 of its 22.5 deg on either side, and of 60: between two the wheel stands on their rims."""
+    text = scene('kind = "exact"').replace("roller_angle_deg", "covered_deg = 5.0\nroller_angle_deg")
+    assert parse(text.replace("radius = 0.03", "radius = 0.02")).config.wheel_types["omni"].covered_deg == 5.0
+    (line,) = message(text.replace("roller_count = 8", "roller_count = 3")).splitlines()
+    assert "hub_radius = 0.03: between two rollers the wheel drops to 0.02868 m, onto its hub" in line
+
+
 def test_a_bore_wider_than_its_roller_and_rollers_that_reach_the_axle_are_told_of():
     assert "less than 0.008, the roller's own radius" in message(scene(GOOD["sphere"]).replace("0.002", "0.009"))
     text = scene('kind = "sphere", radius = 0.043')
