@@ -46,7 +46,7 @@ def compare(scenes: tuple[str, ...], mass: float | None, speed: float | None, ou
 
 
 def table(motion: str, wheels: list[Candidate], found: list[dict[str, Found | str]]) -> str:
-    """A motion, a line for each wheel; below it why there is none."""
+    """A motion, a line for each wheel; below it why there is none, and what was found by other means."""
     rows: list[tuple[str, ...]] = [HEADS, UNITS]
     missing = []
     for wheel, motions in zip(wheels, found, strict=True):
@@ -54,6 +54,9 @@ def table(motion: str, wheels: list[Candidate], found: list[dict[str, Found | st
         rows.append((wheel.name, *cells(entry)))
         if isinstance(entry, str):
             missing.append(f"  {wheel.name}: {entry}")
+        elif entry.cure:
+            method, step = entry.cure
+            missing.append(f"  {wheel.name}: by {method} with time.step = {step:g} s, since its own stops early")
     return "\n".join([motion, columns(rows, indent="  "), *missing])
 
 

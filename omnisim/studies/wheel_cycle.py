@@ -2,8 +2,8 @@
 
 Four wheels carry the platform, at the corners of a square. Mecanum wheels all head forward, and the axes of the rollers
 that touch point to the middle; omni wheels roll around it. Controllers turn them as an ideal machine would, so what is
-found is the wheels' own: what their rollers shake, lose and leave out. Friction, rubber and steps are those of the
-scene that a wheel comes from.
+found is the wheels' own: what their rollers shake, lose and leave out. Friction, rubber, methods and steps are those of
+the scene that a wheel comes from; a motion that these do not carry to its end has another try by each of CURES.
 """
 
 import math
@@ -35,6 +35,7 @@ CYCLE = {
     "turning": (0.0, 0.0, 1.0),
 }  # directions of the velocity along x, along y, and of the wheels' centres around the middle
 CORNERS = (("front_left", 1, 1), ("front_right", 1, -1), ("rear_left", -1, 1), ("rear_right", -1, -1))
+CURES = (("radau5", 1e-3), ("radau5", 2e-4))  # methods and their steps, s
 LOSSES = ("friction", "bearing", "rolling", "contact", "damper")
 
 
@@ -55,6 +56,7 @@ class Found(NamedTuple):
     drag    what is lost by the way, J/m = N
     energy  what the drives give by the way, J/m; what they take back when they brake does not count
     load    largest normal force of a wheel, of its share of the weight, 1
+    cure    method and step (s), where those of the scene have not carried it to its end
     """
 
     speed: float
@@ -63,6 +65,7 @@ class Found(NamedTuple):
     drag: float
     energy: float
     load: float
+    cure: tuple[str, float] | None = None
 
 
 def candidates(scenes: Sequence[Scene]) -> list[Candidate]:
@@ -89,8 +92,21 @@ def compare_wheels(wheels: Sequence[Candidate], mass: float, speed: float = SPEE
     is lighter than its wheels.
     """
     carriages = [Platform(wheel, mass, speed) for wheel in wheels]
-    runs = iter(simulate_many([load_text(carriage.scene(motion)) for carriage in carriages for motion in CYCLE]))
-    return [{motion: carriage.found(next(runs), motion) for motion in CYCLE} for carriage in carriages]
+    tasks = [(carriage, motion) for carriage in carriages for motion in CYCLE]
+    found = driven(tasks, None)
+    for cure in CURES:
+        stopped = [i for i, entry in enumerate(found) if isinstance(entry, str)]
+        for i, entry in zip(stopped, driven([tasks[i] for i in stopped], cure), strict=True):
+            found[i] = entry if isinstance(entry, Found) else found[i]
+    rows = iter(found)
+    return [{motion: next(rows) for motion in CYCLE} for _ in carriages]
+
+
+def driven(tasks: Sequence[tuple["Platform", str]], cure: tuple[str, float] | None) -> list[Found | str]:
+    """What is found of platforms in these motions."""
+    runs = simulate_many([load_text(platform.scene(motion, cure)) for platform, motion in tasks])
+    found = [platform.found(run, motion) for (platform, motion), run in zip(tasks, runs, strict=True)]
+    return [entry if isinstance(entry, str) else entry._replace(cure=cure) for entry in found]
 
 
 class Platform:
@@ -105,8 +121,8 @@ class Platform:
         if self.chassis <= 0.0:
             raise ValueError(f"four wheels of {wheel.name} weigh more than the platform of {mass:g} kg; see --mass")
 
-    def scene(self, motion: str) -> str:
-        """The scene of one motion, as TOML."""
+    def scene(self, motion: str, cure: tuple[str, float] | None = None) -> str:
+        """The scene of one motion, as TOML; cure: another method and step (s) than the wheel's own."""
         data, radius = tomllib.loads(self.wheel.scene.text), self.kind.radius
         gain = self.mass / 4.0 * radius**2 / SETTLING
         drive = {"kind": "rate", "proportional": gain, "integral": gain / RESETTING}
@@ -115,11 +131,15 @@ class Platform:
         own: dict[str, Any] = {key: data[key] for key in ("scene", "solver", "friction") if key in data}
         if own.get("scene", {}).get("upright") == "servo":
             del own["scene"]["upright"]
+        span = times(self.wheel.scene)
+        if cure:
+            own["solver"] = {"method": cure[0]}
+            span = stepped(cure[1])
         keys: dict[str, Any] = {
             "schema": 1,
             "title": f"{self.wheel.name} {motion}",
             **own,
-            "time": times(self.wheel.scene),
+            "time": span,
             "wheel_types": {self.wheel.kind: data["wheel_types"][self.wheel.kind]},
             "chassis": {
                 "mass": self.chassis,
@@ -178,6 +198,11 @@ def times(scene: Scene) -> dict[str, float]:
     step = scene.config.time.step
     if step is None or scene.config.solver.error is not None:
         return {"end": END, "output_interval": ROWS}
+    return stepped(step)
+
+
+def stepped(step: float) -> dict[str, float]:
+    """[time] with this step, s."""
     interval = step * max(1, round(ROWS / step))
     return {"end": interval * round(END / interval), "step": step, "output_interval": interval}
 
