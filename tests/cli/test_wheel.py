@@ -7,7 +7,10 @@ from xml.etree import ElementTree
 import pytest
 from commands import command
 
+import omnisim
 from omnisim.scene.scene import packaged_scenes
+from omnisim.studies import wheel_cycle
+from omnisim_cli.wheel_cycle import table
 
 pytestmark = pytest.mark.usefixtures("folder")
 
@@ -158,11 +161,21 @@ def test_several_wheels_are_told_side_by_side_and_drawn(folder):
     assert lines[-1] == "both.png" and (folder / "both.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
 
 
-def test_a_wheel_whose_run_stops_says_why_below_its_line():
+def test_a_wheel_whose_run_stops_says_why_below_its_line(monkeypatch):
+    """Where no other method carries it to its end either."""
+    monkeypatch.setattr(wheel_cycle, "CURES", ())
     result = command("wheel", "kiwi", "kiwi_ramp", "--mass", "200")
     assert result.exit_code == 0
     assert "  kiwi_ramp: unstable at t = " in result.stdout
     assert any(line.split() == ["kiwi_ramp", *"------"] for line in result.stdout.splitlines())
+
+
+def test_a_wheel_that_took_another_method_says_so_below_its_line():
+    wheels = wheel_cycle.candidates([omnisim.load("youbot")])
+    found = wheel_cycle.Found(0.0, 0.0, None, 0.0, 0.0, 1.0, ("radau5", 1e-3))
+    told = table("forward", wheels, [{"forward": found}]).splitlines()
+    assert told[-1] == "  youbot: by radau5 with time.step = 0.001 s, since its own stops early"
+    assert len(table("forward", wheels, [{"forward": found._replace(cure=None)}]).splitlines()) == len(told) - 1
 
 
 @pytest.mark.parametrize(
