@@ -20,7 +20,7 @@ from omnisim.studies.result import MISSING, open_study
 from omnisim.studies.study import StudyError, load_study
 from omnisim.studies.sweep import fingerprint, journal_of, repeat, sweep
 from omnisim.studies.task import Task
-from omnisim.studies.workers import on_cores
+from omnisim.studies.workers import Batches, on_cores
 
 SCENE = {"schema": 1, "scene": "kiwi", "set": {"time.end": 0.1, "time.output_interval": 0.01}}
 MEASURE = {
@@ -231,6 +231,40 @@ def test_a_worker_that_is_killed_while_it_waits_is_replaced():
         rows += batch
     assert sorted(row.run for row in rows) == list(range(40))
     assert not [row for row in rows if row.status.startswith("lost")]
+
+
+class Moments:
+    """When each of these numbers was begun, of batches that take a millisecond for each."""
+
+    def __call__(self, runs):
+        begun = time.monotonic()
+        time.sleep(1e-3 * len(runs))
+        return [begun] * len(runs)
+
+    def lost(self, run, how):
+        raise AssertionError(how)
+
+
+def test_workers_go_on_while_nobody_looks_at_their_rows():
+    """As while a journal waits for the disk: not only what was under way, the next batch of each of two is begun."""
+    found = on_cores(Moments(), list(range(300)), 2, lambda: False)
+    seen = [next(found) for _ in range(4)]
+    time.sleep(0.5)
+    looked = time.monotonic()
+    later = list(found)
+    assert sum(map(len, [*seen, *later])) == 300
+    assert sum(moments[0] < looked for moments in later) >= 3  # 4
+
+
+def test_batches_are_of_a_quarter_of_a_second_and_hand_out_every_run_once():
+    batches, sizes, runs = Batches(list(range(3000)), 2), [], []
+    while batch := batches.next():
+        assert batches.ahead == (2 if batches.size > 1 else 1)  # single runs may be long: none waits behind another
+        batches.took(batch, 1e-3 * len(batch.runs))
+        sizes.append(len(batch.runs))
+        runs += batch.runs
+    assert runs == list(range(3000)) and sizes[:4] == [1, 2, 4, 8] and max(sizes) == 250
+    assert min(sizes[8:-1]) == 10  # 4 % of the largest
 
 
 def test_a_disk_that_is_full_of_trajectories_stops_the_study(tmp_path, monkeypatch):
