@@ -24,7 +24,7 @@ from omnisim.results.spatial import balanced_in_space, body_in_space, origin_in_
 from omnisim.scene.schema import Config
 
 EXTREMES, BEARINGS = "extremes", "bearings"  # a group for each quantity, a group for each wheel
-ODOMETRY = "odometry's extremes"  # a group
+ODOMETRY, YAWS = "odometry's extremes", "odometry's yaw"  # groups
 WORKS = ("energy/friction_loss", "energy/bearing_loss", "energy/drive_work", "energy/wrench_work")
 
 
@@ -51,7 +51,7 @@ class Observables:
         wheels = [f"{folder}/{name}" for folder in ("wheels", BEARINGS) for name in self.names]
         extremes = [f"{EXTREMES}/{name}" for name in (*OF_WHEELS, *OF_MOTORS, *LENGTHS)]
         found: dict[str, np.ndarray] = {}
-        for group in ("time", "body", "energy", "odometry", ODOMETRY, "constraints", *wheels, *extremes):
+        for group in ("time", "body", "energy", "odometry", YAWS, ODOMETRY, "constraints", *wheels, *extremes):
             found |= self._group(group)
         return found
 
@@ -103,6 +103,8 @@ class Observables:
             return data | (motor_energies(parameters, self.rows.y, data["energy/balance"]) if machine.motors else {})
         if name == "odometry" and machine.odometry:
             return odometry(parameters, self.rows.y)
+        if name == YAWS and machine.odometry:
+            return odometry_yaws(parameters, self.rows.y)
         if name == ODOMETRY and machine.odometry and len(self.rows.odometry_extremes) == len(self.rows.y):
             return odometry_extremes(self.rows.odometry_extremes)
         if name == "constraints" and parameters.workspace.articulated is not None:
@@ -173,6 +175,8 @@ def group_of(path: str) -> str:
         return f"{BEARINGS}/{rest[1]}" if rest[-1].startswith("bearing_") else f"{EXTREMES}/{rest[2]}"
     if path in WORKS:
         return "works"
+    if first == "odometry" and rest[0].startswith("yaw"):
+        return YAWS
     return f"{first}/{rest[0]}" if first == "wheels" else first
 
 
@@ -206,22 +210,24 @@ def to_centre(parameters: Parameters, y: np.ndarray) -> np.ndarray:
 
 
 def odometry(parameters: Parameters, y: np.ndarray) -> dict[str, np.ndarray]:
-    """The pose that the ideal wheels report, and its error."""
+    """The position that the ideal wheels report, and its error."""
+    at = places_in(parameters)
+    reported = y[:, at.odometry : at.odometry + 2]
+    if parameters.space is not None:
+        position = origin_in_space(parameters, y)[0][:, :2]
+    else:
+        position = y[:, :YAW] - to_centre(parameters, y)
+    return {"odometry/position": reported, "odometry/position_error": reported - position}
+
+
+def odometry_yaws(parameters: Parameters, y: np.ndarray) -> dict[str, np.ndarray]:
+    """The same of the yaw."""
     at = places_in(parameters)
     columns = parameters.wheels.odometry
     spin_angles = y[:, at.spin_angle : at.spin_angle + len(columns)]
-    reported = y[:, at.odometry : at.odometry + 2]
     yaw = parameters.machine.odometry_yaw + spin_angles @ columns[:, 2]
-    if parameters.space is not None:
-        position, turned = origin_in_space(parameters, y)[0][:, :2], yaw_in_space(y)
-    else:
-        position, turned = y[:, :YAW] - to_centre(parameters, y), y[:, YAW]
-    return {
-        "odometry/position": reported,
-        "odometry/yaw": yaw,
-        "odometry/position_error": reported - position,
-        "odometry/yaw_error": yaw - turned,
-    }
+    turned = y[:, YAW] if parameters.space is None else yaw_in_space(y)
+    return {"odometry/yaw": yaw, "odometry/yaw_error": yaw - turned}
 
 
 def works(parameters: Parameters, y: np.ndarray) -> dict[str, np.ndarray]:
