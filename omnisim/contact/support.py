@@ -34,6 +34,7 @@ SHAPE = np.dtype(
         ("radius", np.float64),  # exact: R of its wheel; else of the roller in its middle, m
         ("distance", np.float64),  # exact: R1 of its wheel, m
         ("cos_psi", np.float64),  # exact: of its wheel
+        ("sec_psi", np.float64),  # 1 / cos_psi
         ("tilts", np.float64, (MOST_ARCS + 1,)),  # region k holds the lowest point from tilts[k + 1] to tilts[k]
         ("arcs", np.float64, (MOST_ARCS, 3)),  # u_c, r_c and rho of each region, m
         ("half_length", np.float64),  # of the roller, m
@@ -46,10 +47,12 @@ SHAPE = np.dtype(
 
 
 class Support(NamedTuple):
-    """Axial and radial coordinate of the lowest point (m), and their rates by the tilt N."""
+    """Axial and radial coordinate u and r of the lowest point (m), r / sqrt(1 - N^2) (m), and the rates of u and r by
+    the tilt N."""
 
     u: float
     r: float
+    over_across: float
     u_rate: float
     r_rate: float
 
@@ -86,14 +89,14 @@ def support(shape, region, tilt, across):
     """The Support of this SHAPE in this region; tilt: nu . a, across: sqrt(1 - tilt^2)."""
     if region != shape.envelope:
         rho = shape.arcs[region, 2]
-        u, r = shape.arcs[region, 0] - rho * tilt, shape.arcs[region, 1] + rho * across
-        return Support(u, r, -rho, -rho * tilt / across)
-    c = shape.cos_psi
-    sin_q = -tilt / c
+        u, over_across = shape.arcs[region, 0] - rho * tilt, shape.arcs[region, 1] / across + rho
+        return Support(u, shape.arcs[region, 1] + rho * across, over_across, -rho, -rho * tilt / across)
+    c, sec = shape.cos_psi, shape.sec_psi
+    sin_q = -tilt * sec
     cos_q = math.sqrt(1.0 - sin_q * sin_q)
     slant = shape.distance / cos_q
     drop = shape.radius - slant
-    u = sin_q * (slant / c + drop * c)
-    along = (slant / cos_q) * (1.0 / c - c * sin_q * sin_q) + drop * c * cos_q  # du / dq
+    u = sin_q * (slant * sec + drop * c)
+    along = (slant / cos_q) * (sec - c * sin_q * sin_q) + drop * c * cos_q  # du / dq
     u_rate = -along / (c * cos_q)
-    return Support(u, drop * across, u_rate, u_rate * tilt / across)
+    return Support(u, drop * across, drop, u_rate, u_rate * tilt / across)

@@ -19,6 +19,7 @@ import math
 
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.status import CHASSIS_DOWN, EVENT_KINDS, TOO_MANY_TOUCH
+from omnisim.base.vector import Vec3, dot
 from omnisim.contact.floor import surface
 from omnisim.contact.friction import SATURATED
 from omnisim.contact.set_valued import SLIP, STICK
@@ -140,12 +141,15 @@ def clearance(parameters, y):
     """Height of the lowest corner of the chassis over the ground, m."""
     space = parameters.space
     body = body_of(parameters, y)
+    rotation = body.rotation
+    up = Vec3(rotation.x.z, rotation.y.z, rotation.z.z)
     least = math.inf
     for i in range(space.body.corners):
-        corner = outward(body.rotation, vector(space.body.hull[i], 0))
-        height = body.position.z + corner.z
+        corner = vector(space.body.hull[i], 0)
+        height = body.position.z + dot(up, corner)
         if space.body.uneven:
-            height -= surface(space.floor, body.position.x + corner.x, body.position.y + corner.y).height
+            place = outward(rotation, corner)
+            height -= surface(space.floor, body.position.x + place.x, body.position.y + place.y).height
         least = min(least, height)
     return least
 

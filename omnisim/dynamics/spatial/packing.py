@@ -10,7 +10,7 @@ from omnisim.contact.floor import floor_of
 from omnisim.contact.support import MOST_ARCS, NO_ENVELOPE, SHAPE
 from omnisim.dynamics.ground import floor_of_scene
 from omnisim.dynamics.inertia import central_inertia
-from omnisim.dynamics.spatial.records import BODY, CARRIER, HELD, HUB, MOTION, SLOTS, TOUCH, Holding, Space
+from omnisim.dynamics.spatial.records import BODY, CARRIER, HELD, HUB, MOTION, SLOTS, STAND, TOUCH, Holding, Space
 from omnisim.scene.generatrix import edge, ends, generatrix, thickest
 from omnisim.scene.ground_schema import Rocker
 from omnisim.scene.lobes import Lobe, lobes
@@ -74,6 +74,7 @@ def pack_space(config: Config, wheels: list[dict], machine: dict) -> Space:
         disk=disk_places(types, config.wheels, max(counts)),
         floor=floor or PLANE,
         carriers=array_of(CARRIER, carriers),
+        stands=blank(STAND, len(wheels)),
         touches=blank(TOUCH, SLOTS * len(wheels)),
         motions=blank(MOTION, len(carriers)),
         pushes=np.zeros((1 + len(carriers), 6)),
@@ -205,7 +206,7 @@ def shape_values(kind: WheelType, values: dict) -> list[dict]:
         return [exact_values(kind, values)]
     arcs = generatrix(kind.profile)
     half, radius = max(map(abs, ends(arcs))), thickest(arcs)
-    sizes = {"radius": radius, "distance": 0.0, "cos_psi": 1.0, "envelope": NO_ENVELOPE}
+    sizes = {"radius": radius, "distance": 0.0, "cos_psi": 1.0, "sec_psi": 1.0, "envelope": NO_ENVELOPE}
     return [
         sizes | lobe_values(lobe, half, radius) | {"longest": max(arc.radius for arc in lobe)} for lobe in lobes(arcs)
     ]
@@ -217,7 +218,7 @@ def exact_values(kind: WheelType, values: dict) -> dict:
     tilt = cos * math.sin(kind.covered)
     half, end = map(float, profile(outline(kind), np.array(kind.covered)))
     chain = [edge(-half, end, 1.0, tilt), edge(0.0, 0.0, tilt, -tilt), edge(half, end, -tilt, -1.0)]
-    sizes = {"radius": radius, "distance": distance, "cos_psi": cos, "envelope": 1}
+    sizes = {"radius": radius, "distance": distance, "cos_psi": cos, "sec_psi": 1.0 / cos, "envelope": 1}
     # in the middle; towards the ends it is a little more
     longest = radius - distance + distance / (cos * cos)
     return sizes | lobe_values(chain, half, radius - distance) | {"longest": longest}

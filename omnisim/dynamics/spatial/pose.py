@@ -136,9 +136,15 @@ def mounted(hub):
 def tangent_of(normal):
     """Unit vectors h = unit(k x nu) and k = nu x h in the tangent plane of the ground, along hub axes, in which nu is
     given."""
-    size = math.sqrt(normal.x * normal.x + normal.z * normal.z)
-    h = Vec3(normal.z / size, 0.0, -normal.x / size)
-    return h, Vec3(-normal.y * normal.x / size, size, -normal.y * normal.z / size)
+    stretch = stretch_of(normal)
+    h = Vec3(normal.z * stretch, 0.0, -normal.x * stretch)
+    return h, cross(normal, h)
+
+
+@kernel
+def stretch_of(normal):
+    """1 / |k x nu|, of a normal along hub axes."""
+    return 1.0 / math.sqrt(normal.x * normal.x + normal.z * normal.z)
 
 
 @kernel

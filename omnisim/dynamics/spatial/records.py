@@ -74,6 +74,23 @@ CARRIER = np.dtype(
 )
 
 # What kernels find at an instant.
+STAND = np.dtype(  # as of a Standing
+    [
+        ("h", np.float64, (3,)),
+        ("k", np.float64, (3,)),
+        ("up", np.float64, (3,)),
+        ("centre", np.float64, (3,)),
+        ("velocity", np.float64, (3,)),
+        ("rate", np.float64, (3,)),
+        ("normal", np.float64, (3,)),
+        ("cos", np.float64),
+        ("sin", np.float64),
+        ("spin_rate", np.float64),
+        ("stretch", np.float64),
+        ("height", np.float64),
+    ],
+    align=True,
+)
 TOUCH = np.dtype(
     [
         ("depth", np.float64),  # delta, m
@@ -87,6 +104,13 @@ TOUCH = np.dtype(
         ("normal", np.float64, (3,)),  # of the ground, in the same axes
         ("lever", np.float64, (3,)),  # X - B, in the same axes, m
         ("azimuth", np.float64, (2,)),  # cosine and sine of q
+        ("axis", np.float64, (3,)),  # a, in the same axes
+        ("stretch", np.float64),  # as of a Touching
+        ("tilt", np.float64),
+        ("deep", np.float64),
+        ("within", np.float64),
+        ("press", np.float64),  # as of a Reaction
+        ("factor", np.float64),
     ],
     align=True,
 )
@@ -180,13 +204,14 @@ class Holding(NamedTuple):
 class Space(NamedTuple):
     """A machine free in space: W wheels of at most N rollers, C carriers.
 
-    body: record BODY. hubs (W,): records HUB. shapes (L,): records SHAPE of the lobes of
-    their rollers, wheel after wheel. disk (W, N, 3): cosine and
-    sine of the angle of each roller on its disk, and its offset along the axle, m. floor: Floor, a plane one without
-    any part. carriers (C,): records CARRIER. Then what is found at an instant: touches (W * SLOTS,): records TOUCH;
-    motions (C,): records MOTION; pushes (1 + C, 6): moment about C and force on chassis and carriers, chassis axes;
-    balance (6 + C, 6 + C) and answer (6 + C,): their equations; shifted (n,): a state nearby. holding: Holding, None
-    with a smooth law.
+    body: record BODY. hubs (W,): records HUB. shapes (L,): records SHAPE of the lobes of their rollers, wheel after
+    wheel. disk (W, N, 3): cosine and sine of the angle of each roller on its disk, and its offset along the axle, m.
+    floor: Floor, a plane one without any part. carriers (C,): records CARRIER.
+
+    Then what is found at an instant: stands (W,): records STAND; touches (W * SLOTS,): records TOUCH; motions (C,):
+    records MOTION; pushes (1 + C, 6): moment about C and force on chassis and carriers, chassis axes; balance
+    (6 + C, 6 + C) and answer (6 + C,): their equations; shifted (n,): a state nearby. holding: Holding, None with a
+    smooth law.
     """
 
     body: np.record
@@ -195,6 +220,7 @@ class Space(NamedTuple):
     disk: np.ndarray
     floor: Floor
     carriers: np.recarray
+    stands: np.recarray
     touches: np.recarray
     motions: np.recarray
     pushes: np.ndarray

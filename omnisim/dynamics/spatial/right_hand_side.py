@@ -20,12 +20,14 @@ from omnisim.dynamics.spatial.pose import (
     orientation_rate,
     outward,
     product,
+    put,
     put_at,
     turned,
     vector,
 )
 from omnisim.dynamics.spatial.records import BASE, POSITION
-from omnisim.dynamics.spatial.wheel import follow_angles, push_wheel, spin_up
+from omnisim.dynamics.spatial.seen import look_at_all
+from omnisim.dynamics.spatial.wheel import follow_angles, monitor_wheel, push_wheel, spin_up
 from omnisim.dynamics.state import places
 
 
@@ -39,12 +41,16 @@ def spatial_rhs(parameters, stage):
         dy[POSITION + j] = y[at.velocity + j]
     body = body_of(parameters, y)
     orientation_rate(y, body.rate, dy)
+    look_at_all(parameters, stage.mode, body, y)
     rest(parameters, stage, body)
     dy[at.wrench_work] = push_body(parameters, stage, body)
     heat, loss, power = 0.0, 0.0, 0.0
     for w in range(len(parameters.wheels)):
         friction, rubber, drive = push_wheel(parameters, stage, w, body)
         heat, loss, power = heat + friction, loss + rubber, power + drive
+    if stage.monitoring:
+        for w in range(len(parameters.wheels)):
+            monitor_wheel(parameters, stage, w, body)
     if len(space.carriers) == 0:
         linear, angular = accelerate(space.body, space.pushes[BASE])
     else:
@@ -67,10 +73,10 @@ def spatial_rhs(parameters, stage):
 
 @kernel
 def rest(parameters, stage, body):
-    """What all pushes begin with."""
+    """What pushes on carriers and losses begin with."""
     space = parameters.space
     at = places(parameters)
-    for j in range(len(space.pushes)):
+    for j in range(1, len(space.pushes)):
         for i in range(6):
             space.pushes[j, i] = 0.0
     stage.dy[at.damper_loss] = 0.0
@@ -84,12 +90,12 @@ def rest(parameters, stage, body):
 
 @kernel
 def push_body(parameters, stage, body):
-    """The wrench of the scene, and what the chassis does to itself by turning: moment and force into `pushes`; the
+    """What the push on the chassis begins with: the wrench of the scene, and what it does to itself by turning; the
     power of the wrench, W."""
     space = parameters.space
     push = space.pushes[BASE]
-    turning = cross(body.rate, product(space.body.inner_inertia, body.rate))
-    add_push(push, times(-1.0, turning), Vec3(0.0, 0.0, 0.0))
+    put(push, cross(product(space.body.inner_inertia, body.rate), body.rate))
+    put_at(push, 3, Vec3(0.0, 0.0, 0.0))
     if not parameters.machine.pushed:
         return 0.0
     elapsed = stage.t - parameters.starts[stage.piece]

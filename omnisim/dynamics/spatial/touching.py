@@ -16,22 +16,22 @@ from typing import NamedTuple
 
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
-from omnisim.base.vector import Vec3, combine, cross, dot, plus, times
+from omnisim.base.vector import Vec3, combine, cross, dot, minus, plus, times
 from omnisim.contact.common_normal import ANY, touch
 from omnisim.contact.floor import pieces
 from omnisim.contact.frame import Slip
 from omnisim.contact.friction import BRUSH, friction
 from omnisim.contact.set_valued import SLIP
 from omnisim.contact.support import region_of, support
-from omnisim.dynamics.spatial.pose import Body, Hub, hub_of, inward, mounted, outward, tangent_of
+from omnisim.dynamics.spatial.pose import Body, Hub, hub_of, inward, mounted, outward, stretch_of, tangent_of
 from omnisim.dynamics.state import places
 
 STANDING = 1e-9  # of a roller on end: its rim is lowest all around, and any point of it will do
 
 
 class Standing(NamedTuple):
-    """A wheel at an instant: the Body, its Hub, cosine and sine of its spin angle, its spin rate (rad/s), normal of the
-    base plane along hub axes, and height of O over that plane (m)."""
+    """A wheel at an instant: the Body, its Hub, cosine and sine of its spin angle, its spin rate (rad/s), normal nu of
+    the base plane along hub axes, 1 / |k x nu|, and height of O over that plane (m)."""
 
     body: Body
     hub: Hub
@@ -39,6 +39,7 @@ class Standing(NamedTuple):
     sin: float
     spin_rate: float
     normal: Vec3
+    stretch: float
     height: float
 
 
@@ -52,14 +53,17 @@ class Roller(NamedTuple):
 
 
 class Touching(NamedTuple):
-    """Where a roller would touch: the Roller, normal of the ground along hub axes, delta (m), tilt nu . a, X - B (m),
-    and how far X is inside the piece of the ground, m."""
+    """Where a roller would touch: the Roller, normal nu of the ground along hub axes, 1 / |k x nu|, delta (m), tilt
+    nu . a, f (m) and X - B = g a + f nu (m), X from O (m), and how far X is inside the piece of the ground, m."""
 
     roller: Roller
     normal: Vec3
+    stretch: float
     depth: float
     tilt: float
+    deep: float
     lever: Vec3
+    arm: Vec3
     within: float
 
 
@@ -74,8 +78,8 @@ class Running(NamedTuple):
 
 class Reaction(NamedTuple):
     """What the ground does at a contact: delta' (m/s), stiffness delta + damping delta' and N (N), slip (m/s) and
-    friction (N) in the tangent plane, factor of the law (N s/m), force (N), moment about the normal (N m), heat (W),
-    X from O (m), and moment of the force about the roller's axis (N m)."""
+    friction (N) in the tangent plane, factor of the law (N s/m), force (N), moment about the normal (N m), heat (W)
+    and moment of the force about the roller's axis (N m)."""
 
     closing: float
     press: float
@@ -86,7 +90,6 @@ class Reaction(NamedTuple):
     force: Vec3
     torque: float
     heat: float
-    arm: Vec3
     rolling: float
 
 
@@ -99,7 +102,8 @@ def standing(parameters, w, body, y):
     rotation = body.rotation
     up = Vec3(rotation.x.z, rotation.y.z, rotation.z.z)
     height = body.position.z + dot(up, hub.centre)
-    return Standing(body, hub, cos, sin, y[at.spin_rate + w], inward(mounted(hub), up), height)
+    normal = inward(mounted(hub), up)
+    return Standing(body, hub, cos, sin, y[at.spin_rate + w], normal, stretch_of(normal), height)
 
 
 @kernel
@@ -136,7 +140,7 @@ def touching(parameters, w, stand, meeting, region, i):
     roller = roller_on(parameters, w, i, stand)
     shape = shape_of(parameters.space, w, meeting)
     if not parameters.space.body.uneven:
-        return touch_plane(shape, region, roller, stand.normal, stand.height)
+        return touch_plane(shape, region, roller, stand)
     return touch_ground(parameters, shape, stand, meeting % pieces(parameters.space.floor), region, roller)
 
 
@@ -154,23 +158,24 @@ def rate_of_roller(parameters, mode, w, c):
 
 
 @kernel
-def touch_plane(shape, region, roller, normal, height):
-    """The same on the base plane; normal: along hub axes, height: of O, m."""
+def touch_plane(shape, region, roller, stand):
+    """The same on the base plane, of a roller of the wheel of a Standing."""
+    normal = stand.normal
     tilt = dot(roller.axis, normal)
     if region == ANY:
         region = region_of(shape, tilt)
-    across = max(math.sqrt(max(1.0 - tilt * tilt, 0.0)), STANDING)
-    found = support(shape, region, tilt, across)
-    depth = found.r * across - found.u * tilt - height - dot(roller.centre, normal)
-    lever = lever_of(roller, normal, found, tilt, across, depth)
-    return Touching(roller, normal, depth, tilt, lever, math.inf)
+    square = max(1.0 - tilt * tilt, STANDING * STANDING)
+    found = support(shape, region, tilt, math.sqrt(square))
+    depth = found.over_across * square - found.u * tilt - stand.height - dot(roller.centre, normal)
+    deep = depth - found.over_across
+    lever = lever_of(roller, normal, found, tilt, deep)
+    return Touching(roller, normal, stand.stretch, depth, tilt, deep, lever, plus(roller.centre, lever), math.inf)
 
 
 @kernel
-def lever_of(roller, normal, found, tilt, across, depth):
-    """X - B: u a + r e + delta nu."""
-    radial = found.r / across
-    return plus(times(found.u + radial * tilt, roller.axis), times(depth - radial, normal))
+def lever_of(roller, normal, found, tilt, deep):
+    """X - B: u a + r e + delta nu, with a Support and f."""
+    return plus(times(found.u + found.over_across * tilt, roller.axis), times(deep, normal))
 
 
 @kernel
@@ -189,8 +194,11 @@ def touch_ground(parameters, shape, stand, piece, region, roller):
     centre, axis = in_world(stand, roller)
     found = touch(space.floor, piece, shape, region, centre, axis)
     normal = inward(mounted(stand.hub), inward(stand.body.rotation, found.nu))
-    lever = lever_of(roller, normal, found.support, found.tilt, max(found.across, STANDING), found.depth)
-    return Touching(roller, normal, found.depth, found.tilt, lever, found.inside if found.converged else -math.inf)
+    deep = found.depth - found.support.over_across
+    lever = lever_of(roller, normal, found.support, found.tilt, deep)
+    within = found.inside if found.converged else -math.inf
+    arm = plus(roller.centre, lever)
+    return Touching(roller, normal, stretch_of(normal), found.depth, found.tilt, deep, lever, arm, within)
 
 
 @kernel
@@ -200,26 +208,26 @@ def react(parameters, mode, w, c, stand, touched, rate):
     normal, roller = touched.normal, touched.roller
     turning = Vec3(hub.rate.x, hub.rate.y + stand.spin_rate, hub.rate.z)
     joint = rate - dot(roller.axis, turning)
-    arm = plus(roller.centre, touched.lever)
-    swing = cross(roller.axis, touched.lever)
-    velocity = plus(plus(hub.velocity, cross(turning, arm)), times(joint, swing))
+    swing = times(touched.deep, cross(roller.axis, normal))
+    velocity = plus(plus(hub.velocity, cross(turning, touched.arm)), times(joint, swing))
     closing = -dot(velocity, normal)
     press = own.stiffness * touched.depth + own.damping * closing
     load = press if mode.pressed[c] else 0.0
-    h, k = tangent_of(normal)
-    slip = Slip(dot(velocity, h), dot(velocity, k))
+    sliding = plus(velocity, times(closing, normal))
+    along_h = velocity.x * normal.z - velocity.z * normal.x
+    slip = Slip(along_h * touched.stretch, sliding.y * touched.stretch)
     factor, torque, turn = 0.0, 0.0, 0.0
     if mode.pressed[c]:
         if machine.patch_radius > 0.0:
             turn = dot(turning, normal) + joint * touched.tilt
         stream = streaming(parameters, mode, w, c, stand, touched, rate) if machine.law == BRUSH else slip
         factor, torque = friction(machine, mode.saturated[c], load, slip, turn, stream)
-    held = Slip(-factor * slip.h, -factor * slip.k)
-    heat = factor * (slip.h * slip.h + slip.k * slip.k) - torque * turn
+    given, heat = factor, factor * (slip.h * slip.h + slip.k * slip.k) - torque * turn
     if parameters.workspace.resting is not None and mode.grip[c] != SLIP:  # its force is found with those of others
-        held, heat = Slip(0.0, 0.0), 0.0
-    force = combine(load, normal, held.h, h, held.k, k)
-    return Reaction(closing, press, load, slip, held, factor, force, torque, heat, arm, dot(swing, force))
+        given, heat = 0.0, 0.0
+    held = Slip(-given * slip.h, -given * slip.k)
+    force = minus(times(load, normal), times(given, sliding))
+    return Reaction(closing, press, load, slip, held, factor, force, torque, heat, dot(swing, force))
 
 
 @kernel
@@ -229,7 +237,7 @@ def running(shape, region, touched, turning):
     across = max(math.sqrt(max(1.0 - tilt * tilt, 0.0)), STANDING)
     found = support(shape, region, tilt, across)
     tilt_rate = dot(cross(turning, touched.roller.axis), touched.normal)
-    radial = found.r / across
+    radial = found.over_across
     radial_rate = (found.r_rate + radial * tilt / across) / across * tilt_rate
     along_rate = found.u_rate * tilt_rate + radial_rate * tilt + radial * tilt_rate
     return Running(found.u + radial * tilt, touched.depth - radial, along_rate, -radial_rate)

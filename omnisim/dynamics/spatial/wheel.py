@@ -19,16 +19,15 @@ from omnisim.contact.set_valued import SLIP
 from omnisim.contact.support import region_guard
 from omnisim.dynamics.actuation import actuate, followed
 from omnisim.dynamics.spatial.gaps import least_gap
-from omnisim.dynamics.spatial.pose import add_push, mounted, outward, put, tangent_of
+from omnisim.dynamics.spatial.pose import add_push, mounted, outward, tangent_of
 from omnisim.dynamics.spatial.records import BASE, SLOTS
+from omnisim.dynamics.spatial.seen import standing_seen, touching_seen
 from omnisim.dynamics.spatial.touching import (
     joint_rate,
     rate_of_roller,
     react,
     roller_on,
     shape_of,
-    standing,
-    touching_at,
 )
 from omnisim.dynamics.state import places
 from omnisim.dynamics.wheel import bearing_torque
@@ -66,7 +65,7 @@ def push_wheel(parameters, stage, w, body):
     y, dy = stage.y, stage.dy
     spin_rate = y[at.spin_rate + w]
     dy[at.spin_angle + w] = spin_rate
-    stand = standing(parameters, w, body, y)
+    stand = standing_seen(space.stands[w], body)
     hub = stand.hub
     demand, drive = actuate(parameters, stage, w, spin_rate)
     rollers = rollers_of(parameters, stage, w, stand)
@@ -92,7 +91,6 @@ def push_wheel(parameters, stage, w, body):
     add_push(push, moment, force)
     if stage.monitoring:
         stage.monitors[w].demand = demand
-        stage.monitors[w].gap = least_gap(parameters, stage.mode[w], w, stand)
     return pressed.friction_loss, pressed.contact_loss, drive * spin_rate
 
 
@@ -137,11 +135,12 @@ def press_wheel(parameters, stage, w, stand, rollers):
     wheel = parameters.wheels[w]
     machine = parameters.machine
     mode, y, dy = stage.mode[w], stage.y, stage.dy
-    force, moment, heat, loss, load = ZERO, ZERO, 0.0, 0.0, 0.0
+    force, moment, heat, loss = ZERO, ZERO, 0.0, 0.0
     momentum, torque = rollers.momentum, rollers.torque
     for c in range(mode.contacts):
         place = rate_of_roller(parameters, mode, w, c)
-        touched = touching_at(parameters, mode, w, c, stand)
+        seen = parameters.space.touches[w * SLOTS + c]
+        touched = touching_seen(seen)
         found = react(parameters, mode, w, c, stand, touched, y[place])
         rolling = found.rolling + found.torque * touched.tilt
         if machine.rolling:
@@ -154,19 +153,13 @@ def press_wheel(parameters, stage, w, stand, rollers):
             momentum = plus(momentum, times(wheel.axial_inertia * y[place], axis))
         torque = plus(torque, times(rolling, axis))
         force = plus(force, found.force)
-        moment = plus(moment, cross(found.arm, found.force))
+        moment = plus(moment, cross(touched.arm, found.force))
         if machine.patch_radius > 0.0:
             moment = plus(moment, times(found.torque, touched.normal))
         heat += found.heat
         loss += (found.normal_force - parameters.space.hubs[w].stiffness * touched.depth) * found.closing
-        load += found.normal_force
-        if stage.monitoring:
-            monitor_contact(parameters, stage.monitors[w], w, c, mode, touched, found)
         if stage.monitoring or (parameters.workspace.resting is not None and mode.grip[c] != SLIP):
-            remember(parameters.space.touches[w * SLOTS + c], touched, found)
-    if stage.monitoring:
-        stage.monitors[w].normal_force = load
-        parameters.workspace.parts[w].normal_force = load
+            remember(seen, found)
     return Pressed(force, moment, heat, loss), Rollers(momentum, torque, rollers.bearing_loss)
 
 
@@ -190,29 +183,30 @@ def resist(parameters, stage, w, c, stand, touched, load):
 
 
 @kernel
-def monitor_contact(parameters, monitors, w, c, mode, touched, found):
-    """What events want to know of a contact."""
-    shape = shape_of(parameters.space, w, mode.meeting[c])
-    monitors.depth[c] = touched.depth
-    monitors.press[c], monitors.load[c] = found.press, found.normal_force
-    monitors.inside[c] = region_guard(shape, mode.region[c], touched.tilt)
-    monitors.within[c] = touched.within
-    monitors.slip_square[c] = found.slip.h * found.slip.h + found.slip.k * found.slip.k
-    monitors.factor[c] = found.factor
-    monitors.margin[c] = 0.0
+def remember(seen, found):
+    """What is told of a Reaction, into its record TOUCH."""
+    seen.press, seen.normal_force = found.press, found.normal_force
+    seen.factor, seen.torque = found.factor, found.torque
+    seen.slip[0], seen.slip[1] = found.slip.h, found.slip.k
+    seen.force[0], seen.force[1] = found.friction.h, found.friction.k
 
 
 @kernel
-def remember(seen, touched, found):
-    """What is told of a contact, into its record TOUCH."""
-    seen.depth, seen.normal_force, seen.torque = touched.depth, found.normal_force, found.torque
-    seen.slip[0], seen.slip[1] = found.slip.h, found.slip.k
-    seen.force[0], seen.force[1] = found.friction.h, found.friction.k
-    roller = touched.roller
-    put(seen.point, found.arm)
-    put(seen.normal, touched.normal)
-    put(seen.lever, touched.lever)
-    seen.azimuth[0], seen.azimuth[1] = roller.cos_q, roller.sin_q
+def monitor_wheel(parameters, stage, w, body):
+    """What events want to know of wheel w."""
+    space, mode, monitors = parameters.space, stage.mode[w], stage.monitors[w]
+    load = 0.0
+    for c in range(mode.contacts):
+        seen = space.touches[w * SLOTS + c]
+        monitors.depth[c], monitors.within[c] = seen.depth, seen.within
+        monitors.press[c], monitors.load[c] = seen.press, seen.normal_force
+        monitors.inside[c] = region_guard(shape_of(space, w, mode.meeting[c]), mode.region[c], seen.tilt)
+        monitors.slip_square[c] = seen.slip[0] * seen.slip[0] + seen.slip[1] * seen.slip[1]
+        monitors.factor[c] = seen.factor
+        monitors.margin[c] = 0.0
+        load += seen.normal_force
+    monitors.normal_force = parameters.workspace.parts[w].normal_force = load
+    monitors.gap = least_gap(parameters, mode, w, standing_seen(space.stands[w], body))
 
 
 @kernel
