@@ -6,9 +6,9 @@ on a plane at 0.5 m/s without torque; contacts that begin and end are located. T
 
 Rollers: each of 24 a wheel is as heavy as one of six, its axial inertia in proportion to the square of its radius, and
 the chassis lighter by what they weigh more. Rolling, more of them touch: neighbours share the rubber over 6 deg on
-either side of an exchange, and exchanges come every 60 or every 15 deg. Standing on the middle of a roller, one touches
-either way: what differs are those in the air. The rubber is damped more than in the reference, or the exchanges of 24
-rollers, at 40 Hz, make the machine hop.
+either side of an exchange, and exchanges come every 60 or every 15 deg. Standing on the middle of a roller, or on the
+edge of two, as many touch either way: what differs are those in the air. The rubber is damped more than in the
+reference, or the exchanges of 24 rollers, at 40 Hz, make the machine hop.
 """
 
 import math
@@ -20,7 +20,7 @@ import omnisim
 from bench.bump_scene import STEM, bumps, end, outcome
 from bench.common import Claim, bare_wheel, interleaved, marching, quiet, ready, simulation, table
 from bench.peers import c_loop
-from omnisim.scene.scene import Scene
+from omnisim.scene.scene import Scene, changed
 
 STEP = 1e-4  # s
 COASTING = 0.2  # s, of a march on the plane: short enough to fit between the turns of neighbours
@@ -49,10 +49,24 @@ def on_plane(*overrides: str) -> Scene:
     return omnisim.load(STEM.with_suffix(".toml"), (*plane, *free, *time, *overrides))
 
 
-def still() -> list[str]:
-    """Overrides: at rest, every wheel on the middle of a roller."""
-    wheels = [f"wheels.{name}.{key}=0.0" for name in ("fl", "fr", "rl", "rr") for key in ("phase_deg", "spin_rate")]
+def still(phase_deg: float = 0.0) -> list[str]:
+    """Overrides: at rest, every wheel so far beside the middle of a roller."""
+    values = {"phase_deg": phase_deg, "spin_rate": 0.0}
+    wheels = [f"wheels.{name}.{key}={value!r}" for name in ("fl", "fr", "rl", "rr") for key, value in values.items()]
     return ["initial={velocity=[0.0, 0.0]}", *wheels]
+
+
+def of_rollers() -> dict[str, dict[int, Scene]]:
+    """The machines with each of COUNTS: rolling, standing on one roller a wheel, and on two."""
+    starts: dict[str, Callable[[int], list[str]]] = {
+        "rolling": lambda count: [],
+        "standing on one": lambda count: still(),
+        "standing on two": lambda count: still(180.0 / count),
+    }
+    return {
+        name: {count: on_plane(DAMPED, *rollers, *start(count)) for count, rollers in COUNTS.items()}
+        for name, start in starts.items()
+    }
 
 
 def measure(rounds: int) -> dict:
@@ -77,16 +91,17 @@ def beside_c(rounds: int) -> dict:
 
 
 def counted(scene: Scene) -> dict[str, float]:
-    """Events and right-hand sides in a march, by the step."""
-    done = ready(scene).go()
-    return {"events": int(done.run.clock.events), "rhs_per_step": float(done.run.clock.rhs / done.steps)}
+    """Events, right-hand sides by the step, and contacts by the wheel in a march."""
+    done = ready(changed(scene, {"time.output_interval": STEP})).go()
+    contacts = float(done.rows.mode["contacts"].mean())
+    clock = done.run.clock
+    return {"events": int(clock.events), "rhs_per_step": float(clock.rhs / done.steps), "contacts": contacts}
 
 
 def by_rollers(rounds: int) -> dict:
-    """ns of a step with each of COUNTS, rolling and standing, and the ratio of the two."""
+    """ns of a step of each machine of `of_rollers`; of 24 rollers by 6 the ratio, and that of right-hand sides."""
     result = {}
-    for name, overrides in {"rolling": [], "standing": still()}.items():
-        scenes = {count: on_plane(DAMPED, *rollers, *overrides) for count, rollers in COUNTS.items()}
+    for name, scenes in of_rollers().items():
         contestants = {str(count): partial(marching, scene) for count, scene in scenes.items()}
         seconds = quiet(interleaved(contestants, MARCHES_PER_ROUND * rounds))
         rows = {
@@ -94,7 +109,8 @@ def by_rollers(rounds: int) -> dict:
             for count in seconds
         }
         few, many = rows.values()
-        result[name] = {"rows": rows, "ratio": many["ns_per_step"] / few["ns_per_step"]}
+        ratios = {key: many[of] / few[of] for key, of in (("ratio", "ns_per_step"), ("rhs_ratio", "rhs_per_step"))}
+        result[name] = {"rows": rows, **ratios}
     return result
 
 
@@ -123,16 +139,32 @@ def report(result: dict) -> str:
             f"{COASTING:g} s, {step['rhs_per_step']:.2f} right-hand sides a step."
         )
     rollers = [
-        [name, count, f"{row['ns_per_step']:.0f}", row["events"], f"{row['rhs_per_step']:.2f}"]
+        [
+            name,
+            count,
+            f"{row['ns_per_step']:.0f}",
+            row["events"],
+            f"{row['rhs_per_step']:.2f}",
+            f"{row['contacts']:.2f}",
+            f"{row['ns_per_step'] / row['rhs_per_step']:.0f}",
+        ]
         for name, of in result["rollers"].items()
         for count, row in of["rows"].items()
     ]
-    header = ["", "rollers a wheel", "ns per step", f"events in {COASTING:g} s", "right-hand sides a step"]
+    counts = [f"events in {COASTING:g} s", "right-hand sides a step", "contacts a wheel"]
+    header = ["", "rollers a wheel", "ns per step", *counts, "ns per right-hand side"]
+    rolling = result["rollers"]["rolling"]
+    ratio, more = rolling["ratio"], rolling["rhs_ratio"]
+    shares = (
+        f"Rolling, 24 rollers take {ratio:.2f} times as long as 6: {more:.2f} times by right-hand sides at events, "
+        f"{ratio / more:.2f} times by what one takes with more contacts."
+    )
     columns = ["method", "step, s", "position off by, mm", "turned off by, rad", "times real time, march", "simulate"]
     return "\n\n".join(
         [
             said,
             table(header, rollers),
+            shares,
             "Over two bumps of 12 and 8 mm, up to its end:",
             table(columns, [[row["method"], f"{row['step']:g}", *cells(row)] for row in result["bumps"]]),
             NOTES,

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from bench import bump_scene, spatial
-from bench.common import ready
 
 
 def total_mass(scene):
@@ -26,13 +25,13 @@ def test_machines_with_6_and_24_rollers_weigh_the_same_and_their_rollers_relax_a
 
 
 @pytest.mark.parametrize("count", spatial.COUNTS)
-def test_rolling_on_the_plane_has_exchanges_and_standing_one_contact_a_wheel(count):
-    rolling = spatial.on_plane(spatial.DAMPED, *spatial.COUNTS[count])
-    assert spatial.counted(rolling)["events"] >= count  # measured: 16, 62
-    still = spatial.on_plane(spatial.DAMPED, *spatial.COUNTS[count], *spatial.still())
-    done = ready(still).go()
-    assert done.run.clock.events == 0
-    assert [mode.contacts for mode in done.run.mode] == [1, 1, 1, 1]
+def test_rolling_on_the_plane_has_exchanges_and_standing_as_many_contacts_as_told(count):
+    found = {name: spatial.counted(scenes[count]) for name, scenes in spatial.of_rollers().items()}
+    assert found["rolling"]["events"] >= count  # measured: 16, 62
+    assert found["rolling"]["contacts"] == pytest.approx({6: 1.20, 24: 1.71}[count], abs=0.02)
+    for name, contacts in {"standing on one": 1.0, "standing on two": 2.0}.items():
+        assert found[name]["events"] == 0
+        assert found[name]["contacts"] == contacts
 
 
 def test_the_heights_of_the_ground_are_bumps():
@@ -58,6 +57,14 @@ def test_claims_are_a_step_beside_c_and_the_cost_of_rollers():
     assert (step.value, step.met, step.alarming) == (11.0, False, False)
     assert (rolling.met, standing.met) == (True, False)
     assert len(spatial.claims({"step": {}, "rollers": rollers})) == 2  # no compiler
+
+
+def test_what_24_rollers_take_is_told_by_right_hand_sides_and_by_what_each_takes():
+    row = {"ns_per_step": 1000.0, "events": 1, "rhs_per_step": 4.0, "contacts": 1.0}
+    rolling = {"rows": {"6": row, "24": row | {"contacts": 2.0}}, "ratio": 1.32, "rhs_ratio": 1.1}
+    said = spatial.report({"step": {}, "rollers": {"rolling": rolling}, "bumps": []})
+    assert "1.32 times as long as 6: 1.10 times by right-hand sides at events, 1.20 times" in said
+    assert "| rolling | 24 | 1000 | 1 | 4.00 | 2.00 | 250 |" in said
 
 
 def test_an_engine_over_bumps_is_judged_by_a_march_that_is_a_thousand_times_closer():
