@@ -3,10 +3,12 @@
 All of them change bench/scenes/platform.toml, four mecanum wheels of 47.5 mm with rollers of 11.5 mm.
 """
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
+import omnisim
 from bench.hard_claims import Case, Comparison, converged, provided, worst
 from omnisim.results.trajectory import Trajectory
 
@@ -14,8 +16,15 @@ PLATFORM = str(Path(__file__).parent / "scenes/platform.toml")
 GRAVITY = 9.81
 NAMES = ("fl", "fr", "rl", "rr")
 LOCKED = "drive={kind='dc_motor', voltage=0.0, resistance=1.0, torque_constant=1e-9, rotor_inertia=1e12}"
-HOLDING = 0.6 / np.sqrt(2.0)  # tan S* on which locked mecanum wheels hold, uphill ahead
-EPS, RHO = 1e-6, 0.999  # slip_speed, m/s, and tan S / tan S*
+FOLLOWING = "drive={kind='follow', times=[0.0, 2000.0], angle=[0.0, 0.0]}"  # no torque turns it
+FRICTION = 0.6
+HOLDING = FRICTION / np.sqrt(2.0)  # tan S* on which locked mecanum wheels hold, uphill ahead
+RHO, ABOVE = 0.999, 1.001  # tan S / tan S*
+EPS, FINE_EPS = 1e-6, 1e-9  # slip_speed, m/s
+BRISTLES = 20.0  # creep_stiffness
+COULOMB = f"friction={{law='coulomb', coefficient={FRICTION}}}"
+BRUSH = f"friction={{law='brush', coefficient={FRICTION}, creep_stiffness={BRISTLES}, slip_speed={EPS!r}}}"
+LONG_STAND = ("time.end=1000.0", "time.output_interval=10.0")
 KERB = 0.00575  # m, half a roller's radius
 FALL, HALF_WIDTH = 0.3, 0.19  # m: height of a fall, and of the middle of a chassis on its side
 SMALL = "chassis.size=[0.3, 0.1, 0.2]"  # a chassis that leaves room to tip
@@ -46,13 +55,62 @@ def first_alone(run: Trajectory) -> bool:
     return bool(landings[1] > landings[0] + 1e-3)
 
 
-def creeps(_case: Case, run: Trajectory) -> Comparison:
-    """Locked mecanum wheels on a slope creep at sqrt 2 eps rho / sqrt(1 - rho^2)."""
-    expected = np.sqrt(2.0) * EPS * RHO / np.sqrt(1.0 - RHO**2)
-    way = run["body/position"][:, 0]
-    found = -np.diff(way[len(way) // 2 :]) / np.diff(run.time)[0]
+def on_slope(part: float) -> str:
+    """Override: a slope of this part of tan S*."""
+    return f"floor.slope_deg={float(np.degrees(np.arctan(part * HOLDING)))!r}"
+
+
+def speed_down(run: Trajectory) -> np.ndarray:
+    """Mean speed downhill between rows of the second half, where the rubber swings no more, m/s."""
+    way = run["body/position"][len(run.time) // 2 :, 0]
+    return -np.diff(way) / np.diff(run.time)[0]
+
+
+def stands(_case: Case, run: Trajectory) -> Comparison:
+    """Set-valued friction holds it: no creep at all."""
+    moved = np.linalg.norm(run["body/position"] - run["body/position"][0], axis=1).max()
+    return Comparison(float(moved) / run.time[-1], 1e-15, "rest: creep, m/s")
+
+
+def creeps(law: str, expected: float) -> Callable[[Case, Trajectory], Comparison]:
+    """Comparison: a smooth law has no force without slip, so what it holds creeps at a speed of the law's own, m/s.
+
+    Only slip along their rollers' axes is resisted, sqrt 2 slower than the machine, which tilts by 2e-4: of tan S*
+    that takes 1e-8, of the creep 6e-6.
+    """
+
+    def claim(_case: Case, run: Trajectory) -> Comparison:
+        found = speed_down(run)
+        error = worst(found, np.full(len(found), expected)) / expected
+        return Comparison(error, 1e-3, f"creep of {expected:.2g} m/s, {law}, relative")
+
+    return claim
+
+
+def regularized_creep(slip_speed: float) -> float:
+    """sqrt 2 eps rho / sqrt(1 - rho^2), m/s."""
+    return float(np.sqrt(2.0) * slip_speed * RHO / np.sqrt(1.0 - RHO**2))
+
+
+def brush_creep() -> float:
+    """sqrt 2 eps q / sqrt(1 - q^2), q = 3 mu theta / c with 1 - (1 - theta)^3 = rho, m/s: the contact runs over its
+    roller as fast as it slips."""
+    part = 3.0 * FRICTION * (1.0 - np.cbrt(1.0 - RHO)) / BRISTLES
+    return float(np.sqrt(2.0) * EPS * part / np.sqrt(1.0 - part**2))
+
+
+def slides(case: Case, run: Trajectory) -> Comparison:
+    """V = t g cos S (tan S - tan S*) M / (M + sum Ia / 2 r^2): rollers turn as they slide along their axes, r from
+    their axes to the ground. Its tilt of 2e-4 takes 1.2e-8 of tan S*, which here is 1.2e-5 of V."""
+    config = omnisim.load(case.scene, case.overrides).config
+    (kind,), slope = config.wheel_types.values(), np.arctan(ABOVE * HOLDING)
+    mass = config.chassis.mass + 4.0 * (kind.disk.mass + kind.roller_count * kind.roller.mass)
+    sag = mass * GRAVITY * np.cos(slope) / 4.0 / kind.contact.stiffness
+    rollers = 4.0 * kind.roller.inertia_axial / (2.0 * (kind.radius - kind.roller_distance - sag) ** 2)
+    pull = GRAVITY * np.cos(slope) * (np.tan(slope) - HOLDING) * mass / (mass + rollers)
+    middles = (run.time[1:] + run.time[:-1])[len(run.time) // 2 :] / 2.0
     return Comparison(
-        worst(found, np.full(len(found), expected)) / expected, 1e-3, f"creep of {expected:.2g} m/s, relative"
+        float(np.abs(speed_down(run) / (pull * middles) - 1.0).max()), 1e-4, f"closed form, {pull:.2g} m/s^2, relative"
     )
 
 
@@ -102,9 +160,26 @@ SPATIAL_CASES = (
         ("initial={height=0.1, roll_deg=30.0}",), converged(1e-6, "time.step=5e-6"), "dopri5", 1e-5,
     ),
     Case(
-        "standing on a slope", "1000 s at 0.999 of what friction can hold, slip_speed 1e-6", PLATFORM,
-        (f"floor.slope_deg={float(np.degrees(np.arctan(RHO * HOLDING)))!r}", f"friction.slip_speed={EPS!r}",
-         *each(LOCKED), "time.end=1000.0", "time.output_interval=10.0"), creeps, "radau5", 1.0,
+        "standing on a slope", "1000 s at 0.999 of what friction can hold, coulomb", PLATFORM,
+        (on_slope(RHO), COULOMB, *each(FOLLOWING), *LONG_STAND), stands, "rk4", 5e-3,
+    ),
+    Case(
+        "sliding down a slope", "1.001 of it: slip begins at 4e-3 m/s^2", PLATFORM,
+        (on_slope(ABOVE), COULOMB, *each(FOLLOWING), "time.end=10.0", "time.output_interval=0.1"), slides, "rk4", 5e-3,
+    ),
+    Case(
+        "creeping on a slope", "1000 s at 0.999 of it by a smooth law, slip_speed 1e-6", PLATFORM,
+        (on_slope(RHO), f"friction.slip_speed={EPS!r}", *each(LOCKED), *LONG_STAND),
+        creeps("regularized", regularized_creep(EPS)), "radau5", 1.0,
+    ),
+    Case(
+        "creeping more slowly", "the same with slip_speed 1e-9, which relaxes slip at 1e12 1/s", PLATFORM,
+        (on_slope(RHO), f"friction.slip_speed={FINE_EPS!r}", *each(FOLLOWING), *LONG_STAND),
+        creeps("regularized", regularized_creep(FINE_EPS)), "radau5", 1.0,
+    ),
+    Case(
+        "creeping on bristles", "1000 s at 0.999 of it, law brush, slip_speed 1e-6", PLATFORM,
+        (on_slope(RHO), BRUSH, *each(FOLLOWING), *LONG_STAND), creeps("brush", brush_creep()), "radau5", 1.0,
     ),
     Case(
         "tip-over", "until its chassis lies on the ground", PLATFORM,

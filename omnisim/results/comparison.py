@@ -34,6 +34,8 @@ def energy_error(trajectory: Trajectory) -> EnergyError:
     error = float(np.abs(trajectory["energy/balance"]).max(initial=0.0))
     if len(kinetic) and kinetic[0] > 0.0:
         return EnergyError(error, float(kinetic[0]), "the initial kinetic energy")
+    if stands(trajectory):
+        return EnergyError(error, 0.0, "the energy turned over")
     turned = [trajectory["energy/friction_loss"], *works(trajectory)]
     turned_over = sum(np.abs(work).max(initial=0.0) for work in turned)
     return EnergyError(error, float(turned_over), "the energy turned over")
@@ -47,13 +49,18 @@ def works(trajectory: Trajectory) -> list[np.ndarray]:
     return found
 
 
+def stands(trajectory: Trajectory) -> bool:
+    """Whether no body and no wheel ever moves, but for rounding."""
+    spins = (f"wheels/{wheel}/spin_rate" for wheel in trajectory.wheels)
+    return not any(np.any(np.abs(trajectory[path]) > STANDING) for path in ("body/velocity", "body/yaw_rate", *spins))
+
+
 def unaccounted(trajectory: Trajectory) -> float:
     """Part of all energy that was there at the start or came in since, for which no row accounts.
 
     Nothing of what stands: there is only rounding. A run of which it exceeds 5 % stops (validity.py).
     """
-    spins = (f"wheels/{wheel}/spin_rate" for wheel in trajectory.wheels)
-    if not any(np.any(np.abs(trajectory[path]) > STANDING) for path in ("body/velocity", "body/yaw_rate", *spins)):
+    if stands(trajectory):
         return 0.0
     turnover = float(np.max(trajectory["energy/kinetic"][0] + sum(map(np.abs, works(trajectory)))))
     return energy_error(trajectory).absolute / turnover if turnover > 0.0 else 0.0

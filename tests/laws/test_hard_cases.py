@@ -7,12 +7,13 @@ import pytest
 from bench import hard_cases
 from bench.hard_cases import CASES
 
-LEAST = 45  # hard scenes
+LEAST = 49  # hard scenes
 
 LONG = (
     "coasting on two rollers", "psi = 80 deg", "pointed tips", "near the limit", "near the limit, regularized", "kerb",
     "pits", "ground of ridges", "standing on a slope", "bump under a platform", "tilted by 30 deg", "stuck for 1e5 s",
     "slip_speed 1e-7", "stiffness 1e8 N/m", "authors' viscosity", "authors' viscosity, thrown", "two hundred rollers",
+    "creeping on a slope", "creeping more slowly", "creeping on bristles",
 )  # fmt: skip
 
 parametrized = pytest.mark.parametrize(

@@ -8,6 +8,10 @@ without any of them
 a linear system for those that stick; the directions u of those that creep are turned by Newton's method until it holds.
 Wheels that are held in more ways than they can move have no unique forces: of all, the smallest is taken, by a few
 rounds of the proximal point method.
+
+A roller that lies flat touches at several points of one line. A force along the line does the same at each of them: the
+roller is held along it once, and what holds it is parted as their cones allow. While one of them sticks, the others can
+slip across the line alone.
 """
 
 import math
@@ -30,6 +34,7 @@ PROXIMAL = 1e-8  # of the largest mobility: what keeps the system regular
 MOST_PROXIMAL = 4  # rounds, each of which leaves 1e-8 of the error before it
 MOST_ROUNDS = 100  # of directions
 STEADY = 1e-12  # rad: the next correction would be lost in rounding
+SAME_LINE = 1e-12  # of the mobility along a line: what opposite forces along it may move
 ROUNDING = 1e-9  # rad, below which a correction that no longer falls is rounding
 
 
@@ -47,6 +52,7 @@ def hold(parameters, stage, body):
         bias = slip_change(parameters, stage.mode[w], w, c, stand, stage.y, stage.dy)
         held.bias[0], held.bias[1] = bias.h, bias.k
     find_mobility(parameters, count)
+    find_lines(holding, count)
     last = math.inf
     for _ in range(MOST_ROUNDS):
         stick(holding, count)
@@ -57,6 +63,7 @@ def hold(parameters, stage, body):
         if change <= STEADY or (change <= ROUNDING and change >= last):
             break
         last = change
+    share_lines(holding, count)
     heat = 0.0
     for m in range(count):
         heat += yield_to(parameters, stage, body, m)
@@ -90,7 +97,7 @@ def align_in_space(parameters, mode, y):
     for i in range(len(before)):
         before[i] = y[i]
     for m in range(count):
-        kick(parameters, body, mode, y, m)
+        kick(parameters, body, mode, y, m, count)
     for w in range(len(parameters.wheels)):
         wheel = parameters.wheels[w]
         y[at.spin_rate + w] -= wheel.axle_inertia * wheel.spin_mobility * turned_faster(parameters, w, before, y)
@@ -110,7 +117,7 @@ def turned_faster(parameters, w, before, y):
 
 
 @kernel
-def kick(parameters, body, mode, y, m):
+def kick(parameters, body, mode, y, m, count):
     """The impulse at contact m into the speeds in y; axles as if their carriers turned no faster."""
     space, at = parameters.space, places(parameters)
     held = space.holding.contacts[m]
@@ -128,7 +135,8 @@ def kick(parameters, body, mode, y, m):
         y[at.spin_rate + w] += wheel.spin_mobility * held.spin[e] * impulse[e]
         if wheel.follows:  # its drive holds the rate against the impulse
             y[at.drive_work] -= held.spin[e] * impulse[e] * y[at.spin_rate + w]
-        y[at.friction_loss] -= 0.5 * impulse[e] * held.bias[e]  # the slip between before and after
+        left = rate_of(space.holding, m, e, count)  # of the slip
+        y[at.friction_loss] -= impulse[e] * 0.5 * (held.bias[e] + left)
 
 
 @kernel
@@ -151,6 +159,10 @@ def gather(parameters, mode, body, y, aligning):
             held.firm = (1 if aligning else 0) if held.creeps else 2
             held.turned = 0.0
             h, k = tangent_of(touched.normal)
+            axis = touched.roller.axis
+            along_h, along_k = dot(axis, h), dot(axis, k)
+            size = max(math.sqrt(along_h * along_h + along_k * along_k), TINY)
+            held.line[0], held.line[1] = along_h / size, along_k / size
             if aligning and held.creeps:
                 along = combine(creep[0], h, creep[1], k, 0.0, h)
                 h, k = combine(creep[0], k, -creep[1], h, 0.0, h), along
@@ -212,6 +224,67 @@ def find_mobility(parameters, count):
 
 
 @kernel
+def find_lines(holding, count):
+    """Which contacts at rest lie on one line with others of their roller, and which of these are held along it."""
+    for m in range(count):
+        one = holding.contacts[m]
+        one.leader, one.bound = m, False
+        for n in range(count):
+            if n != m and in_line(holding, m, n):
+                other = holding.contacts[n]
+                one.leader = min(one.leader, n)
+                one.bound = one.bound or (one.creeps and not other.creeps)
+
+
+@kernel
+def in_line(holding, m, n):
+    """Whether opposite forces along the axis of one roller at contacts m and n move nothing: on a plane."""
+    one, other = holding.contacts[m], holding.contacts[n]
+    if one.wheel != other.wheel or one.roller != other.roller:
+        return False
+    own, whole = 0.0, 0.0
+    for e in range(2):
+        for f in range(2):
+            at_one = holding.mobility[2 * m + e, 2 * m + f] * one.line[e] * one.line[f]
+            at_other = holding.mobility[2 * n + e, 2 * n + f] * other.line[e] * other.line[f]
+            own += at_one
+            whole += at_one + at_other - 2.0 * holding.mobility[2 * m + e, 2 * n + f] * one.line[e] * other.line[f]
+    return whole <= SAME_LINE * own
+
+
+@kernel
+def share_lines(holding, count):
+    """Part what contacts that stick on one line hold together along it: S into x_i = S c_i / sum c_i, with c_i what the
+    cone of each leaves, c_i^2 = (mu N_i)^2 - (force across)^2. All are inside their cones if any parts are."""
+    for m in range(count):
+        if holding.contacts[m].leader != m:
+            continue
+        members, whole, room = 0, 0.0, 0.0
+        for n in range(m, count):
+            held = holding.contacts[n]
+            if held.leader == m and not held.creeps:
+                members += 1
+                whole += held.force[0] * held.line[0] + held.force[1] * held.line[1]
+                room += room_along(held)
+        if members < 2 or room == 0.0:
+            continue
+        for n in range(m, count):
+            held = holding.contacts[n]
+            if held.leader == m and not held.creeps:
+                line, force = held.line, held.force
+                more = whole * room_along(held) / room - (force[0] * line[0] + force[1] * line[1])
+                force[0] += more * line[0]
+                force[1] += more * line[1]
+
+
+@kernel
+def room_along(held):
+    """How large the force of a contact along its line may be inside its cone, N."""
+    across = held.force[1] * held.line[0] - held.force[0] * held.line[1]
+    return math.sqrt(max(held.limit * held.limit - across * across, 0.0))
+
+
+@kernel
 def stick(holding, count):
     """Forces along what is held, with those of creeping contacts as they stand."""
     system, side = holding.system, holding.side
@@ -259,6 +332,8 @@ def rate_of(holding, m, e, count):
 def turn_creep(holding, m, count):
     """Turn the direction of creeping contact m by one Newton correction: its size, rad."""
     held = holding.contacts[m]
+    if held.bound:
+        return turn_across(holding, m, count)
     a = Symmetric(
         holding.mobility[2 * m, 2 * m], holding.mobility[2 * m, 2 * m + 1], holding.mobility[2 * m + 1, 2 * m + 1]
     )
@@ -276,6 +351,21 @@ def turn_creep(holding, m, count):
         held.turned = correction
     force[0], force[1] = -held.limit * u_h, -held.limit * u_k
     return abs(correction)
+
+
+@kernel
+def turn_across(holding, m, count):
+    """The same of one whose roller is held along the line on which it lies: it slips across that, in the sense that it
+    has or begins with."""
+    held = holding.contacts[m]
+    across_h, across_k = -held.line[1], held.line[0]
+    before = held.force[0] * across_h + held.force[1] * across_k
+    if before == 0.0:
+        before = -rate_of(holding, m, 0, count) * across_h - rate_of(holding, m, 1, count) * across_k
+    force = math.copysign(held.limit, before)
+    change = abs(held.force[0] - force * across_h) + abs(held.force[1] - force * across_k)
+    held.force[0], held.force[1] = force * across_h, force * across_k
+    return change / max(held.limit, TINY)
 
 
 @kernel

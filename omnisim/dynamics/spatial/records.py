@@ -122,6 +122,9 @@ HELD = np.dtype(
         ("creeps", np.int64),  # 1: it creeps, 0: it sticks
         ("firm", np.int64),  # along how many of its axes its slip is held
         ("limit", np.float64),  # mu N, N
+        ("line", np.float64, (2,)),  # direction of the roller's axis along h and k
+        ("leader", np.int64),  # the first contact that lies on one line with it, of its roller
+        ("bound", np.int64),  # 1: it creeps, and another one on that line sticks
         ("spin", np.float64, (2,)),  # torque on the axle and on the roller by a unit force along h and k, m
         ("arm", np.float64, (2,)),
         ("bias", np.float64, (2,)),  # slip acceleration without the force of any of them, m/s^2; slip to be taken away
