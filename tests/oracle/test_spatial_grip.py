@@ -61,8 +61,8 @@ def test_forces_of_contacts_at_rest_do_what_the_oracle_says(name):
     held = 0
     for now in states(machine, 7, FEW):
         hold(engine, now)
-        for (w, roller, _), found in engine.contacts(now).items():
-            machine.given_friction[w, roller] = found["friction"]
+        for (w, roller, piece), found in engine.contacts(now).items():
+            machine.given_friction[w, roller, piece] = found["friction"]
             held += engine.run.mode[w].grip[0] == STICK
         reactions = machine.solve(0.0, now)
         add_accelerations(pairs, engine, now, reactions)
@@ -111,7 +111,7 @@ def friction_told(machine: Machine, motion, row: int, now: Coordinates) -> None:
         h = cross((axes @ turned(normal, heading))[:, 1], normal)
         h /= np.sqrt(h @ h)
         force = motion[f"wheels/{name}/friction_force"][row] @ np.stack([h, cross(normal, h)])
-        machine.given_friction[w, int(motion[f"wheels/{name}/contact_roller"][row])] = force
+        machine.given_friction[w, int(motion[f"wheels/{name}/contact_roller"][row]), 0] = force
 
 
 def test_bearing_loads_of_a_run_through_sticks_and_slips_are_the_multipliers_of_the_joints():

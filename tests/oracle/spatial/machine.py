@@ -106,7 +106,8 @@ class Reactions(NamedTuple):
 class Machine:
     """Bodies, joints and loads of a scene, with the defaults of the scene format.
 
-    given_drives (W,) replaces the torques of the drives; given_friction[wheel, roller] (3,) the friction of a contact.
+    given_drives (W,) replaces the torques of the drives; given_friction[wheel, roller, piece] (3,) the friction of a
+    contact.
     """
 
     given_drives: np.ndarray | None = None
@@ -122,7 +123,7 @@ class Machine:
         self.wheels = [Wheel(entry, scene["wheel_types"][entry["type"]]) for entry in scene["wheels"]]
         self.layout = Layout.of(self.chassis, self.wheels, scene.get("axles", []))
         self.wrench = scene.get("wrench", {})
-        self.given_friction: dict[tuple[int, int], np.ndarray] = {}
+        self.given_friction: dict[tuple[int, int, int], np.ndarray] = {}
 
     def loads(self, time: float, bodies: Bodies) -> Loads:
         """Tables at a time: linear between points, held outside; at two equal times the later one."""
@@ -158,7 +159,8 @@ class Machine:
             )
             stream = bodies.v[body] + lowest - slip
             stream -= (stream @ contact.normal) * contact.normal
-        force = self.given_friction.get((w, roller), self.friction_force(load, slip, stream))
+        given = self.given_friction.get((w, roller, contact.piece))
+        force = self.friction_force(load, slip, stream) if given is None else given
         shape = contact.piece, contact.point, contact.normal, contact.depth
         turning = bodies.w[body] - (bodies.w[body] @ contact.normal) * contact.normal
         resisting = load * rolling_resistance(self.wheels[w].kind["roller"], turning)
