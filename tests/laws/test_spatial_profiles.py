@@ -84,17 +84,15 @@ def test_a_wheel_stands_on_a_line_with_both_its_ends(name):
 
 
 def test_a_machine_that_rocks_on_its_lines_keeps_its_energy():
-    """1e-7 J of it under Coulomb friction: ends of lines let go and stick again, 38 times each."""
+    """1e-7 J of it under Coulomb friction: ends of lines let go and stick again."""
     motion = run(askew("cylinder", time={"end": 0.1, "step": 2e-5, "output_interval": 0.002}))
     assert {"stick", "slip"} <= set(motion["events/kind"])
     assert np.abs(motion["energy/balance"]).max() < 1e-13  # J; measured 6e-16
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(
-    "initial", [{"height": 0.0, "roll_deg": 0.3, "pitch_deg": 0.2}, {"height": 1e-3}], ids=["aslant", "dropped"]
-)
-def test_a_machine_settles_on_its_lines(initial):
-    """Its ends bounce, slip and stick; what of its energy is left is little, and none comes from nowhere."""
+def test_a_machine_settles_on_its_lines():
+    """Put down aslant its ends bounce, slip and stick; no energy comes from nowhere."""
+    initial = {"height": 0.0, "roll_deg": 0.3, "pitch_deg": 0.2}
     motion = run(askew("cylinder", initial=initial, time={"end": 0.5, "step": 2e-5, "output_interval": 0.01}))
-    assert np.abs(motion["energy/balance"]).max() < 1e-8 * motion["energy/kinetic"].max()
+    assert np.abs(motion["energy/balance"]).max() < 1e-8 * motion["energy/kinetic"].max()  # measured 2.1e-9
