@@ -16,6 +16,14 @@ for library in ("OPENBLAS", "MKL"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
 
+COMPILE = """
+import sys
+from omnisim.run.warming import kinds, warm
+rare = lambda kind: kind.free and kind.set_valued and kind.implicit
+warm([kind.scene for kind in kinds() if "long" in sys.argv or not rare(kind)], lambda kind: print(kind, "are ready"))
+"""  # what quick tests need: that rare kind takes a fifth of the time, and only long ones march it
+
+
 def is_whole(config: pytest.Config) -> bool:
     """Whether no tests are named, in the process that the user started: `pytest`, `pytest -m long`."""
     return config.args_source is config.ArgsSource.TESTPATHS and not config.option.keyword and not is_worker(config)
@@ -37,8 +45,9 @@ def pytest_cmdline_main(config: pytest.Config) -> None:
 def pytest_xdist_setupnodes(config: pytest.Config) -> None:
     """Before workers start, lest each of them compile the same kernels."""
     if is_whole(config) and os.environ.get("NUMBA_DISABLE_JIT", "0") == "0":
-        program = "from omnisim_cli.main import main; main()"
-        if subprocess.run([sys.executable, "-c", program, "warmup"], check=False).returncode:
+        stage = "quick" if config.option.markexpr == "not long" else "long"
+        print("compiling kernels, once, where they are not on disk ...", flush=True)
+        if subprocess.run([sys.executable, "-uc", COMPILE, stage], check=False).returncode:
             pytest.exit(
                 "kernels do not compile, as told above; `pytest -n 0` runs the tests all the same", returncode=1
             )

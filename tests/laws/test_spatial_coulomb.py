@@ -89,11 +89,10 @@ def exact():
     return final("radau5", 1.25e-4)  # good to 1e-12 m and 1e-11 rad
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
-    ("method", "steps"),
-    [("rk4", (1e-4, 5e-5)), *(pytest.param(*given, marks=pytest.mark.long)
-                              for given in (("rk4", (1.25e-4, 2.5e-5)), ("dopri5", (1e-4, 5e-5))))],
-)  # fmt: skip
+    ("method", "steps"), [("rk4", (1e-4, 5e-5)), ("rk4", (1.25e-4, 2.5e-5)), ("dopri5", (1e-4, 5e-5))]
+)
 def test_a_method_keeps_its_order_through_sticks_and_slips(method, steps, exact):
     least, runs = {"rk4": 3.7, "dopri5": 4.5}[method], [final(method, step) for step in steps]
     for name, value in exact.items():
