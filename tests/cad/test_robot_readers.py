@@ -216,6 +216,7 @@ def test_names_in_a_urdf_are_met_once_and_nothing_in_it_is_unknown(tmp_path, nam
     assert capsys.readouterr().err == ""
 
 
+@pytest.mark.long
 def test_no_text_that_an_export_writes_has_a_number_with_its_type(folder):
     case = skew()
     (folder / "skew.toml").write_text(case.text)

@@ -105,6 +105,7 @@ def test_its_rows_are_in_the_tables(run_of, folder):
 
 
 @pytest.mark.parametrize("view", ["story", "ride", "path", "energy"])
+@pytest.mark.long
 def test_its_pictures_are_drawn(run_of, folder, view):
     result = command("plot", run_of[0], "--view", view, "-o", "picture.png")
     assert result.exit_code == 0, result.stderr

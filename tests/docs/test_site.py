@@ -81,6 +81,7 @@ def test_every_equation_is_typeset(site, browser):
     assert equations["theory"] > 150 and len(equations) > 3
 
 
+@pytest.mark.long
 def test_pages_open_from_a_folder_ask_for_nothing_else_and_their_search_finds(site, browser):
     asked, complaints = [], []
     tab = browser.new_page()

@@ -7,6 +7,7 @@ import tomllib
 
 import numpy as np
 import pytest
+from helpers.stages import either
 from machines import CHASSIS, machine, wheel_mass
 from machines import run as simulate
 from oracle.cases import REFERENCE
@@ -36,7 +37,8 @@ SCENES = {
 
 
 RESTING, SLOW = 1e-9, 1e-3  # m/s
-ENDS = [(name, 0.5) for name in SCENES] + [pytest.param((name, 2.0), marks=pytest.mark.long) for name in SCENES]
+LONG = "mecanum, regularized"
+ENDS = either([(name, end) for end in (0.5, 2.0) for name in SCENES], [(name, 0.5) for name in SCENES if name != LONG])
 
 
 @pytest.fixture(scope="module", params=ENDS, ids=lambda param: f"{param[0]}, {param[1]} s")

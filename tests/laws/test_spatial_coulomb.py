@@ -54,6 +54,7 @@ def test_above_it_slides_with_what_friction_leaves(uphill_deg):
     assert abs(2.0 * moved(motion) / 0.2**2 / expected - 1.0) < 0.02
 
 
+@pytest.mark.long
 def test_smooth_friction_tends_to_it_as_slip_speed_falls():
     """A little less than in proportion: slip lasts longer the slower it is."""
     shared = ("time.end=0.4", "time.output_interval=0.1")
@@ -67,6 +68,7 @@ def test_smooth_friction_tends_to_it_as_slip_speed_falls():
     assert errors[0] / errors[1] > 4.5 and errors[1] / errors[2] > 6.0  # measured 5.3, 6.7
 
 
+@pytest.mark.long
 def test_energy_is_balanced_through_sticking_and_slipping():
     motion = simulate("spatial_kiwi_slope", "friction={law='coulomb',coefficient=0.5}", "time.step=5e-5",
                       "time.end=0.4", "time.output_interval=0.01")  # fmt: skip

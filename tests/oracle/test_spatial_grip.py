@@ -114,6 +114,7 @@ def friction_told(machine: Machine, motion, row: int, now: Coordinates) -> None:
         machine.given_friction[w, int(motion[f"wheels/{name}/contact_roller"][row]), 0] = force
 
 
+@pytest.mark.long
 def test_bearing_loads_of_a_run_through_sticks_and_slips_are_the_multipliers_of_the_joints():
     """The size of each in the file, in all rows in which every wheel stands on one roller."""
     scene = gripping("kiwi_slope") | {"time": {"end": 0.2, "step": 1e-4, "output_interval": 4e-3}}

@@ -27,7 +27,7 @@ def test_rollers_are_drawn_where_they_were_computed(runs, shown, name):
             assert np.abs(np.array(wheel) - center[row]).max() < 1e-4  # 2e-5, in rows of the page 3e-7
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", either(SCENES, ["mixed"]))
 def test_contact_points_are_drawn_where_they_were_computed(runs, shown, name):
     trajectory, tab = runs[name], shown(name)
     for row in kept_rows(trajectory.time)[::7]:
@@ -35,6 +35,7 @@ def test_contact_points_are_drawn_where_they_were_computed(runs, shown, name):
         assert np.abs(drawn - trajectory[f"wheels/{trajectory.wheels[0]}/contact_point"][row]).max() < 1e-12  # 7e-16
 
 
+@pytest.mark.long
 def test_it_draws_with_webgl_and_the_machine_is_in_the_picture(shown):
     tab = shown("youbot")
     assert tab.evaluate("!!document.querySelector('#stage canvas').getContext('webgl2')")
@@ -96,6 +97,7 @@ COLOURS = """([times, lanes]) => {
 }"""
 
 
+@pytest.mark.long
 def test_no_slip_is_hidden_behind_a_stick(runs, shown):
     """Each has its mark in the lane of slips, in its own colour; so have those at whose time a wheel sticks."""
     tab, run = shown("mixed"), runs["mixed"]
@@ -107,7 +109,7 @@ def test_no_slip_is_hidden_behind_a_stick(runs, shown):
         assert np.abs(found[:, :3] - colour).max() <= 5 and found[:, 3].min() > 90  # 2 of 255, 191: smooth edges
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", either(SCENES, ["youbot"]))
 def test_a_time_axis_stands_below_the_slider(runs, shown, name):
     tab, end = shown(name), runs[name].time[-1]
     slider = tab.get_by_role("slider").bounding_box()
@@ -122,6 +124,7 @@ def test_a_time_axis_stands_below_the_slider(runs, shown, name):
         assert box["y"] >= slider["y"] + slider["height"] - 1
 
 
+@pytest.mark.long
 def test_ticks_are_round_whatever_the_duration(shown):
     ask = "async ([d, p]) => (await import('omnisim/timebar')).ticks(d, p)"
     for duration, pixels, expected in (
@@ -139,6 +142,7 @@ CURVES = """async () => {
 }"""
 
 
+@pytest.mark.long
 def test_the_chart_has_curves_of_spin_rate_torque_power_and_odometry_error(runs, shown):
     tab, run = shown("youbot"), runs["youbot"]
     curves, rows = tab.evaluate(CURVES), kept_rows(run.time)
@@ -156,6 +160,7 @@ def test_the_chart_has_curves_of_spin_rate_torque_power_and_odometry_error(runs,
     assert "voltage, V" not in curves and "odometry error, m" not in shown("coulomb_wheel").evaluate(CURVES)
 
 
+@pytest.mark.long
 def test_a_curve_tells_its_target_beside_its_value(shown):
     tab = shown("youbot")
     tab.locator("#quantity").select_option("spin rate, rad/s")
@@ -188,6 +193,7 @@ JUDGE = """async (turns) => {
         pytest.param([(9, 45), (312, 17), (9, 45), (312, 17), (312, 17)], [1, 0, 1, 1, 0], id="later each time"),
     ],
 )
+@pytest.mark.long
 def test_how_finely_it_draws_follows_the_frame_times(shown, turns, levels):
     assert shown("kiwi").evaluate(JUDGE, turns) == levels
 
@@ -224,6 +230,7 @@ def test_the_run_keeps_pace_with_the_clock_whatever_the_frame_rate(by_hand, ms):
     assert by_hand.evaluate("omnisim.time") == pytest.approx(20e-3 * ms, abs=1e-12)
 
 
+@pytest.mark.long
 def test_it_plays_coarsely_where_frames_are_slow_and_is_sharp_at_rest(by_hand):
     assert by_hand.evaluate(PIXELS) == 1.0
     by_hand.evaluate("omnisim.play(); for (let i = 0; i < 20; i++) turn(250);")

@@ -83,6 +83,7 @@ def test_what_a_later_version_adds_is_left_alone(saved):
     assert "body/temperature" not in open_trajectory(saved)
 
 
+@pytest.mark.long
 def test_a_large_dataset_is_in_chunks_of_rows_and_a_file_hardly_larger(tmp_path):
     trajectory = synthetic_trajectory(rows=40_001)
     trajectory.save(tmp_path / "run.h5")

@@ -307,6 +307,7 @@ def test_sobol_without_scipy_is_told_before_anything_runs(monkeypatch):
         sweep(DRAWN | {"design": {"kind": "sobol", "count": 4}})
 
 
+@pytest.mark.long
 def test_several_scenes_at_once_come_back_in_their_order():
     scenes = [omnisim.load("kiwi", {**SCENE["set"], "chassis.mass": mass}) for mass in (3.0, 6.0, 4.0)]
     runs = omnisim.simulate_many(scenes, workers=2)
@@ -373,6 +374,7 @@ def test_the_command_that_repeats_a_run_repeats_it(tmp_path, grid):
     assert "friction.coefficient=0.3" in overrides and "chassis.mass=5.0" in overrides
 
 
+@pytest.mark.long
 def test_kept_trajectories_are_whole_files(tmp_path):
     study = GRID | {"keep": {"trajectories": "all"}}
     found = sweep(study, tmp_path / "study.h5", workers=2)
