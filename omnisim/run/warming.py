@@ -10,6 +10,7 @@ import inspect
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterable, Iterator
 from itertools import product
 from os import PathLike
@@ -29,6 +30,7 @@ from omnisim.scene.scene import Scene, SceneError, as_scene, load
 BRIEF = ("time.end=0.01", "time.step=0.001", "time.output_interval=0.01")
 SMALL, FREE = "six_rollers", "kiwi_ramp"  # scenes, made of any kind: one held upright, one free in space
 FORMULATIONS, LAWS, METHODS = ("reduced", "multibody"), ("regularized", "coulomb"), ("rk4", "radau5")
+POLLED = 0.05  # s, between two looks at what compiles
 WORKER = "import sys; from omnisim.run.warming import compile_now; compile_now(sys.argv[1:])"
 
 
@@ -93,22 +95,31 @@ def warm(
     found = kinds() if scenes is None else dict.fromkeys(kind_of(as_scene("warm", scene)) for scene in scenes)
     wanted = list(found)
     running = dict[subprocess.Popen[bytes], Kind]()
-    waiting = list(wanted)
+    waiting = list(wanted)  # neighbours have little in common that both would compile
     most = processes or os.cpu_count() or 1
     while waiting or running:
         while waiting and len(running) < most:
             kind = waiting.pop(0)
             flags = [str(int(flag)) for flag in kind]
             running[subprocess.Popen([sys.executable, "-c", WORKER, *flags])] = kind
-        child = next(iter(running))
+        child = first_to_end(running)
         kind = running.pop(child)
-        if child.wait():
+        if child.returncode:
             for other in running:
                 other.terminate()
             raise RuntimeError(f"compiling kernels for {kind} failed")
         if progress:
             progress(kind)
     return wanted
+
+
+def first_to_end(running: Iterable[subprocess.Popen[bytes]]) -> subprocess.Popen[bytes]:
+    """The process that ends next."""
+    while True:
+        for child in running:
+            if child.poll() is not None:
+                return child
+        time.sleep(POLLED)
 
 
 def compile_now(flags: Iterable[str]) -> None:
