@@ -52,7 +52,8 @@ def weigh(parameters, y, softness, loads):
     body = body_of(parameters, y)
     down = inward(body.rotation, vector(space.body.gravity, 0))
     size = math.sqrt(dot(down, down))
-    up = times(-1.0 / size, down)
+    weightless = size == 0.0  # then forces act along normals
+    up = down if weightless else times(-1.0 / size, down)
     for j in range(len(space.pushes)):
         for i in range(6):
             space.pushes[j, i] = 0.0
@@ -74,7 +75,7 @@ def weigh(parameters, y, softness, loads):
                 if touched.depth > 0.0 and touched.within > 0.0:
                     normal = outward(axes, touched.normal)
                     load = space.hubs[w].stiffness / softness * touched.depth
-                    force = times(load / dot(normal, up), up)
+                    force = times(load, normal) if weightless else times(load / dot(normal, up), up)
                     point = plus(stand.hub.centre, outward(axes, plus(touched.roller.centre, touched.lever)))
                     loads[w] += load
                     add_push(push, cross(point, force), force)
