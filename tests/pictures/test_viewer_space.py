@@ -26,7 +26,7 @@ def test_rollers_are_drawn_where_they_were_computed(runs, shown, name):
             assert np.abs(drawn - center).max() < (1e-6 if row in kept else 2e-3)  # 6e-8; 8e-4 where one meets the duct
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", either(SCENES, ["rocker"]))
 def test_contact_points_are_drawn_where_they_were_computed(runs, shown, name):
     trajectory, tab = runs[name], shown(name)
     for row in kept_rows(trajectory.time)[::9]:
