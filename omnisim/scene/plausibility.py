@@ -52,12 +52,12 @@ def crowded_rollers(config: Config) -> Iterator[Problem]:
     """Rollers that overlap: the neighbour in a row, the next but one where one row stands for two; those of another
     row."""
     for name, kind in config.wheel_types.items():
-        if hub_radius(kind) <= 0.0:  # crowded_hub says what is wrong
+        if kind.profile.kind != "exact" or hub_radius(kind) <= 0.0:  # an error; crowded_hub says what is wrong
             continue
         in_two = len(kind.rows) == 1 and abs(kind.roller_angle_deg) < ONE_ROW_DEG
         apart = 2.0 if in_two else pitches(kind, 360.0 / kind.roller_count)
         overlap = -gap(outline(kind), apart)
-        if kind.profile.kind == "exact" and overlap > ROUNDING * kind.radius:  # of others it is no doubt, but an error
+        if overlap > ROUNDING * kind.radius:
             whom = "the next but one, so that not even two rows hold them," if in_two else "their neighbours"
             message = f"rollers overlap {whom} by {overlap:.3g} m; expected {_room(kind, apart)}"
             yield Problem(("wheel_types", name, "roller_count"), message)

@@ -134,7 +134,8 @@ def place_rules(path: KeyPath, kind: WheelType) -> Iterator[Problem]:
 
 def room_rules(path: KeyPath, kind: WheelType) -> Iterator[Problem]:
     """Of exact rollers that overlap there is a doubt only: a scene may have those of two rows in one plane."""
-    from omnisim.scene.rollers import gap_in_row, thickest  # here: NumPy is slow to import, and few scenes need it
+    # here: NumPy is slow to import, and few scenes need it
+    from omnisim.scene.rollers import gap_between_rows, gap_in_row, thickest
 
     if kind.profile.kind == "exact":
         return
@@ -149,6 +150,12 @@ def room_rules(path: KeyPath, kind: WheelType) -> Iterator[Problem]:
     if room < 0.0:
         what = f"too wide for {kind.roller_count} in a row: neighbours overlap by {-room:.3g} m"
         yield Problem(path, f"{what}; expected a smaller roller, or fewer")
+        return
+    room = gap_between_rows(kind)
+    if room < 0.0:
+        yield Problem(
+            (*path[:-1], "rows"), f"rollers of two rows overlap by {-room:.3g} m; expected offsets farther apart"
+        )
 
 
 def drop_rules(path: KeyPath, kind: WheelType) -> Iterator[Problem]:

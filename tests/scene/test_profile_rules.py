@@ -168,6 +168,14 @@ def test_a_bore_wider_than_its_roller_and_rollers_that_reach_the_axle_are_told_o
     assert "0.043 m thick on a ring of 0.042 m: rollers reach the axle" in message(text)
 
 
+def test_rows_that_overlap_are_told_of():
+    """Spheres of 8 mm, 7.3 mm apart along the ring (2 x 42 mm x sin 5 deg), 4 or 20 mm along the axle."""
+    text = scene(GOOD["sphere"]).replace("roller_angle_deg", "rows = [{ offset = 0.004 }, ROW]\nroller_angle_deg")
+    (line,) = message(text.replace("ROW", "{ phase_deg = 10.0 }")).splitlines()
+    assert "wheel_types.omni.rows" in line and "rollers of two rows overlap by 0.00766 m; expected offsets" in line
+    assert parse(text.replace("ROW", "{ offset = -0.016, phase_deg = 10.0 }")).config.wheel_types["omni"].rollers == 16
+
+
 def test_upright_machines_have_the_exact_profile_alone():
     text = scene(GOOD["sphere"]).replace('"free"', '"servo"')
     assert "wheel_types.omni.profile = {kind = 'sphere', radius = 0.008}: is of machines free in space" in message(text)
