@@ -115,7 +115,7 @@ def beside_the_march(study: Study) -> float:
 
 
 def position_error(study: Study) -> float:
-    """Largest error of a coordinate in any row of FEW runs over the whole study, m: against a finer step of higher order."""
+    """Largest error of a coordinate in any row of FEW runs over the whole study, m, by finer steps of higher order."""
     task, (method, step) = Task(study), EXACT
 
     def places(run: int, settings: dict[str, object]) -> np.ndarray:
