@@ -62,7 +62,7 @@ def test_bearings_drag_as_their_formula_says_and_twice_while_two_rollers_share_t
 
 @pytest.mark.long
 def test_rows_of_the_table_miss_nothing_but_rollers_that_are_spun_up_from_rest():
-    """Rows every 2 and 0.05 ms at 60 deg: at least 8.6990 and 8.6988 N; at most 14.593 and 18.841, 14.596 of what lasts."""
+    """Rows every 2 and 0.05 ms at 60 deg: at least 8.6990 and 8.6988 N; at most 14.593 and 18.841, lasting 14.596."""
     coarse, fine = (
         simulate(bench.scene(bench.found()[bench.SPINS], bench.LARGEST_AT, bench.LOADS[1], *keys))
         for keys in ((), ("time.output_interval=5e-5", "time.step=5e-5"))
