@@ -13,6 +13,7 @@ IMPORT = re.compile(r"^\s*(?:from|import) omnisim\.(\w+)", re.MULTILINE)
 # Rooms by column (of 4 halves) and floor; who imports stands above.
 PLACES = {
     "gym": (0, 7),
+    "exports": (2, 9),
     "pictures": (2, 8),
     "fitting": (2, 7),
     "studies": (0, 6),
@@ -30,6 +31,7 @@ SAID = {
     "fitting": "machines fitted to logs",
     "studies": "many runs, measured",
     "run": "simulate, Loop, step search",
+    "exports": "tables, ROS 2 recordings",
     "pictures": "plots, 3-D page",
     "results": "trajectory, files, tables",
     "march": "steps, events, modes",
