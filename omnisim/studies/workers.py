@@ -189,11 +189,10 @@ def on_cores(task: Task[T_co], runs: list[int], workers: int, stop: Callable[[],
         for worker in hands:
             if worker.held:
                 worker.process.kill()
-            else:
+                worker.process.join()
+            else:  # it ends by itself, and that takes a while
                 with suppress(OSError):
                     worker.connection.send(())
-        for worker in hands:
-            worker.process.join()
             worker.connection.close()
 
 
