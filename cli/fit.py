@@ -13,7 +13,7 @@ import click
 from omnisim.base.formatting import aligned, visible
 
 from .compiling import compilation_noted
-from .screen import BAD_INPUT, Failure, StopWish, is_watched, note
+from .screen import Failure, StopWish, is_watched, note
 
 if TYPE_CHECKING:
     from omnisim.fitting.least_squares import Trial
@@ -43,7 +43,9 @@ def fit(fit_file: str, output: str | None, workers: int | None, force: bool, qui
     from omnisim.fitting.fitting import fit as search
     from omnisim.fitting.simulation import Interrupted, prepared
 
-    folder = None if output is None else output_folder(output, force)
+    from .output import output_folder
+
+    folder = None if output is None else output_folder(output, NAMES, force)
     made = load_fit(fit_file)
     with compilation_noted([made.scene], quiet):
         prepared(made)
@@ -62,23 +64,9 @@ def fit(fit_file: str, output: str | None, workers: int | None, force: bool, qui
         raise Failure("interrupted; the estimates are the best so far")
 
 
-def output_folder(text: str, force: bool) -> Path:
-    """The folder to write to, or Failure if it could or should not be written."""
-    folder = Path(text)
-    shown = visible(text)
-    if folder.exists() and not folder.is_dir():
-        raise Failure(f"{shown}: not a folder", BAD_INPUT)
-    if not folder.absolute().parent.is_dir():
-        raise Failure(f"{shown}: there is no folder {visible(str(folder.parent))}", BAD_INPUT)
-    there = [name for name in NAMES if (folder / name).exists()]
-    if there and not force:
-        raise Failure(f"{visible(str(folder / there[0]))}: exists already; --force replaces it", BAD_INPUT)
-    return folder
-
-
 def write(found: FitResult, folder: Path, force: bool) -> None:
     """All files of the result, pictures if there is matplotlib; Failure if they cannot be written."""
-    from .output import deliver
+    from .output import deliver_into
 
     images = found.files(folder)
     try:
@@ -97,11 +85,7 @@ def write(found: FitResult, folder: Path, force: bool) -> None:
         if (error.name or "").partition(".")[0] != "matplotlib":
             raise
         note("no pictures: they need matplotlib: pip install 'omnisim-engine[plot]'")
-    try:
-        folder.mkdir(exist_ok=True)
-    except OSError as error:
-        raise Failure(f"{visible(str(folder))}: cannot be made: {error.strerror}") from None
-    deliver(images, force)
+    deliver_into(folder, images, force)
 
 
 class Follower(StopWish):

@@ -13,6 +13,7 @@ from .data import data
 from .export import export
 from .fit import fit
 from .info import info
+from .library import library
 from .new import new
 from .plot import plot
 from .run import run
@@ -73,18 +74,19 @@ def cli() -> None:
     omnisim sweep study.toml                many runs, keys of the scene varied
     omnisim fit fit.toml -o fitted          keys of a scene estimated from logs of a machine
     omnisim info scene.h5                   what a trajectory holds
-    omnisim export scene.h5 scene.csv       for spreadsheets; .parquet, .mat, .mcap
+    omnisim export scene.h5 scene.csv       for spreadsheets; .parquet, .mat
     omnisim view scene.h5                   the machine in 3-D, as a web page
     omnisim plot scene.h5                   pictures of it
     omnisim compare implicit explicit       the two contact trackings side by side
     omnisim bench scene.toml                speed against error, by method and step
     omnisim wheel youbot -o youbot.png      dimensions, drawing, mesh, or model for other simulators
+    omnisim library youbot -o youbot        a library of C that runs without Python
 
     Exit codes: 0 done; 1 the run stopped early or was interrupted; 2 bad input, checked before anything runs.
     """
 
 
-for command in (data, new, run, sweep, fit, info, plot, view, export, compare, bench, wheel, warmup):
+for command in (data, new, run, sweep, fit, info, plot, view, export, compare, bench, wheel, library, warmup):
     cli.add_command(command)
 
 

@@ -3,8 +3,8 @@
 import os
 import signal
 import tempfile
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import click
@@ -53,6 +53,36 @@ def obstacle(text: str, target: Path, source: str, force: bool) -> str:
             return "exists already; --force replaces it"
     with tempfile.TemporaryFile(dir=target.parent):
         return ""
+
+
+def output_folder(text: str, names: Iterable[str], force: bool) -> Path:
+    """The folder for files of these names, or Failure if they could or should not be written there."""
+    folder = Path(text)
+    shown = visible(text)
+    if folder.exists() and not folder.is_dir():
+        raise Failure(f"{shown}: not a folder", BAD_INPUT)
+    if not folder.absolute().parent.is_dir():
+        raise Failure(f"{shown}: there is no folder {visible(str(folder.parent))}", BAD_INPUT)
+    there = [name for name in names if (folder / name).exists()]
+    if there and not force:
+        raise Failure(f"{visible(str(folder / there[0]))}: exists already; --force replaces it", BAD_INPUT)
+    return folder
+
+
+def deliver_into(folder: Path, images: Mapping[Path, bytes], force: bool) -> None:
+    """The same as `deliver` for files in a folder, which is made if need be."""
+    new = not folder.exists()
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise Failure(f"{visible(str(folder))}: cannot be made: {error.strerror}") from None
+    try:
+        deliver(images, force)
+    except Failure:
+        if new:
+            with suppress(OSError):
+                folder.rmdir()
+        raise
 
 
 def deliver(images: Mapping[Path, bytes], force: bool) -> None:

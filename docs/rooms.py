@@ -13,11 +13,11 @@ IMPORT = re.compile(r"^\s*(?:from|import) omnisim\.(\w+)", re.MULTILINE)
 # Rooms by column (of 4 halves) and floor; who imports stands above.
 PLACES = {
     "gym": (0, 7),
-    "exports": (2, 9),
     "pictures": (2, 8),
     "fitting": (2, 7),
     "studies": (0, 6),
     "run": (0, 5),
+    "native": (2, 6),
     "results": (0, 4),
     "march": (0, 3),
     "cad": (2, 3),
@@ -30,8 +30,8 @@ SAID = {
     "gym": "environments that learn",
     "fitting": "machines fitted to logs",
     "studies": "many runs, measured",
+    "native": "libraries of C, FMUs",
     "run": "simulate, Loop, step search",
-    "exports": "tables, ROS 2 recordings",
     "pictures": "plots, 3-D page",
     "results": "trajectory, files, tables",
     "march": "steps, events, modes",

@@ -22,7 +22,7 @@ from importlib import import_module
 
 _MODULES = {
     "analysis": "results.comparison",
-    "export": "exports.formats",
+    "export": "results.tables",
     "plots": "pictures.plots",
     "report": "results.report",
     "viewer": "pictures.viewer",

@@ -16,8 +16,8 @@ pytestmark = pytest.mark.short
 PACKAGE = Path(omnisim.__file__).parent
 # A room imports from itself and from rooms above it in this list: data flows down, from the scene file to the pictures.
 ROOMS = (
-    "base", "scene", "contact", "dynamics", "march", "results", "run", "studies", "gym", "fitting", "cad", "pictures",
-    "exports",
+    "base", "scene", "contact", "dynamics", "march", "results", "run", "native", "studies", "gym", "fitting", "cad",
+    "pictures",
 )  # fmt: skip
 ONLY = {
     "h5py": {"results.hdf5", "base.trajectory_file", "studies.result"},
@@ -36,15 +36,13 @@ ONLY = {
         "fitting.fit_file",
     },
     "gymnasium": {"gym.follow", "gym.single"},
-    "numba": {"base.kernel", "base.compiler", "base.calls"},
+    "numba": {"base.kernel", "base.compiler", "base.calls", "native.object_code"},
     "tomlkit": {"scene.toml_text"},
     "pandas": {"results.trajectory", "results.tables"},
     "xarray": {"results.trajectory", "results.tables", "studies.result"},
     "pyarrow": {"results.tables"},
     "scipy": {"results.tables", "studies.study", "fitting.least_squares", "fitting.uncertainty"},
     "distributed": {"studies.cluster"},
-    "mcap": {"exports.recording"},
-    "rosbags": {"exports.messages"},
     "matplotlib": {"results.trajectory", "cad.drawing", "cad.portrait"}
     | {
         f"pictures.plots.{name}"

@@ -1,1 +1,0 @@
-"""Runs as files of other tools: tables, and recordings of ROS 2."""

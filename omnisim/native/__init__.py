@@ -1,0 +1,1 @@
+"""Machines as native code: compiled kernels in libraries that need no Python."""

@@ -1,0 +1,109 @@
+"""From a scene to a shared library: kernels as object code, the C layer compiled beside it, both linked."""
+
+import hashlib
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from importlib.resources import files
+from pathlib import Path
+from typing import NamedTuple
+
+from omnisim.base.methods import METHODS
+from omnisim.base.version import VERSION
+from omnisim.march.march import march
+from omnisim.march.observation import observe
+from omnisim.march.spatial_observation import observe_in_space
+from omnisim.native.memory import Machine, Memory, machine_of
+from omnisim.native.object_code import Entry, object_code
+from omnisim.native.sources import header
+from omnisim.scene.problems import ConfigError
+from omnisim.scene.scene import Scene, SceneError
+
+COMPILERS = ("cc", "gcc", "clang")
+# Signs of a product and a sum are not joined: what the layer tells is what omnisim tells.
+COMPILE = ("-std=c99", "-O2", "-fPIC", "-fvisibility=hidden", "-fno-strict-aliasing", "-ffp-contract=off")
+SOURCES = files("omnisim.native") / "c"
+
+
+class NativeError(Exception):
+    """A machine that cannot be made native code; the message is one line."""
+
+
+class Built(NamedTuple):
+    """A machine, its memory, and its shared library."""
+
+    machine: Machine
+    memory: Memory
+    library: bytes
+
+
+def compiler() -> list[str]:
+    """The C compiler: $CC, or else the first there is. Raises NativeError if there is none."""
+    chosen = os.environ.get("CC")
+    for candidate in [shlex.split(chosen)] if chosen else [[name] for name in COMPILERS]:
+        if candidate and shutil.which(candidate[0]):
+            return candidate
+    missing = f"CC names {chosen}, which is not there" if chosen else f"none of {', '.join(COMPILERS)} is there"
+    raise NativeError(f"a C compiler is needed to make native code: {missing}; on Debian or Ubuntu: apt install gcc")
+
+
+def source(name: str, prefix: str) -> str:
+    """A source of the C layer in which all public names begin with the prefix in the place of "omnisim"."""
+    text = (SOURCES / name).read_text(encoding="utf-8")
+    text = text.replace('"machine.h"', f'"{prefix}.h"').replace("@PREFIX@", prefix)
+    return re.sub(r"\bomnisim_", f"{prefix}_", text)
+
+
+def native(scene: Scene) -> Machine:
+    """The machine of a scene. Raises SceneError for one whose step is picked for an error, or that cannot begin."""
+    config = scene.config
+    if config.solver.error is not None:
+        raise SceneError(
+            f"{scene.source}: solver.error: native code marches with a step that is known; "
+            "give time.step in its place (`omnisim run` tells the one that it picks)"
+        )
+    try:
+        return machine_of(config, METHODS[config.solver.method].stages)
+    except ConfigError as error:
+        raise SceneError(scene.document.told(error.problems)) from None
+
+
+def build(scene: Scene, prefix: str, cpu: str) -> Built:
+    """The shared library of a scene, whose public names begin with the prefix; cpu: as `object_code` takes it.
+
+    Raises SceneError, and NativeError without a C compiler and on other systems than Linux.
+    """
+    if not sys.platform.startswith("linux"):
+        raise NativeError("native code is made on Linux alone so far")
+    command = compiler()
+    machine = native(scene)
+    if not hasattr(march, "compile"):
+        raise NativeError("NUMBA_DISABLE_JIT is set: kernels have to be compiled")
+    memory = Memory(machine)
+    looked = observe if machine.parameters.space is None else observe_in_space
+    entries = [Entry(f"{prefix}_march", march, machine.marched), Entry(f"{prefix}_observe", looked, machine.observed)]
+    code = object_code(entries, memory, f"{prefix}_start", cpu)
+    identity = hashlib.sha256(VERSION.encode() + code).hexdigest()[:16]
+    with tempfile.TemporaryDirectory(prefix="omnisim-") as name:
+        folder = Path(name)
+        (folder / "kernels.o").write_bytes(code)
+        (folder / f"{prefix}.h").write_text(source("machine.h", prefix), encoding="utf-8")
+        (folder / "machine.c").write_text(source("machine.c", prefix), encoding="utf-8")
+        known = header(scene.config, machine, memory, identity).replace("omnisim_", f"{prefix}_")
+        (folder / "scene.h").write_text(known, encoding="utf-8")
+        called(command, folder, *COMPILE, "-c", "machine.c")
+        linked = "-shared", f"-Wl,-soname,lib{prefix}.so", "machine.o", "kernels.o", "-o", "machine.so", "-lm"
+        called(command, folder, *linked)
+        return Built(machine, memory, (folder / "machine.so").read_bytes())
+
+
+def called(command: list[str], folder: Path, *arguments: str) -> None:
+    """Run the compiler. Raises NativeError with what it says first."""
+    done = subprocess.run([*command, *arguments], cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode:
+        said = next((line for line in done.stderr.splitlines() if "error" in line), done.stderr.strip())
+        raise NativeError(f"{command[0]} cannot compile the C layer: {said}")
