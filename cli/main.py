@@ -74,7 +74,7 @@ def cli() -> None:
     omnisim sweep study.toml                many runs, keys of the scene varied
     omnisim fit fit.toml -o fitted          keys of a scene estimated from logs of a machine
     omnisim info scene.h5                   what a trajectory holds
-    omnisim export scene.h5 scene.csv       for spreadsheets; .parquet, .mat
+    omnisim export scene.h5 scene.csv       for spreadsheets; .parquet, .mat, .mcap
     omnisim view scene.h5                   the machine in 3-D, as a web page
     omnisim plot scene.h5                   pictures of it
     omnisim compare implicit explicit       the two contact trackings side by side

@@ -41,7 +41,7 @@ def run(scene: str, output: str | None, overrides: tuple[str, ...], force: bool,
     \b
     omnisim run scene.toml                                  writes scene.h5
     omnisim run scene.toml -o fine.h5 --set time.step=1e-5
-    omnisim run scene.toml -o scene.csv                     .parquet, .mat too: without the scene, for other tools
+    omnisim run scene.toml -o scene.csv                     .parquet, .mat, .mcap too, for other tools
     omnisim run scene.h5 --set friction.coefficient=0.2     writes scene_again.h5
     omnisim run scene.toml --set solver.error=1e-6          by the step that this error needs
     omnisim run six_rollers --set wheels.wheel.spin_rate=20 --set friction.coefficient=0.1
@@ -70,7 +70,7 @@ def run(scene: str, output: str | None, overrides: tuple[str, ...], force: bool,
 
 def result_path(text: str, source: str, force: bool) -> Path:
     """Where to write, checked with all files beside it; Failure also for a suffix that says nothing we can write."""
-    from omnisim.results.tables import FORMATS, ExportError, outputs
+    from omnisim.exports.formats import FORMATS, ExportError, outputs
 
     from .output import output_path
 
@@ -114,10 +114,10 @@ def simulate_and_save(scene: Scene, path: Path, force: bool, quiet: bool) -> tup
 
 def save(trajectory: Trajectory, path: Path, force: bool) -> None:
     """Write what the suffix says. Raises OSError, and ValueError for what the format cannot hold."""
-    from omnisim.results import tables
+    from omnisim.exports import formats
 
-    if path.suffix.lower() in tables.FORMATS:
-        tables.write(trajectory, path, overwrite=force)
+    if path.suffix.lower() in formats.FORMATS:
+        formats.write(trajectory, path, overwrite=force)
     else:
         trajectory.save(path, overwrite=force)
 

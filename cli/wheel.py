@@ -140,6 +140,7 @@ def write_model(scene: Scene, source: str, output: str, package: str | None, for
 
     A mesh that is there already, just as it would be written, stays: that of a model in the other format.
     """
+    from omnisim.base.files import holds
     from omnisim.cad.robot_files import robot_files
     from omnisim.scene.problems import ConfigError
     from omnisim.scene.scene import SceneError
@@ -158,10 +159,6 @@ def write_model(scene: Scene, source: str, output: str, package: str | None, for
         output_path(str(file), source, force)
     deliver(missing, force)
     click.echo("\n".join(map(str, images)))
-
-
-def holds(file: Path, image: bytes) -> bool:
-    return file.is_file() and file.read_bytes() == image
 
 
 def package_prefix(path: Path, package: str) -> str:

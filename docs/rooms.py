@@ -13,6 +13,7 @@ IMPORT = re.compile(r"^\s*(?:from|import) omnisim\.(\w+)", re.MULTILINE)
 # Rooms by column (of 4 halves) and floor; who imports stands above.
 PLACES = {
     "gym": (0, 7),
+    "exports": (2, 9),
     "pictures": (2, 8),
     "fitting": (2, 7),
     "studies": (0, 6),
@@ -32,6 +33,7 @@ SAID = {
     "studies": "many runs, measured",
     "native": "libraries of C, FMUs",
     "run": "simulate, Loop, step search",
+    "exports": "tables, ROS 2 recordings",
     "pictures": "plots, 3-D page",
     "results": "trajectory, files, tables",
     "march": "steps, events, modes",

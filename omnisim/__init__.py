@@ -22,7 +22,7 @@ from importlib import import_module
 
 _MODULES = {
     "analysis": "results.comparison",
-    "export": "results.tables",
+    "export": "exports.formats",
     "plots": "pictures.plots",
     "report": "results.report",
     "viewer": "pictures.viewer",

@@ -1,13 +1,13 @@
 """Types of the public names, which __init__.py finds on first use."""
 
 from omnisim.base.trajectory_file import TrajectoryError as TrajectoryError
+from omnisim.exports import formats as export
 from omnisim.fitting.fitting import fit as fit
 from omnisim.fitting.logs import FitError as FitError
 from omnisim.pictures import plots as plots
 from omnisim.pictures import viewer as viewer
 from omnisim.results import comparison as analysis
 from omnisim.results import report as report
-from omnisim.results import tables as export
 from omnisim.results.trajectory import Trajectory as Trajectory
 from omnisim.results.trajectory import open_trajectory as open_trajectory
 from omnisim.run.loop import Loop as Loop

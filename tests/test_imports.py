@@ -17,7 +17,7 @@ PACKAGE = Path(omnisim.__file__).parent
 # A room imports from itself and from rooms above it in this list: data flows down, from the scene file to the pictures.
 ROOMS = (
     "base", "scene", "contact", "dynamics", "march", "results", "run", "native", "studies", "gym", "fitting", "cad",
-    "pictures",
+    "pictures", "exports",
 )  # fmt: skip
 ONLY = {
     "h5py": {"results.hdf5", "base.trajectory_file", "studies.result"},
@@ -43,6 +43,8 @@ ONLY = {
     "pyarrow": {"results.tables"},
     "scipy": {"results.tables", "studies.study", "fitting.least_squares", "fitting.uncertainty"},
     "distributed": {"studies.cluster"},
+    "mcap": {"exports.recording"},
+    "rosbags": {"exports.messages"},
     "matplotlib": {"results.trajectory", "cad.drawing", "cad.portrait"}
     | {
         f"pictures.plots.{name}"

@@ -64,6 +64,11 @@ def is_hdf5(path: str | os.PathLike[str]) -> bool:
         return False
 
 
+def holds(path: Path, image: bytes) -> bool:
+    """Whether a file is there already, just as it would be written."""
+    return path.is_file() and path.read_bytes() == image
+
+
 # --- writing --------------------------------------------------------------------------------------
 
 

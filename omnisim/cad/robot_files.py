@@ -20,16 +20,27 @@ def robot_files(config: Config, path: Path, prefix: str = "") -> dict[Path, byte
     prefix: of the names of meshes in a URDF, such as package://NAME/.
     """
     used = {wheel.type: config.type_of(wheel) for wheel in config.wheels}
-    drawn = {name: path.with_name(f"{path.stem}_{name}_roller.stl") for name in used}
+    drawn = drawn_files(config, path)
     images = {drawn[name]: mesh_image(name, kind, DRAWN) for name, kind in used.items()}
     if path.suffix.lower() == ".urdf":
-        root = urdf(config, path.stem, {name: prefix + file.name for name, file in drawn.items()})
+        said = urdf_text(config, path, prefix)
     else:
         touching = {name: path.with_name(f"{path.stem}_{name}_contact.stl") for name in used}
         images |= {touching[name]: mesh_image(name, kind, FINE) for name, kind in used.items()}
         names = ({name: file.name for name, file in files.items()} for files in (drawn, touching))
-        root = mjcf(config, path.stem, *names)
-    return {path: text(root).encode()} | images
+        said = text(mjcf(config, path.stem, *names))
+    return {path: said.encode()} | images
+
+
+def urdf_text(config: Config, path: Path, prefix: str) -> str:
+    """A URDF of the name that `path` has; prefix: see `robot_files`."""
+    meshes = {name: prefix + file.name for name, file in drawn_files(config, path).items()}
+    return text(urdf(config, path.stem, meshes))
+
+
+def drawn_files(config: Config, path: Path) -> dict[str, Path]:
+    """The mesh of a roller of each wheel type in use, beside the description."""
+    return {wheel.type: path.with_name(f"{path.stem}_{wheel.type}_roller.stl") for wheel in config.wheels}
 
 
 def mesh_image(name: str, kind: WheelType, resolution: tuple[int, int]) -> bytes:

@@ -346,8 +346,13 @@ def start_slip(parameters, run, w, side, t):
 @kernel
 def take_drift_away(parameters, run, t, refreshed):
     """Take drift away: sticking contacts hold the slip acceleration at zero, the slip only to rounding; creeping ones
-    have a direction that turns, and their slip follows. `refreshed`: by an event that finds the derivative anew."""
+    have a direction that turns, and their slip follows.
+
+    refreshed: by an event that finds the derivative anew. Where all contacts stick, explicit steps go on with that of
+    the drift, which errs by no more than the step has, times the next one.
+    """
     drifts = False
+    still = run.newton is None and parameters.workspace.articulated is None  # whose bodies follow the speeds
     for w in range(len(run.mode)):
         mode, monitors = run.mode[w], run.monitors[w]
         if mode.shared:
@@ -356,10 +361,12 @@ def take_drift_away(parameters, run, t, refreshed):
             if mode.grip[side] == STICK:
                 rest = rest_speed(parameters, mode, w, side, run.y)
                 drifts = drifts or monitors.slip_square[side] > DRIFTED * rest * rest
-            elif mode.grip[side] == CREEP:
+            else:
+                still = False
+            if mode.grip[side] == CREEP:
                 keep_creep(parameters, run, w, side)
                 drifts = drifts or slip_across(monitors, side) > 0.0
     if drifts:
         align_slip(parameters, run)
-        if not refreshed:
+        if not (still or refreshed):
             refresh(parameters, run, t)

@@ -27,6 +27,7 @@ from omnisim.base.files import write_whole
 from omnisim.base.status import EVENT_KINDS
 from omnisim.pictures.viewer_space import AXES, ground, motion_in_space, shape_of_type, up
 from omnisim.results.commanded import target_rates
+from omnisim.results.rollers import joint_angles
 from omnisim.results.trajectory import Trajectory
 from omnisim.scene.scene import parse
 from omnisim.scene.schema import Config, Wheel
@@ -141,8 +142,7 @@ def motion(trajectory: Trajectory) -> dict[str, np.ndarray]:
     for wheel in trajectory.wheels:
         path = f"wheels/{wheel}"
         arrays |= {f"{path}/{name}": trajectory[f"{path}/{name}"][rows].astype(kind) for name, kind in WHEEL.items()}
-        angle = _integral(trajectory.time, trajectory[f"{path}/rollers/joint_rate"])
-        arrays[f"{path}/rollers/joint_angle"] = angle[rows].astype(np.float32)
+        arrays[f"{path}/rollers/joint_angle"] = joint_angles(trajectory, wheel)[rows].astype(np.float32)
     return arrays
 
 
@@ -171,13 +171,6 @@ def kept_rows(time: np.ndarray) -> np.ndarray:
     wanted = min(ROWS_PER_SECOND * duration, MOST_ROWS)
     stride = max(1, math.ceil((len(time) - 1) / wanted - ROUNDING)) if wanted > 0.0 else 1
     return np.unique(np.append(np.arange(0, len(time), stride), len(time) - 1))
-
-
-def _integral(time: np.ndarray, rate: np.ndarray) -> np.ndarray:
-    """Rates (T, N) to angles (T, N), 0 in the first row, by the trapezoidal rule: good enough to see a roller turn."""
-    angle = np.zeros_like(rate)
-    angle[1:] = np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(time)[:, None], axis=0)
-    return angle
 
 
 def events(trajectory: Trajectory) -> dict[str, list]:

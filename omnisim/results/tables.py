@@ -1,4 +1,4 @@
-"""A trajectory for other tools: CSV, Parquet and MATLAB files, pandas and xarray."""
+"""A trajectory as tables: CSV, Parquet and MATLAB files, pandas and xarray."""
 
 from __future__ import annotations
 
@@ -8,17 +8,12 @@ import math
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from importlib import import_module
 from io import BytesIO, StringIO
 from itertools import product
-from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from omnisim.base.files import write_whole
-from omnisim.base.formatting import visible
 from omnisim.base.trajectory_file import CHECKSUM, SCENE_CHECKSUM, checksum
 from omnisim.results.layout import EVENT_NUMBER, TIME, Quantity, Recorded
 
@@ -44,40 +39,6 @@ class Column(NamedTuple):
     units: str
     description: str
     values: np.ndarray
-
-
-def write(trajectory: Recorded, path: str | PathLike[str], overwrite: bool = False) -> tuple[Path, ...]:
-    """Write what the suffix of `path` says, whole or not at all; the paths written (see `outputs`).
-
-    Raises ExportError for another suffix, a library that is not installed, and what a format cannot hold;
-    FileExistsError unless it may overwrite; ValueError for NaN or inf; OSError.
-    """
-    files = images(trajectory, path)
-    write_whole(files, overwrite)
-    return tuple(files)
-
-
-def images(trajectory: Recorded, path: str | PathLike[str]) -> dict[Path, bytes]:
-    """What `write` writes. Raises ExportError and ValueError as it does."""
-    paths = outputs(path)
-    trajectory.validate()
-    return dict(zip(paths, FORMATS[paths[0].suffix.lower()](trajectory), strict=True))
-
-
-def outputs(path: str | PathLike[str]) -> tuple[Path, ...]:
-    """The files that make up an export to `path`: the table by time has events beside it, run.csv run.events.csv.
-
-    Raises ExportError for another suffix, and for a library that is not installed.
-    """
-    path = Path(path)
-    suffix = path.suffix.lower()
-    if suffix not in FORMATS:
-        known = ", ".join(FORMATS)
-        raise ExportError(f"{visible(str(path))}: unknown suffix {path.suffix!r}; it must be one of {known}")
-    if suffix in LIBRARIES:
-        with extra(suffix[1:]):
-            import_module(LIBRARIES[suffix])
-    return (path,) if suffix == ".mat" else (path, path.with_suffix(f".events{path.suffix}"))
 
 
 def table(trajectory: Recorded, along: str = TIME) -> list[Column]:
@@ -225,7 +186,3 @@ def extra(name: str) -> Iterator[None]:
         yield
     except ModuleNotFoundError as error:
         raise ExportError(f"{error.name} is not installed: pip install 'omnisim-engine[{name}]'") from None
-
-
-LIBRARIES = {".parquet": "pyarrow", ".mat": "scipy.io"}  # that a format needs
-FORMATS = {".csv": csv_files, ".parquet": parquet_files, ".mat": mat_file}

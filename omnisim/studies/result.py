@@ -273,8 +273,7 @@ def coordinates(task: Task) -> dict[str, Variable]:
 def column(values: Iterable[Any]) -> np.ndarray:
     """Values of a key as an array: numbers as they are, all else as the text of a scene file has it."""
     values = list(values)
-    if all(isinstance(value, int) and not isinstance(value, bool) for value in values):
-        return np.array(values, dtype=np.int64)
-    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
-        return np.array(values, dtype=np.float64)
+    types = set(map(type, values))
+    if bool not in types and all(issubclass(kind, int | float) for kind in types):
+        return np.array(values, dtype=np.int64 if all(issubclass(kind, int) for kind in types) else np.float64)
     return np.array([value if isinstance(value, str) else show_value(value, sys.maxsize) for value in values])

@@ -153,9 +153,11 @@ def on_cores(task: Task[T_co], runs: list[int], workers: int, stop: Callable[[],
             worker.since = worker.since if worker.held else time.perf_counter()
             worker.held.append(batch)
 
-    for _ in range(min(workers, len(runs))):
-        hands.append(start(context, task, hands))
     try:
+        for _ in range(min(workers, len(runs))):
+            hands.append(start(context, task, hands))
+            if not stop():
+                hand_out()  # to one while the next is made
         while True:
             stopping = stop()
             if not stopping:
@@ -187,11 +189,10 @@ def on_cores(task: Task[T_co], runs: list[int], workers: int, stop: Callable[[],
         for worker in hands:
             if worker.held:
                 worker.process.kill()
-            else:
+                worker.process.join()
+            else:  # it ends by itself, and that takes a while
                 with suppress(OSError):
                     worker.connection.send(())
-        for worker in hands:
-            worker.process.join()
             worker.connection.close()
 
 

@@ -111,6 +111,8 @@ def test_plots_and_files_do_not_count(kernel_modules):
         "cad.mesh",
         "cad.mjcf",
         "cad.urdf",
+        "exports.recording",
+        "exports.markers",
     )
     assert not {f"omnisim.{name}" for name in away} & set(kernel_modules)
 

@@ -2,10 +2,12 @@
 
 import json
 import re
+import statistics
 
 import pytest
 
 pytest.importorskip("matplotlib", reason="needs matplotlib")
+from bench.memory import MEGABYTE
 from docs import speed_page, speed_plots, speed_short
 
 BOUND = {"bound": "at most", "target": 1.2, "alarm": 2.5}
@@ -122,3 +124,16 @@ def test_the_five_numbers_of_the_readme_are_those_of_the_results():
         (number,) = re.findall(words, readme)
         assert float(number) == pytest.approx(value, rel=0.02), words
     assert [f"{stops[step]['error']:.1e}" for step in (0.01, 0.001)] == ["1.0e-05", "2.0e-09"]
+
+
+def test_the_page_on_studies_tells_the_record():
+    page = " ".join((speed_page.HERE / "pages/studies.md").read_text(encoding="utf-8").split())
+    result = speed_page.read(speed_page.RESULTS)["studies"]["result"]
+    one, processes, threads = (
+        statistics.median(result["rates"][name])
+        for name in ("study, 1 process", "study, 2 processes", "its runs on 2 threads")
+    )
+    assert f"processes do {processes:.0f} runs a second" in page
+    assert f"not write a file, {threads:.0f}, one process {one:.0f}." in page
+    for count, peak in result["peak"].items():
+        assert f"| {count} | {peak / MEGABYTE:.0f} MiB |" in page

@@ -58,3 +58,19 @@ def test_bearings_drag_as_their_formula_says_and_twice_while_two_rollers_share_t
     lost = bench.found()["bearings"]
     mean = bench.steady(simulate(bench.scene(lost, 60.0, bench.LOADS[1], bench.EXACT, bench.HARD)))[1].mean()
     assert 1.0 < mean / bench.drag(lost, 60.0, bench.LOADS[1]) < 1.04
+
+
+@pytest.mark.long
+def test_rows_of_the_table_miss_nothing_but_rollers_that_are_spun_up_from_rest():
+    """Rows every 2 and 0.05 ms at 60 deg: at least 8.6990 and 8.6988 N; at most 14.593 and 18.841, lasting 14.596."""
+    coarse, fine = (
+        simulate(bench.scene(bench.found()[bench.SPINS], bench.LARGEST_AT, bench.LOADS[1], *keys))
+        for keys in ((), ("time.output_interval=5e-5", "time.step=5e-5"))
+    )
+    way, told = bench.steady(coarse)
+    during = (fine.time >= bench.STEADY) & (fine.time <= bench.STEADY + way[-1] / bench.SPEED)
+    force = bench.force(fine)[during]
+    lasting = np.median(np.lib.stride_tricks.sliding_window_view(force, 5), axis=1)  # more than 0.1 ms of 0.25
+    assert told.min() - force.min() == pytest.approx(0.0, abs=5e-3)
+    assert lasting.max() - told.max() == pytest.approx(0.0, abs=2e-2)
+    assert force.max() > 1.2 * lasting.max()

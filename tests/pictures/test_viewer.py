@@ -122,7 +122,7 @@ def is_exact(name):
     return all(kind.profile.kind == "exact" for kind in omnisim.load(name).config.wheel_types.values())
 
 
-@pytest.mark.parametrize("name", filter(is_exact, packaged_scenes()))
+@pytest.mark.parametrize("name", [name for name in packaged_scenes() if is_exact(name)])
 def test_the_profile_is_that_of_the_simulated_roller(name):
     config = omnisim.load(name).config
     types = machine(config)["types"]

@@ -6,6 +6,7 @@ import json
 import os
 import re
 import signal
+import sys
 
 import h5py
 import numpy as np
@@ -14,8 +15,9 @@ from commands import command
 from synthetic import synthetic_attributes, synthetic_data, synthetic_trajectory
 
 import omnisim
+from omnisim.exports.formats import ExportError, write
 from omnisim.results.layout import LABELS, layout
-from omnisim.results.tables import ExportError, field_names, write
+from omnisim.results.tables import field_names
 from omnisim.results.trajectory import Trajectory
 
 WHEELS, ROLLERS = ("front-left", "rear"), (6, 8)
@@ -209,8 +211,8 @@ def test_export_writes_what_the_suffix_says_and_tells_so(saved, suffix):
 @pytest.mark.parametrize(
     ("arguments", "parts"),
     [
-        (("run.h5", "out.xlsx"), ("out.xlsx", "'.xlsx'", ".csv, .parquet, .mat")),
-        (("run.h5", "out"), ("out", "''", ".csv, .parquet, .mat")),
+        (("run.h5", "out.xlsx"), ("out.xlsx", "'.xlsx'", ".csv, .parquet, .mat, .mcap")),
+        (("run.h5", "out"), ("out", "''", ".csv, .parquet, .mat, .mcap")),
         (("run.h5", "nowhere/out.csv"), ("nowhere/out.csv", "no folder")),
         (("run.h5", "folder.csv"), ("folder.csv", "a folder")),
         (("nowhere.h5", "out.csv"), ("nowhere.h5", "No such file")),
@@ -244,7 +246,7 @@ def test_existing_files_are_replaced_with_force_only(saved, present):
     assert (saved / present).read_text() != "precious"
 
 
-LIBRARIES = {"parquet": "pyarrow", "mat": "scipy", "pandas": "pandas", "xarray": "xarray"}
+LIBRARIES = {"parquet": "pyarrow", "mat": "scipy", "mcap": "mcap", "pandas": "pandas", "xarray": "xarray"}
 
 
 @pytest.fixture
@@ -258,9 +260,11 @@ def bare(monkeypatch):
         return original(name, *rest)
 
     monkeypatch.setattr(builtins, "__import__", absent)
+    for package in LIBRARIES.values():
+        monkeypatch.setitem(sys.modules, package, None)
 
 
-@pytest.mark.parametrize("suffix", ["parquet", "mat"])
+@pytest.mark.parametrize("suffix", ["parquet", "mat", "mcap"])
 def test_a_missing_library_is_one_line_that_says_what_to_install(saved, bare, suffix):
     result = command("export", "run.h5", f"out.{suffix}")
     assert result.exit_code == 2 and len(result.stderr.splitlines()) == 1

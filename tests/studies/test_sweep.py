@@ -1,9 +1,7 @@
 """Many runs: the same numbers whatever runs them, nothing finished is lost, and files that other readers open."""
 
 import json
-import multiprocessing
 import os
-import signal
 import subprocess
 import sys
 import time
@@ -11,7 +9,7 @@ import time
 import h5py
 import numpy as np
 import pytest
-from deadly import Deadly
+from studied import DRAWN, GRID, MEASURE, SCENE, same
 
 import omnisim
 from omnisim.studies import journal
@@ -20,44 +18,11 @@ from omnisim.studies.result import MISSING, open_study
 from omnisim.studies.study import StudyError, load_study
 from omnisim.studies.sweep import fingerprint, journal_of, repeat, sweep
 from omnisim.studies.task import Task
-from omnisim.studies.workers import Batches, on_cores
-
-SCENE = {"schema": 1, "scene": "kiwi", "set": {"time.end": 0.1, "time.output_interval": 0.01}}
-MEASURE = {
-    "far": {"dataset": "body/position", "at": "end", "component": "norm"},
-    "slip": {"dataset": "wheels/*/slip_velocity", "reduce": "max", "component": "norm"},
-    "least_load": {"dataset": "wheels/*/normal_force", "reduce": "min"},
-    "load": {"dataset": "wheels/left/normal_force", "reduce": "rms"},
-    "work": {"dataset": "energy/drive_work", "at": 0.05},
-    "drift": {"dataset": "odometry/error", "at": "end", "component": "norm"},
-    "impulse": {"dataset": "wheels/*/drive_torque", "reduce": "integral"},
-    "swing": {"dataset": "body/yaw_rate", "reduce": "ptp"},
-}
-GRID = SCENE | {"vary": {"friction.coefficient": [0.1, 0.3, 0.6], "chassis.mass": [3.0, 5.0]}, "measure": MEASURE}
-DRAWN = SCENE | {
-    "vary": {
-        "friction.coefficient": {"mean": 0.4, "deviation": 0.25},  # about one draw in twenty is below zero
-        "wheels.*.phase_deg": {"uniform": [0.0, 60.0], "each": True},
-    },
-    "design": {"kind": "random", "count": 40, "seed": 5},
-    "measure": {"far": MEASURE["far"], "slip": MEASURE["slip"]},
-}
-
-
-def numbers(found):
-    """All that a study has found but for the time that it took."""
-    return {name: values for name, values in found.items() if name != "wall_time"}
 
 
 def mark_of(source):
     study = load_study(source)
     return fingerprint(study.document.text, study.scene.text)
-
-
-def same(one, other):
-    assert numbers(one).keys() == numbers(other).keys()
-    for name, values in numbers(one).items():
-        np.testing.assert_array_equal(values, other[name], err_msg=name)
 
 
 @pytest.fixture(scope="module")
@@ -92,10 +57,6 @@ def test_measures_are_those_of_the_runs_themselves(grid):
 
 def trapezoid(values, time):
     return np.sum(0.5 * (values[1:] + values[:-1]) * np.diff(time))
-
-
-def test_the_same_bits_by_one_process_and_by_two():
-    same(sweep(DRAWN, workers=1), sweep(DRAWN, workers=2))
 
 
 def test_impossible_runs_are_rows_with_their_reason():
@@ -206,67 +167,6 @@ def test_a_line_that_a_crash_has_cut_is_done_again(tmp_path):
     same(sweep(DRAWN, path, workers=1, resume=True), sweep(DRAWN, workers=1))
 
 
-@pytest.mark.long
-def test_a_killed_worker_costs_the_run_that_killed_it():
-    study = load_study(DRAWN)
-    rows = {row.run: row for rows in on_cores(Deadly(study), list(range(40)), 2, lambda: False) for row in rows}
-    assert sorted(rows) == list(range(40))
-    assert rows.pop(11).status == "lost: its process was killed by signal 9"
-    expected = sweep(DRAWN, workers=1)
-    for run, row in rows.items():
-        assert row.status == expected["status"][run]
-        assert row.measures[0] == (None if np.isnan(expected["far"][run]) else expected["far"][run])
-
-
-@pytest.mark.long
-def test_a_worker_that_is_killed_while_it_waits_is_replaced():
-    study = load_study(DRAWN)
-    task = Task(study)
-    rows = []
-    for batch in on_cores(task, list(range(40)), 2, lambda: False):
-        if not rows:
-            for child in multiprocessing.active_children():
-                os.kill(child.pid, signal.SIGKILL)
-                child.join()
-        rows += batch
-    assert sorted(row.run for row in rows) == list(range(40))
-    assert not [row for row in rows if row.status.startswith("lost")]
-
-
-class Moments:
-    """When each of these numbers was begun, of batches that take a millisecond for each."""
-
-    def __call__(self, runs):
-        begun = time.monotonic()
-        time.sleep(1e-3 * len(runs))
-        return [begun] * len(runs)
-
-    def lost(self, run, how):
-        raise AssertionError(how)
-
-
-def test_workers_go_on_while_nobody_looks_at_their_rows():
-    """As while a journal waits for the disk: not only what was under way, the next batch of each of two is begun."""
-    found = on_cores(Moments(), list(range(300)), 2, lambda: False)
-    seen = [next(found) for _ in range(4)]
-    time.sleep(0.5)
-    looked = time.monotonic()
-    later = list(found)
-    assert sum(map(len, [*seen, *later])) == 300
-    assert sum(moments[0] < looked for moments in later) >= 3  # 4
-
-
-def test_batches_are_of_a_quarter_of_a_second_and_hand_out_every_run_once():
-    batches, sizes, runs = Batches(list(range(3000)), 2), [], []
-    while batch := batches.next():
-        assert batches.ahead == (2 if batches.size > 1 else 1)  # single runs may be long: none waits behind another
-        batches.took(batch, 1e-3 * len(batch.runs))
-        sizes.append(len(batch.runs))
-        runs += batch.runs
-    assert runs == list(range(3000)) and sizes[:4] == [1, 2, 4, 8] and max(sizes) == 250
-    assert min(sizes[8:-1]) == 10  # 4 % of the largest
-
-
 def test_a_disk_that_is_full_of_trajectories_stops_the_study(tmp_path, monkeypatch):
     study = GRID | {"keep": {"trajectories": "all"}}
 
@@ -305,17 +205,6 @@ def test_sobol_without_scipy_is_told_before_anything_runs(monkeypatch):
     monkeypatch.setitem(sys.modules, "scipy.stats", None)
     with pytest.raises(StudyError, match="needs SciPy: pip install"):
         sweep(DRAWN | {"design": {"kind": "sobol", "count": 4}})
-
-
-@pytest.mark.long
-def test_several_scenes_at_once_come_back_in_their_order():
-    scenes = [omnisim.load("kiwi", {**SCENE["set"], "chassis.mass": mass}) for mass in (3.0, 6.0, 4.0)]
-    runs = omnisim.simulate_many(scenes, workers=2)
-    for run, scene in zip(runs, scenes, strict=True):
-        alone = omnisim.simulate(scene)
-        assert all(np.array_equal(run[path], alone[path]) for path in alone)
-    with pytest.raises(omnisim.SceneError, match="no file and no packaged scene"):
-        omnisim.simulate_many(["kiwi", "kiwy"])
 
 
 @pytest.mark.long

@@ -1,0 +1,1 @@
+"""Runs as files of other tools: tables, and recordings of ROS 2."""
