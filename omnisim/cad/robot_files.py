@@ -3,6 +3,7 @@
 Every roller of a wheel type has the same mesh; MJCF and URDF of one machine draw the same ones.
 """
 
+from collections.abc import Callable
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -23,7 +24,7 @@ def robot_files(config: Config, path: Path, prefix: str = "") -> dict[Path, byte
     drawn = drawn_files(config, path)
     images = {drawn[name]: mesh_image(name, kind, DRAWN) for name, kind in used.items()}
     if path.suffix.lower() == ".urdf":
-        said = urdf_text(config, path, prefix)
+        said = urdf_text(config, path, lambda file: prefix + file.name)
     else:
         touching = {name: path.with_name(f"{path.stem}_{name}_contact.stl") for name in used}
         images |= {touching[name]: mesh_image(name, kind, FINE) for name, kind in used.items()}
@@ -32,9 +33,9 @@ def robot_files(config: Config, path: Path, prefix: str = "") -> dict[Path, byte
     return {path: said.encode()} | images
 
 
-def urdf_text(config: Config, path: Path, prefix: str) -> str:
-    """A URDF of the name that `path` has; prefix: see `robot_files`."""
-    meshes = {name: prefix + file.name for name, file in drawn_files(config, path).items()}
+def urdf_text(config: Config, path: Path, named: Callable[[Path], str]) -> str:
+    """A URDF of the name that `path` has; named: what it calls a mesh."""
+    meshes = {name: named(file) for name, file in drawn_files(config, path).items()}
     return text(urdf(config, path.stem, meshes))
 
 

@@ -43,7 +43,7 @@ def files(trajectory: Recorded, path: Path) -> dict[Path, bytes]:
     config = parse(trajectory.attributes["scene"], "scene of the file").config
     frames = Frames(trajectory, config)
     description = path.with_suffix(".urdf")
-    said = urdf_text(config, description, f"{path.resolve().parent.as_uri()}/")
+    said = urdf_text(config, description, lambda mesh: mesh.resolve().as_uri())
     return {path: recording(frames, said)} | robot_files(config, description)
 
 

@@ -5,6 +5,7 @@ Measured values stand beside the bounds.
 
 import math
 from functools import cache
+from urllib.parse import unquote
 from xml.etree import ElementTree
 
 import numpy as np
@@ -56,7 +57,7 @@ def recorded(tmp_path_factory):
     @cache
     def found(name):
         run = run_of(name)
-        path, *beside = write(run, tmp_path_factory.mktemp("recording") / "run.mcap")
+        path, *beside = write(run, tmp_path_factory.mktemp("a recording") / "of a run.mcap")
         assert [other.suffix for other in beside] == [".urdf"] + [".stl"] * (len(beside) - 1)
         return run, MACHINES[name]().config, path, by_rosbags(path, "ROS2_HUMBLE")
 
@@ -188,7 +189,7 @@ def test_the_urdf_at_the_joint_states_is_what_the_transforms_say(recorded, name)
     run, config, path, messages = recorded(name)
     description = messages["/robot_description"][0].message.data
     beside = path.with_suffix(".urdf").read_text()
-    assert description.replace(f"{path.parent.as_uri()}/", "") == beside
+    assert unquote(description).replace(f"file://{path.parent}/", "") == beside
     tree = ElementTree.fromstring(description)
     meshes = {mesh.get("filename") for mesh in tree.iter("mesh")}
     assert meshes == {file.as_uri() for file in path.parent.glob("*.stl")}
