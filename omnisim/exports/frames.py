@@ -46,6 +46,7 @@ class Frames:
         self.trajectory, self.config = trajectory, config
         self.bodies = tuple(bodies(config))
         self.root = self.bodies[0].name
+        self.parents = {body.name: body.parent for body in self.bodies}
         states = joint_states(trajectory, config)
         self.joints = {body.name: states[body.name] for body in self.bodies if body.parent is not None}
         self.poses = {self.root: self.base} | {
@@ -75,11 +76,8 @@ class Frames:
 
     def in_world(self, name: str) -> Pose:
         """Of a body."""
-        parents = {body.name: body.parent for body in self.bodies}
-        found, parent = self.poses[name], parents[name]
-        while parent is not None:
-            found, parent = carried(self.poses[parent], found), parents[parent]
-        return found
+        parent = self.parents[name]
+        return self.poses[name] if parent is None else carried(self.in_world(parent), self.poses[name])
 
 
 def joint_states(trajectory: Recorded, config: Config) -> dict[str, Joint]:

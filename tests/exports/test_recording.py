@@ -39,6 +39,7 @@ MACHINES = {
     "omni": lambda: omnisim.load("kiwi", [*SHORT, "wheels.left.spin_rate=3.0"]),
     "bare wheel": lambda: omnisim.load("six_rollers", SHORT),
     "falling": lambda: parse(tomlkit.dumps(FREE["unlike wheels"]), overrides=[*SHORT, *FALLING]),
+    "slope": lambda: parse(tomlkit.dumps(FREE["kiwi_slope"]), overrides=SHORT),
     "rockers": lambda: parse(tomlkit.dumps(FREE["rockers"]), overrides=SHORT),
     "bumps": lambda: parse(tomlkit.dumps(FREE["mecanum_bump"]), overrides=[*SHORT, *ON_A_BUMP]),
 }
@@ -156,19 +157,27 @@ def test_the_chain_of_frames_ends_at_the_rollers(recorded, name):
                 np.testing.assert_allclose(found, centre, rtol=0.0, atol=1e-12)  # measured 1e-16
 
 
-@pytest.mark.parametrize("name", UPRIGHT)
+@pytest.mark.parametrize("name", [*UPRIGHT, "slope"])
 def test_the_chain_of_frames_gives_the_contact_point(recorded, name):
-    """Formula 18 of the paper, r_P = r_B + m a - h n, from the centre and the axis of the roller's frame; q as here."""
+    """The lowest point of the exact profile from the centre and the axis of the roller's frame alone, at any tilt:
+
+    sin q = -a_n / c, h_q = R - R1 / cos q, u = R1 tan q / c + h_q c sin q, r = h_q sqrt(1 - c^2 sin^2 q); rubber is
+    pressed in below the floor, straight down.
+    """
     run, config, _, messages = recorded(name)
     for row, said in enumerate(messages["/tf"]):
         placed = in_world(matrices(said.message.transforms))
         for wheel in config.wheels:
             kind, path = config.type_of(wheel), f"wheels/{wheel.name}"
-            roller, q = (run[f"{path}/{key}"][row] for key in ("contact_roller", "contact_angle"))
-            frame = placed[f"{wheel.name}_roller_{roller}"]
-            m = kind.roller_distance * math.tan(q) / math.cos(math.radians(kind.roller_angle_deg))
+            frame = placed[f"{wheel.name}_roller_{run[f'{path}/contact_roller'][row]}"]
+            centre, axis, c = frame[:3, 3], frame[:3, 2], math.cos(math.radians(kind.roller_angle_deg))
+            q = math.asin(-axis[2] / c)
             h = kind.radius - kind.roller_distance / math.cos(q)
-            point = frame[:3, 3] + m * frame[:3, 2] - [0.0, 0.0, h]
+            u = kind.roller_distance * math.tan(q) / c + h * c * math.sin(q)
+            up = np.array([0.0, 0.0, 1.0]) - axis[2] * axis
+            lowest = centre + u * axis - h * math.sqrt(1.0 - (c * math.sin(q)) ** 2) * up / np.linalg.norm(up)
+            assert -1e-3 < lowest[2] < 1e-12
+            point = [*lowest[:2], 0.0]
             np.testing.assert_allclose(point, run[f"{path}/contact_point"][row], rtol=0.0, atol=1e-12)  # measured 1e-16
 
 
