@@ -12,6 +12,7 @@ from .compare import compare
 from .data import data
 from .export import export
 from .fit import fit
+from .fmu import fmu
 from .info import info
 from .library import library
 from .new import new
@@ -81,12 +82,13 @@ def cli() -> None:
     omnisim bench scene.toml                speed against error, by method and step
     omnisim wheel youbot -o youbot.png      dimensions, drawing, mesh, or model for other simulators
     omnisim library youbot -o youbot        a library of C that runs without Python
+    omnisim fmu youbot -o youbot.fmu        the machine for tools that import FMI
 
     Exit codes: 0 done; 1 the run stopped early or was interrupted; 2 bad input, checked before anything runs.
     """
 
 
-for command in (data, new, run, sweep, fit, info, plot, view, export, compare, bench, wheel, library, warmup):
+for command in (data, new, run, sweep, fit, info, plot, view, export, compare, bench, wheel, library, fmu, warmup):
     cli.add_command(command)
 
 

@@ -34,11 +34,22 @@ class NativeError(Exception):
 
 
 class Built(NamedTuple):
-    """A machine, its memory, and its shared library."""
+    """A machine as object code. prefix: of its public names; known: scene.h."""
 
     machine: Machine
     memory: Memory
-    library: bytes
+    prefix: str
+    code: bytes
+    known: str
+
+    @property
+    def identity(self) -> str:
+        """What tells it from all others: 16 hexadecimal digits."""
+        return identity_of(self.code)
+
+
+def identity_of(code: bytes) -> str:
+    return hashlib.sha256(VERSION.encode() + code).hexdigest()[:16]
 
 
 def compiler() -> list[str]:
@@ -73,13 +84,13 @@ def native(scene: Scene) -> Machine:
 
 
 def build(scene: Scene, prefix: str, cpu: str) -> Built:
-    """The shared library of a scene, whose public names begin with the prefix; cpu: as `object_code` takes it.
+    """The kernels of a scene, whose public names begin with the prefix; cpu: as `object_code` takes it.
 
     Raises SceneError, and NativeError without a C compiler and on other systems than Linux.
     """
     if not sys.platform.startswith("linux"):
         raise NativeError("native code is made on Linux alone so far")
-    command = compiler()
+    compiler()
     machine = native(scene)
     if not hasattr(march, "compile"):
         raise NativeError("NUMBA_DISABLE_JIT is set: kernels have to be compiled")
@@ -87,18 +98,30 @@ def build(scene: Scene, prefix: str, cpu: str) -> Built:
     looked = observe if machine.parameters.space is None else observe_in_space
     entries = [Entry(f"{prefix}_march", march, machine.marched), Entry(f"{prefix}_observe", looked, machine.observed)]
     code = object_code(entries, memory, f"{prefix}_start", cpu)
-    identity = hashlib.sha256(VERSION.encode() + code).hexdigest()[:16]
+    known = header(scene.config, machine, memory, identity_of(code)).replace("omnisim_", f"{prefix}_")
+    return Built(machine, memory, prefix, code, known)
+
+
+def shared_library(built: Built, layer: str | None = None, variables: str = "") -> bytes:
+    """The library of a machine; with a layer, a source that speaks a standard, what it shows is what that exports.
+
+    variables: a header that the layer includes. Raises NativeError without a C compiler.
+    """
+    command, prefix = compiler(), built.prefix
+    sources = ["machine.c", *([layer] if layer else [])]
+    hidden = [f"-D{prefix}_API="] if layer else []
     with tempfile.TemporaryDirectory(prefix="omnisim-") as name:
         folder = Path(name)
-        (folder / "kernels.o").write_bytes(code)
-        (folder / f"{prefix}.h").write_text(source("machine.h", prefix), encoding="utf-8")
-        (folder / "machine.c").write_text(source("machine.c", prefix), encoding="utf-8")
-        known = header(scene.config, machine, memory, identity).replace("omnisim_", f"{prefix}_")
-        (folder / "scene.h").write_text(known, encoding="utf-8")
-        called(command, folder, *COMPILE, "-c", "machine.c")
-        linked = "-shared", f"-Wl,-soname,lib{prefix}.so", "machine.o", "kernels.o", "-o", "machine.so", "-lm"
+        (folder / "kernels.o").write_bytes(built.code)
+        texts = {f"{prefix}.h": source("machine.h", prefix), "fmi.h": source("fmi.h", prefix), "scene.h": built.known}
+        texts |= {"variables.h": variables} | {own: source(own, prefix) for own in sources}
+        for own, text in texts.items():
+            (folder / own).write_text(text, encoding="utf-8")
+        called(command, folder, *COMPILE, *hidden, "-c", *sources)
+        objects = [own.replace(".c", ".o") for own in sources]
+        linked = "-shared", f"-Wl,-soname,lib{prefix}.so", *objects, "kernels.o", "-o", "machine.so", "-lm"
         called(command, folder, *linked)
-        return Built(machine, memory, (folder / "machine.so").read_bytes())
+        return (folder / "machine.so").read_bytes()
 
 
 def called(command: list[str], folder: Path, *arguments: str) -> None:

@@ -2,7 +2,7 @@
 
 import re
 
-from omnisim.native.building import build, source
+from omnisim.native.building import build, shared_library, source
 from omnisim.scene.scene import Scene
 
 COPIED = "example.cpp", "CMakeLists.txt"
@@ -26,5 +26,5 @@ def files(scene: Scene, prefix: str, cpu: str) -> dict[str, bytes]:
     title = scene.config.title.replace("*/", "* /").replace("\n", " ")
     header = source("machine.h", prefix).replace("@TITLE@", title)
     texts = [header, *(source(name, prefix) for name in COPIED), scene.text]
-    images = [build(scene, prefix, cpu).library, *(text.encode() for text in texts)]
+    images = [shared_library(build(scene, prefix, cpu)), *(text.encode() for text in texts)]
     return dict(zip(file_names(prefix), images, strict=True))

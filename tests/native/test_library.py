@@ -5,6 +5,7 @@ import os
 import re
 import shutil
 import subprocess
+import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -218,17 +219,17 @@ def test_the_library_needs_libm_and_libc_and_shows_what_its_header_declares(made
 
 
 @pytest.mark.long
-def test_the_example_is_built_and_runs_as_another_user_without_an_environment(made, tmp_path):
-    folder, _ = made("youbot")
-    subprocess.run(["cmake", "-S", folder, "-B", tmp_path / "build"], check=True, capture_output=True)
-    subprocess.run(["cmake", "--build", tmp_path / "build"], check=True, capture_output=True)
-    for path in (tmp_path, *tmp_path.parents[:2]):
-        path.chmod(0o755)
+def test_the_example_is_built_and_runs_as_another_user_without_an_environment(made):
     other = {"user": 65534, "group": 65534} if os.getuid() == 0 else {}
-    shutil.copy(folder / "libyoubot.so", tmp_path / "build")
-    said = subprocess.run(
-        [tmp_path / "build/example"], capture_output=True, text=True, check=True, env={}, cwd="/", **other
-    ).stdout
+    with tempfile.TemporaryDirectory() as name:  # not below the user's own folder, where nobody else may look
+        here = Path(name)
+        here.chmod(0o755)
+        shutil.copytree(made("youbot")[0], here / "youbot")
+        for task in (("-S", "youbot", "-B", "build"), ("--build", "build")):
+            subprocess.run(["cmake", *task], cwd=here, check=True, capture_output=True)
+        said = subprocess.run(
+            [here / "build/example"], capture_output=True, text=True, check=True, env={}, cwd="/", **other
+        ).stdout
     yaw = [float(text) for text in re.findall(r"yaw = (\S+) rad", said)]
     assert len(yaw) == 15 and abs(yaw[-1] - 1.5) < 0.05 and "3.000 s marched in" in said
 
@@ -279,6 +280,17 @@ def test_files_that_are_there_stay(folder):
     refused(command("library", "youbot", "-o", "none/made"), "there is no folder none")
     refused(command("library", "youbot", "-o", "made/youbot.h"), "made/youbot.h: not a folder")
     refused(command("library", "youbott", "-o", "made"), "youbott")
+
+
+def test_a_unit_without_a_compiler_a_known_step_or_its_suffix_is_not_written(folder, monkeypatch):
+    result = command("fmu", "youbot", "-o", "made.fmu", "--set", "solver.error=1e-6")
+    refused(result, "youbot", "solver.error: native code marches with a step that is known")
+    monkeypatch.setenv("CC", "no-such-compiler")
+    refused(command("fmu", "youbot", "-o", "made.fmu"), "a C compiler is needed", "CC names no-such-compiler")
+    refused(
+        command("fmu", "youbot", "-o", "made.zip"), "made.zip: the name of a Functional Mock-up Unit ends with .fmu"
+    )
+    assert contents(folder) == {}
 
 
 @pytest.mark.long

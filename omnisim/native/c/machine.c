@@ -67,7 +67,7 @@ static omnisim_status refused(omnisim_machine *machine, const char *format, cons
 }
 
 /* The sentence of a status: {time}, {wheel}, {rate} and {limit} in it become what they are. */
-static omnisim_status stopped(omnisim_machine *machine) {
+static omnisim_status explained(omnisim_machine *machine) {
     int64_t status = *whole(machine, CLOCK_STATUS), wheel = *whole(machine, CLOCK_WHEEL);
     double rate = *reals(machine, CLOCK_RATE);
     const char *from = SENTENCE[status];
@@ -111,7 +111,7 @@ static omnisim_status march(omnisim_machine *machine, int64_t goal) {
             machine->state.events[*whole(machine, LOG + i * EVENT_SIZE + EVENT_KIND)]++;
         *whole(machine, CLOCK_EVENTS) = 0;
     } while (status == LOG_FULL);
-    return status == RUNNING ? omnisim_RUNNING : stopped(machine);
+    return status == RUNNING ? omnisim_RUNNING : explained(machine);
 }
 
 omnisim_status omnisim_reset(omnisim_machine *machine) {
@@ -138,8 +138,8 @@ omnisim_status omnisim_step(omnisim_machine *machine, double seconds) {
     double steps = round(seconds / GRID);
     if (!(steps >= 1.0 && steps <= MOST_STEPS && fabs(seconds - steps * GRID) <= ON_GRID * seconds))
         return refused(machine, "%s%s s is no multiple of the scene's time.step, %s s", "", seconds, GRID);
-    if (*whole(machine, CLOCK_STATUS) != RUNNING)
-        return stopped(machine);
+    if (omnisim_stopped(machine))
+        return explained(machine);
     return march(machine, *whole(machine, CLOCK_STEP) + (int64_t)steps);
 }
 
@@ -279,7 +279,7 @@ omnisim_status omnisim_restore(omnisim_machine *machine, const void *state) {
     memcpy(machine->memory, (const unsigned char *)state + sizeof machine->state, KEPT);
     machine->seen = 0;
     machine->message[0] = '\0';
-    return *whole(machine, CLOCK_STATUS) == RUNNING ? omnisim_RUNNING : stopped(machine);
+    return omnisim_stopped(machine) ? explained(machine) : omnisim_RUNNING;
 }
 
 /* --- what there is ------------------------------------------------------------------------------ */
@@ -299,3 +299,4 @@ double omnisim_grid(void) { return GRID; }
 double omnisim_end(void) { return END; }
 double omnisim_time(const omnisim_machine *machine) { return (double)*whole(machine, CLOCK_STEP) * GRID; }
 const char *omnisim_message(const omnisim_machine *machine) { return machine->message; }
+int omnisim_stopped(const omnisim_machine *machine) { return *whole(machine, CLOCK_STATUS) != RUNNING; }

@@ -12,10 +12,8 @@
 extern "C" {
 #endif
 
-#if defined(__GNUC__)
+#ifndef omnisim_API
 #define omnisim_API __attribute__((visibility("default")))
-#else
-#define omnisim_API
 #endif
 
 typedef struct omnisim_machine omnisim_machine;
@@ -73,6 +71,9 @@ omnisim_API omnisim_status omnisim_restore(omnisim_machine *machine, const void 
 
 /* How the machine was stopped, or why the last call was refused; "" while all is well. Until the next call. */
 omnisim_API const char *omnisim_message(const omnisim_machine *machine);
+
+/* Whether something has stopped it. */
+omnisim_API int omnisim_stopped(const omnisim_machine *machine);
 
 #ifdef __cplusplus
 }
