@@ -37,13 +37,21 @@ def start(folder, *words):
     )  # fmt: skip
 
 
-@pytest.fixture
-def cluster(tmp_path):
-    """A scheduler with two workers: its address and its processes."""
+@pytest.fixture(params=["1"])
+def cluster(tmp_path, request):
+    """A scheduler with two workers of so many threads: its address and its processes."""
     file = tmp_path / "scheduler.json"
     processes = [start(tmp_path, "dask_scheduler", "--port", "0", "--no-dashboard", "--scheduler-file", str(file))]
     for _ in range(2):
-        worker = ("dask_worker", "--scheduler-file", str(file), "--nthreads", "1", "--no-dashboard", "--no-nanny")
+        worker = (
+            "dask_worker",
+            "--scheduler-file",
+            str(file),
+            "--nthreads",
+            request.param,
+            "--no-dashboard",
+            "--no-nanny",
+        )
         processes.append(start(tmp_path, *worker))
     until = time.monotonic() + 60.0
     while not file.exists() and time.monotonic() < until:
@@ -57,6 +65,13 @@ def cluster(tmp_path):
 
 
 def test_a_cluster_finds_the_same_bits(cluster):
+    address, _ = cluster
+    same(sweep(STUDY, cluster=address), sweep(STUDY, workers=1))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("cluster", ["2"], indirect=True)
+def test_threads_of_workers_find_the_same_bits(cluster):
     address, _ = cluster
     same(sweep(STUDY, cluster=address), sweep(STUDY, workers=1))
 
@@ -78,16 +93,19 @@ def test_a_worker_that_is_killed_loses_nothing(cluster, tmp_path):
 
 @pytest.mark.long
 def test_a_scheduler_that_vanishes_leaves_what_has_finished(cluster, tmp_path):
+    """And what is missing is done elsewhere, with the result of a study that nothing has disturbed."""
     address, (scheduler, *_) = cluster
     path = tmp_path / "study.h5"
+    study = STUDY | {"design": STUDY["design"] | {"count": 4000}}
 
     def watch(done):
         if done.ended > 5:
             scheduler.kill()
 
     with pytest.raises(ClusterError, match=r"is gone.*--resume goes on"):
-        sweep(STUDY | {"design": STUDY["design"] | {"count": 4000}}, path, cluster=address, progress=watch)
+        sweep(study, path, cluster=address, progress=watch)
     assert journal_of(path).exists() and not path.exists()
+    same(sweep(study, path, resume=True), sweep(study))
 
 
 @pytest.mark.long

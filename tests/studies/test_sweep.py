@@ -234,6 +234,31 @@ def test_kill_9_of_the_command_loses_no_finished_run(tmp_path):
     assert "400 of 400" in done.stdout
     whole = open_study(path)
     assert all(whole["far"][row.run] == row.measures[0] for row in found)
+    np.testing.assert_array_equal(whole["far"], sweep(study)["far"])
+
+
+@pytest.mark.long
+def test_a_disk_that_is_full_keeps_what_has_finished(tmp_path):
+    """The limit of the shell on the size of a file stands for it: the journal stops there, in the middle of a line."""
+    study = tmp_path / "study.toml"
+    study.write_text("""
+        schema = 1
+        scene = "kiwi"
+        set = { "time.end" = 0.2 }
+        vary = { "friction.coefficient" = { uniform = [0.2, 0.6] } }
+        design = { kind = "random", count = 400 }
+        measure = { far = { dataset = "body/position", at = "end", component = "norm" } }
+    """)
+    path = tmp_path / "study.h5"
+    words = [sys.executable, "-c", "from omnisim_cli.main import main; main()", "sweep", str(study), "-o", str(path)]
+    limited = ["bash", "-c", 'ulimit -f 8; trap "" XFSZ; exec "$@"', "bash", *words]
+    done = subprocess.run(limited, capture_output=True, text=True)
+    assert done.returncode == 1 and "Traceback" not in done.stderr
+    assert "--resume goes on" in done.stderr and not path.exists()
+    assert 0 < len(journal.read(journal_of(path), mark_of(study))) < 400
+    done = subprocess.run([*words, "--resume"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    np.testing.assert_array_equal(open_study(path)["far"], sweep(study)["far"])
 
 
 def test_a_full_disk_stops_the_study_with_what_has_finished(tmp_path, monkeypatch):
