@@ -1,9 +1,12 @@
-"""Sketches of ground: a slope, and where rollers touch bumps and steps; docs/sketches.py draws them."""
+"""Sketches of ground: a slope, where rollers touch bumps and steps, and the rigid limit; docs/sketches.py draws them."""
 # ruff: noqa: RUF001  (Greek letters are meant)
 
 import math
+from pathlib import Path
 
 from docs.sketch_sheet import COOL, DASHED, FLOOR, INK, PALE, WARM, Sheet
+
+PAGE = Path(__file__).parent / "pages/ground.md"
 
 
 def slope() -> Sheet:
@@ -64,4 +67,42 @@ def common_normals() -> Sheet:
     sheet.text((axis[0] + 0.08, axis[1] - 0.02), "e", PALE, "start")
     sheet.arrow((axis[0] - edge, -0.2), (0.5, 0), PALE, 1.5)
     sheet.text((axis[0] - edge + 0.6, -0.2), "s", PALE)
+    return sheet
+
+
+def table_of_the_limit() -> tuple[list[str], list[list[float]]]:
+    """Of the page: its machines, and rows of stiffness (N/m) and the difference of each to the rigid one (m)."""
+    table = PAGE.read_text(encoding="utf-8").partition("| stiffness, N/m ")[2].partition("\n\n")[0]
+    head, _, *rows = [line.split("|")[1:-1] for line in table.split("\n")]
+    return [name.strip() for name in head], [[float(cell) for cell in row] for row in rows]
+
+
+def rigid_limit() -> Sheet:
+    """Decades of the difference to the rigid machine over decades of stiffness, both of one length: slopes are true."""
+    sheet = Sheet(580, 420, 52, (-185, -85))
+    names, rows = table_of_the_limit()
+    decades = [[math.log10(number) for number in row] for row in rows]
+    for y in range(-8, -2):
+        sheet.line((5, y), (9, y), colour="#eceff1", width=1)
+        sheet.text((4.85, y), f"1e{y}", anchor="end", symbol=False)
+    for x in range(5, 10):
+        sheet.line((x, -8.7), (x, -2.5), colour="#eceff1", width=1)
+        sheet.text((x, -8.95), f"1e{x}", symbol=False)
+    sheet.line((5, -2.5), (5, -8.7), (9, -8.7), colour=PALE)
+    sheet.text((7, -9.3), "stiffness, N/m", symbol=False)
+    sheet.text((3.75, -2.15), "difference to the rigid machine, m", anchor="start", symbol=False)
+    looks = ((INK, "", 0.0), (COOL, "", -0.12), (COOL, DASHED, 0.14), (WARM, "", 0.0))
+    for column, (name, (colour, dash, shift)) in enumerate(zip(names, looks, strict=True), 1):
+        points = [(row[0], row[column]) for row in decades]
+        sheet.line(*points, colour=colour, width=2, dash=dash)
+        for point in points:
+            sheet.dot(point, colour)
+        sheet.text((9.15, points[-1][1] + shift), name, colour, "start", symbol=False)
+    x = decades[2][0]
+    for power, words, start, place, anchor in (
+        (-1.0, "slope -1", decades[2][1] - 0.25, (-0.12, 0.0), "end"),
+        (-0.5, "slope -1/2", decades[2][4] + 0.35, (0.25, 0.25), "start"),
+    ):
+        sheet.line((x, start), (9, start + (9 - x) * power), colour=FLOOR, dash=DASHED)
+        sheet.text((x + place[0], start + place[1]), words, anchor=anchor, symbol=False)
     return sheet

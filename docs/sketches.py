@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable
 from pathlib import Path
 
-from docs.ground_sketches import common_normals, slope
+from docs.ground_sketches import common_normals, rigid_limit, slope
 from docs.sketch_sheet import COOL, DASHED, INK, PALE, WARM, Sheet
 
 FOLDER = Path(__file__).parent / "pages/pictures"
@@ -328,7 +328,7 @@ def step_cut() -> Sheet:
 SKETCHES: dict[str, Callable[[], Sheet]] = {
     sketch.__name__: sketch
     for sketch in (frames_side, frames_front, frames_top, roller_profile, friction_laws, two_rollers, bearing_axes,
-                   kiwi_places, mecanum_hands, loads, slope, common_normals, step_cut)
+                   kiwi_places, mecanum_hands, loads, slope, common_normals, rigid_limit, step_cut)
 }  # fmt: skip
 
 
