@@ -1,116 +1,91 @@
-"""Fits of the measured mecanum robot, for docs/pages/measured_robots.md (extra study).
+"""The measured mecanum robot by ideal kinematics, for docs/pages/measured_robots.md (extra study).
 
-    python -m docs.measured_robots picture                          the picture of the page (extra plot)
-    python -m docs.measured_robots ideal                            ideal kinematics, with intervals by a bootstrap over runs
-    python -m docs.measured_robots FOLDER squares_mended creep      real rollers, kept as FOLDER/squares_mended_creep.json
-
-A fit starts where that of the lengths alone has ended, if that is in the folder. Steps of 50 ms; a fit takes some minutes.
+python -m docs.measured_robots picture      the picture of the page (extra plot)
+python -m docs.measured_robots ideal        what ideal kinematics does, with intervals by a bootstrap over runs
 """
 
-import json
 import sys
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
-import omnisim
-from omnisim.fitting.fit_file import Fit, load_fit, packaged_fits
-from omnisim.fitting.fitting import what_is_known
+from omnisim.fitting.fit_file import Fit, load_fit
 from omnisim.fitting.ideal import IdealPaths
-from omnisim.fitting.least_squares import Search
+from omnisim.fitting.least_squares import Paths, Search
 from omnisim.fitting.paths import errors, measured
-from omnisim.fitting.simulation import SimulatedPaths, prepared
-from omnisim.scene.document import parsed
 
+Ways = Callable[[Fit], Paths]
 PICTURE = Path(__file__).parent / "pages/pictures/measured_robot.png"
-STEP = 0.05  # s
-BRUSH = {"law": "brush", "coefficient": 0.5, "creep_stiffness": 12.0, "slip_speed": 2e-3}
-CREEP = {"friction.creep_stiffness": {"start": 12.0, "from": 2.0, "to": 60.0}}
-RESISTANCE = {"wheel_types.*.roller.rolling_resistance": {"start": 2e-4, "from": 0.0, "to": 3e-3}}
-FREE: dict[str, dict[str, Any]] = {
-    "lengths": {},
-    "creep": CREEP,
-    "resistance": RESISTANCE,
-    "both": CREEP | RESISTANCE,
-}
+DRAWS = tuple(  # of four runs, two each way round: which are drawn with replacement, and how often of 16 times
+    ((*one, *(2 + i for i in two)), n * m)
+    for one, n in (((0, 0), 1), ((0, 1), 2), ((1, 1), 1))
+    for two, m in (((0, 0), 1), ((0, 1), 2), ((1, 1), 1))
+)
+ALL = next(i for i, (drawn, _) in enumerate(DRAWS) if drawn == (0, 1, 2, 3))
 
 
-def fit_of(logs: str, free: str, folder: Path) -> Fit:
-    """The packaged fit of these logs with these keys free beside the lengths, its scene in the folder."""
-    path = packaged_fits()[f"omni4_{logs}"]
-    data = parsed(path.read_text(encoding="utf-8"), path.name).data
-    times = {"time.step": STEP, "time.output_interval": STEP}
-    scene = omnisim.load("omni4", times | {f"friction.{key}": value for key, value in BRUSH.items()})
-    text = folder / f"omni4_{logs}_{free}.toml"
-    text.write_text(scene.text, encoding="utf-8")
-    first = folder / f"{logs}_lengths.json"
-    known = json.loads(first.read_text(encoding="utf-8"))["estimates"] if first.exists() else {}
-    lengths = {key: entry | ({"start": known[key][0]} if known else {}) for key, entry in data["free"].items()}
-    entries = [entry | {"file": str(path.parent / entry["file"])} for entry in data["logs"]]
-    return load_fit(data | {"scene": str(text), "logs": entries, "free": lengths | FREE[free]})
+class Transfer(NamedTuple):
+    """What a fit tells of runs that it has not seen: (mm at the end, deg at the end, mm along the way), means.
+
+    kind (4, 3): fitted to one run each way round, tested on the two others. other (81, 3): fitted to one of DRAWS, tested
+    on one of DRAWS of the other kind of path. estimates (9, P): those of the first.
+    """
+
+    kind: np.ndarray
+    other: np.ndarray
+    estimates: np.ndarray
+
+    @property
+    def middle(self) -> np.ndarray:
+        """(3,) of all four runs, tested on all four of the other kind."""
+        return self.other[ALL * (len(DRAWS) + 1)]
 
 
-def found(fit: Fit) -> dict[str, Any]:
-    """What the search finds: estimates as [value, low, high], the cost, what the logs cannot tell; of every log its use
-    and [end position (m), end yaw (rad), rms position (m)]."""
-    prepared(fit)
-    paths = SimulatedPaths(fit, 1)
-    search = Search(fit, paths, range(len(fit.parameters)), lambda trial: print(trial, flush=True))
-    solution = search.solve(fit.start)
-    known = what_is_known(fit, solution, search.weights)
-    ways = paths(solution.values[None], list(range(len(fit.logs))))[0]
-    columns = (solution.values, known.low, known.high)
-    return {
-        "estimates": {one.key: list(map(float, entry)) for one, *entry in zip(fit.parameters, *columns, strict=True)},
-        "correlation": known.correlation.tolist(),
-        "cost": float(np.sum(solution.residuals**2)),
-        "cannot_tell": known.untold,
-        "logs": [
-            {"file": log.file, "use": log.use, "errors": errors(way, measured(log, fit.compared(log)))}
-            for log, way in zip(fit.logs, ways, strict=True)
-        ],
-    }
+OFTEN = np.array([n * m for _, n in DRAWS for _, m in DRAWS])  # the rows of `other` are drawn
 
 
 def ideal(logs: str, other: str) -> dict[str, np.ndarray]:
     """What ideal kinematics makes of the logs of one kind, and of the other kind: value and 95 % interval of the mean.
 
-    The intervals are those of a bootstrap over runs, all of it: of the two runs each way round two are drawn, with
-    replacement, to fit, and as many of the other kind to test.
-
-    diameter: of a wheel, mm, if all have one. alone: of each run fitted by itself; kind: fitted to one run each way round,
-    tested on the two others; other: fitted to four, tested on four of the other kind; mm at the end, deg at the end, mm
-    along the way. repeats: half of what two runs one way round end apart, fitted to four of the other kind, mm.
+    diameter: of a wheel, mm, if all have one. alone: of each run fitted by itself; kind, other: see `Transfer`; mm at the
+    end, deg at the end, mm along the way. repeats: half of what two runs one way round end apart, fitted to four of the
+    other kind, mm.
     """
     fit = load_fit(f"omni4_{logs}")
-    mine, others = (
-        [i for i, log in enumerate(fit.logs) if f"_{kind.partition('_')[0]}_" in log.file] for kind in (logs, other)
-    )
-    draws = [((0, 0), 1), ((0, 1), 2), ((1, 1), 1)]  # of two runs, and how often of four
-    both = [((*one, *(2 + i for i in two)), n * m) for one, n in draws for two, m in draws]
+    mine, others = (of_kind(fit, kind.partition("_")[0]) for kind in (logs, other))
     all_four = values(fit, mine)
     fit = begun(fit, all_four)
     single = begun(one_radius(fit), np.array([all_four[:4].mean(), *all_four[4:]]))
-    alone = np.mean([table(fit, [i], [i]) for i in mine], axis=(0, 1))
-    kind = np.mean([table(fit, [mine[i], mine[j]], [mine[1 - i], mine[5 - j]]) for i in (0, 1) for j in (2, 3)], axis=1)
-    means, diameters, often = [], [], []
-    for drawn, n in both:
-        fitted = [mine[i] for i in drawn]
-        found = table(fit, fitted, others)
-        diameters.append(60.0 * values(single, fitted)[0])
-        for tested, m in both:
-            means.append(found[[*tested]].mean(axis=0))
-            often.append(n * m)
-    middle = next(n for n, (drawn, _) in enumerate(both) if drawn == (0, 1, 2, 3))
+    diameters = np.array([60.0 * values(single, [mine[i] for i in drawn])[0] for drawn, _ in DRAWS])
+    found = transfer(fit, mine, others)
     return {
-        "diameter": np.array([diameters[middle], *interval(np.array(diameters), [n for _, n in both])]),
-        "alone": alone,
-        "kind": np.array([kind.mean(axis=0), kind.min(axis=0), kind.max(axis=0)]),
+        "diameter": np.array([diameters[ALL], *interval(diameters, [n for _, n in DRAWS])]),
+        "alone": np.mean([table(fit, [i], [i]) for i in mine], axis=(0, 1)),
+        "kind": np.array([found.kind.mean(axis=0), found.kind.min(axis=0), found.kind.max(axis=0)]),
         "repeats": repeats(fit, all_four, others),
-        "other": np.array([means[middle * (len(both) + 1)], *interval(np.array(means), often)]),
+        "other": np.array([found.middle, *interval(found.other, OFTEN)]),
     }
+
+
+def of_kind(fit: Fit, kind: str) -> list[int]:
+    """Numbers of the four logs of one kind of path: two one way round, two the other."""
+    return [i for i, log in enumerate(fit.logs) if f"_{kind}_" in log.file]
+
+
+def transfer(fit: Fit, mine: list[int], others: list[int], ways: Ways = IdealPaths) -> Transfer:
+    """Fitted to runs of one kind, tested on the rest of them and on the other kind. Intervals of a bootstrap over runs,
+    all of it: of the two runs each way round two are drawn to fit, and as many of the other kind to test."""
+    pairs = [(i, j) for i in (0, 1) for j in (2, 3)]
+    kind = [table(fit, [mine[i], mine[j]], [mine[1 - i], mine[5 - j]], ways).mean(axis=0) for i, j in pairs]
+    estimates = [values(fit, [mine[i] for i in drawn], ways) for drawn, _ in DRAWS]
+    other = []
+    for found in estimates:
+        rows = errors_on(fit, found, others, ways)
+        other += [rows[[*drawn]].mean(axis=0) for drawn, _ in DRAWS]
+    return Transfer(np.array(kind), np.array(other), np.array(estimates))
 
 
 def repeats(fit: Fit, estimates: np.ndarray, tested: list[int]) -> np.ndarray:
@@ -120,22 +95,27 @@ def repeats(fit: Fit, estimates: np.ndarray, tested: list[int]) -> np.ndarray:
     return 500.0 * np.array([np.hypot(*(one - other)) for one, other in (ends[:2], ends[2:])])
 
 
-def interval(found: np.ndarray, often: list[int]) -> np.ndarray:
+def interval(found: np.ndarray, often: Sequence[int] | np.ndarray) -> np.ndarray:
     """(2, ...): what 95 % of the draws are between."""
     return np.quantile(np.repeat(found, often, axis=0), (0.025, 0.975), axis=0)
 
 
-def values(fit: Fit, fitted: list[int]) -> np.ndarray:
-    """What ideal kinematics estimates from these logs; one may be in it twice."""
+def values(fit: Fit, fitted: list[int], ways: Ways = IdealPaths) -> np.ndarray:
+    """What these ways to paths estimate from these logs; one may be in it twice."""
     chosen = replace(fit, logs=tuple(replace(fit.logs[i], use="fit") for i in fitted))
-    return Search(chosen, IdealPaths(chosen), range(len(fit.parameters)), lambda trial: None).solve(fit.start).values
+    return Search(chosen, ways(chosen), range(len(fit.parameters)), lambda trial: None).solve(fit.start).values
 
 
-def table(fit: Fit, fitted: list[int], tested: list[int]) -> np.ndarray:
-    """(T, 3): errors of ideal kinematics at the end (mm, deg) and along the way (mm) of each tested log."""
-    paths = IdealPaths(fit)(values(fit, fitted)[None], tested)[0]
+def table(fit: Fit, fitted: list[int], others: list[int], ways: Ways = IdealPaths) -> np.ndarray:
+    """(T, 3): errors at the end (mm, deg) and along the way (mm) of each other log."""
+    return errors_on(fit, values(fit, fitted, ways), others, ways)
+
+
+def errors_on(fit: Fit, estimates: np.ndarray, logs: list[int], ways: Ways = IdealPaths) -> np.ndarray:
+    """(T, 3): errors with these estimates at the end (mm, deg) and along the way (mm) of each log."""
+    paths = ways(fit)(estimates[None], logs)[0]
     found = [
-        errors(path, measured(fit.logs[i], fit.compared(fit.logs[i]))) for i, path in zip(tested, paths, strict=True)
+        errors(path, measured(fit.logs[i], fit.compared(fit.logs[i]))) for i, path in zip(logs, paths, strict=True)
     ]
     return np.array([(1e3 * e.end_position, np.degrees(e.end_yaw), 1e3 * e.rms_position) for e in found])
 
@@ -175,20 +155,13 @@ def draw() -> None:
     figure.savefig(PICTURE, dpi=110)
 
 
-def main(folder: str, logs: str = "", free: str = "") -> None:
-    """The picture; what ideal kinematics does, printed; or one fit, kept."""
-    if folder == "picture":
+def main(what: str) -> None:
+    """The picture; or what ideal kinematics does, printed."""
+    if what == "picture":
         return draw()
-    if folder == "ideal":
-        for name in [logs] if logs else ("squares", "circles", "squares_mended", "circles_mended"):
-            told = ideal(name, "circles" if "squares" in name else "squares")
-            print(
-                name, *(f"{key} {np.round(value, 2).tolist()}" for key, value in told.items()), sep="\n  ", flush=True
-            )
-        return
-    text = json.dumps(found(fit_of(logs, free, Path(folder))), indent=1)
-    (Path(folder) / f"{logs}_{free}.json").write_text(text, encoding="utf-8")
-    print(text)
+    for name in ("squares", "circles", "squares_mended", "circles_mended"):
+        told = ideal(name, "circles" if "squares" in name else "squares")
+        print(name, *(f"{key} {np.round(value, 2).tolist()}" for key, value in told.items()), sep="\n  ", flush=True)
 
 
 if __name__ == "__main__":

@@ -7,10 +7,7 @@ import numpy as np
 import pytest
 
 import omnisim
-from docs.measured_drag import NONE, fitted
-from docs.measured_robots import BRUSH, fit_of
-from omnisim.fitting.paths import errors, measured
-from omnisim.fitting.simulation import SimulatedPaths
+from docs.measured_drag import BRUSH
 from omnisim.scene.ideal_kinematics import wheel_rows
 from omnisim.scene.scene import parse
 from omnisim.scene.toml_text import rewrite
@@ -20,7 +17,6 @@ SINE = math.sqrt(0.5)  # of 45 deg, and its cosine
 RESISTANCE, STIFFNESS = 8e-4, BRUSH["creep_stiffness"]
 BEARING, LOAD = 2e-3, 9.81 * (3.0 + 4 * (0.12 + 8 * 0.008)) / 4.0  # N m, N
 BEGIN, END = 2.0, 6.0  # s, at constant speed
-FITTED, TESTED = ("squares_1", "squares_4"), ("circles_2", "circles_3")
 AHEAD, ASIDE, IN_PLACE = (0.08, 0.0, 0.0), (0.0, 0.08, 0.0), (0.0, 0.0, 0.4)
 
 
@@ -76,39 +72,3 @@ def test_bearings_of_rollers_cost_speed_aside_alone(twist, wanted):
     """2 mN m: simulated 0.831 % of the speed aside and -8e-7 of that ahead; closed form 0.828 % and 0."""
     free, slowed = gain(twist), gain(twist, bearing=BEARING)
     assert (free - slowed) / free == pytest.approx(wanted, rel=0.15, abs=1e-3)
-
-
-LENGTHS = (1.008015, 1.014182, 1.015787, 1.021425, 1.024747, -0.002513, 0.004640)  # python -m docs.measured_robots
-DRAG = (1.032325, 1.040499, 1.040380, 1.045001, 1.049511, -0.000437, 0.002791, 7.92e-4)
-
-
-@pytest.mark.long
-def test_rolling_resistance_fits_squares_a_little_better_and_carries_over_to_circles_no_better(tmp_path):
-    """Squares of weighted residuals 2470 to 2369; on circles 2 and 3 30 to 41 mm and 3.0 to 7.2 deg at the end."""
-    cost, ends = [], []
-    for free, values in (("lengths", LENGTHS), ("resistance", DRAG)):
-        fit = fit_of("squares_mended", free, tmp_path)
-        names = [log.file[-len("circles_1.csv.gz") :] for log in fit.logs]
-        chosen, tested = ([names.index(f"{name}.csv.gz") for name in pair] for pair in (FITTED, TESTED))
-        paths = SimulatedPaths(fit, 1)(np.array([values]), chosen + tested)[0]
-        logs = [measured(fit.logs[i], fit.compared(fit.logs[i])) for i in chosen + tested]
-        weights = fit.config.weights
-        cost.append(
-            sum(
-                np.sum((path.position - log.position) ** 2) / weights.position**2
-                + np.sum((path.yaw - log.yaw) ** 2) / weights.yaw**2
-                for path, log in zip(paths[:2], logs[:2], strict=True)
-            )
-        )
-        found = [errors(path, log) for path, log in zip(paths[2:], logs[2:], strict=True)]
-        ends.append(np.mean([(1e3 * one.end_position, np.degrees(one.end_yaw)) for one in found], axis=0))
-    assert 0.9 * cost[0] < cost[1] < cost[0]
-    assert (ends[1] > ends[0]).all()
-
-
-@pytest.mark.long
-def test_bearings_that_drag_explain_two_fifths_of_what_both_kinds_of_path_leave_to_one_fit():
-    """Squares of weighted residuals 10122 to 5878 by 0.86 % of speed aside, 0.59 to 1.13."""
-    without, lossy = (fitted(("squares", "circles"), most) for most in (NONE, 0.1))
-    assert lossy.cost < 0.6 * without.cost  # 0.581 measured
-    assert 0.004 < lossy.lost[1] < lossy.lost[2] < 0.013
