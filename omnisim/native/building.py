@@ -19,6 +19,7 @@ from omnisim.march.observation import observe
 from omnisim.march.spatial_observation import observe_in_space
 from omnisim.native.memory import Machine, Memory, machine_of
 from omnisim.native.object_code import Entry, object_code
+from omnisim.native.parameters import Parameter, parameters_of
 from omnisim.native.sources import header
 from omnisim.scene.problems import ConfigError
 from omnisim.scene.scene import Scene, SceneError
@@ -38,6 +39,7 @@ class Built(NamedTuple):
 
     machine: Machine
     memory: Memory
+    parameters: list[Parameter]
     prefix: str
     code: bytes
     known: str
@@ -98,8 +100,9 @@ def build(scene: Scene, prefix: str, cpu: str) -> Built:
     looked = observe if machine.parameters.space is None else observe_in_space
     entries = [Entry(f"{prefix}_march", march, machine.marched), Entry(f"{prefix}_observe", looked, machine.observed)]
     code = object_code(entries, memory, f"{prefix}_start", cpu)
-    known = header(scene.config, machine, memory, identity_of(code)).replace("omnisim_", f"{prefix}_")
-    return Built(machine, memory, prefix, code, known)
+    parameters = parameters_of(scene, machine.marched[1], memory)
+    known = header(scene.config, machine, memory, parameters, identity_of(code)).replace("omnisim_", f"{prefix}_")
+    return Built(machine, memory, parameters, prefix, code, known)
 
 
 def shared_library(built: Built, layer: str | None = None, variables: str = "") -> bytes:

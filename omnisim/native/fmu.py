@@ -9,6 +9,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from omnisim.base.version import VERSION
 from omnisim.native.building import Built, NativeError, shared_library
+from omnisim.native.parameters import Parameter
 from omnisim.native.variables import Input, Output, inputs_of, outputs_of
 from omnisim.scene.scene import Scene
 from omnisim.scene.schema import Config
@@ -29,13 +30,14 @@ def fmu(scene: Scene, built: Built, standard: str) -> bytes:
     """The file. standard: "3" or "2". Raises NativeError for a processor that FMI 2.0 has no name for."""
     inputs = inputs_of(scene.config, built.machine)
     outputs = outputs_of(scene.config, built.machine, built.memory)
+    parameters = built.parameters
     folder = binaries(standard)
     token = f"omnisim-{VERSION}-{built.identity}"
     described = description_3 if standard == "3" else description_2
-    known = {"INPUTS": len(inputs), "OUTPUTS": len(outputs), "TOKEN": json.dumps(token)}
+    known = {"INPUTS": len(inputs), "OUTPUTS": len(outputs), "PARAMETERS": len(parameters), "TOKEN": json.dumps(token)}
     variables = "".join(f"#define {name} {value}\n" for name, value in known.items())
     files = {
-        "modelDescription.xml": written(described(scene.config, built.prefix, token, inputs, outputs)),
+        "modelDescription.xml": written(described(scene.config, built.prefix, token, inputs, outputs, parameters)),
         f"binaries/{folder}/{built.prefix}.so": shared_library(built, f"fmi{standard}.c", variables),
         "resources/scene.toml": scene.text.encode(),
     }
@@ -60,7 +62,9 @@ def binaries(standard: str) -> str:
 # --- what the description has -----------------------------------------------------------------------
 
 
-def description_3(config: Config, name: str, token: str, inputs: list[Input], outputs: list[Output]) -> Element:
+def description_3(
+    config: Config, name: str, token: str, inputs: list[Input], outputs: list[Output], parameters: list[Parameter]
+) -> Element:
     """modelDescription.xml of FMI 3.0. Value references are as fmi.h has them."""
     root = Element("fmiModelDescription", about(config, name), fmiVersion="3.0", instantiationToken=token)
     SubElement(root, "CoSimulation", interface(name), canSerializeFMUState="true", canGetAndSetFMUState="true")
@@ -80,10 +84,14 @@ def description_3(config: Config, name: str, token: str, inputs: list[Input], ou
         SubElement(structure, "Output", valueReference=str(reference))
     for reference in references:
         SubElement(structure, "InitialUnknown", valueReference=str(reference))
+    for reference, parameter in enumerate(parameters, references.stop):
+        SubElement(variables, "Float64", fixed(parameter, reference) | bounds(parameter))
     return root
 
 
-def description_2(config: Config, name: str, token: str, inputs: list[Input], outputs: list[Output]) -> Element:
+def description_2(
+    config: Config, name: str, token: str, inputs: list[Input], outputs: list[Output], parameters: list[Parameter]
+) -> Element:
     """The same of FMI 2.0, whose variables count from 1 and whose outputs are told twice."""
     root = Element("fmiModelDescription", about(config, name), fmiVersion="2.0", guid=token)
     SubElement(root, "CoSimulation", interface(name), canSerializeFMUstate="true", canGetAndSetFMUstate="true")
@@ -101,6 +109,8 @@ def description_2(config: Config, name: str, token: str, inputs: list[Input], ou
         add_unit(SubElement(scalar, "Integer" if output.whole else "Real"), output)
         for listed in lists:
             SubElement(listed, "Unknown", index=str(reference))
+    for reference, parameter in enumerate(parameters, 1 + len(inputs) + len(outputs)):
+        SubElement(SubElement(variables, "ScalarVariable", fixed(parameter, reference)), "Real", bounds(parameter))
     return root
 
 
@@ -152,6 +162,15 @@ def causality(output: Output) -> dict[str, str]:
         "variability": "discrete" if output.whole else "continuous",
         "initial": "calculated",
     }
+
+
+def fixed(parameter: Parameter, reference: int) -> dict[str, str]:
+    described = {"valueReference": str(reference), "description": f"{parameter.name} of the scene"}
+    return {"name": parameter.name, "causality": "parameter", "variability": "fixed", "initial": "exact"} | described
+
+
+def bounds(parameter: Parameter) -> dict[str, str]:
+    return {"start": repr(parameter.start), "min": repr(parameter.least), "max": repr(parameter.most)}
 
 
 def plain(text: str) -> str:

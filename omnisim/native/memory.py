@@ -11,7 +11,7 @@ from omnisim.base.copying import copied
 from omnisim.base.records import blank
 from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.spatial.records import SPATIAL_MONITORS
-from omnisim.dynamics.state import MONITORS
+from omnisim.dynamics.state import MONITORS, Recording
 from omnisim.march.initial_state import blank_rows
 from omnisim.march.observation import OBSERVED_WHEEL, Observed
 from omnisim.run.marching import FOR_EVER, Start, blank_log, packed
@@ -35,15 +35,16 @@ class Machine(NamedTuple):
 def machine_of(config: Config, stages: Any) -> Machine:
     """The machine of a scene before it stands on the floor, which the first march sees to. stages: of its method.
 
-    Each march ends with an output row, the second of two, and no march is the last. Raises ConfigError if a machine
-    free in space cannot begin where it is put.
+    Each march ends with an output row, the second of two, and no march is the last. Nothing but the log is left as
+    memory happens to be: what is made of a scene is the same every time. Raises ConfigError if a machine free in space
+    cannot begin where it is put.
     """
     parameters, run = with_piece(packed(config))
     clock = run.clock
     clock["steps"] = clock["steps_per_row"] = clock["pause"] = FOR_EVER
     clock["goal"] = 0
-    log = blank_log()
-    row = blank_rows(run, 1)
+    run = run._replace(trial=np.zeros_like(run.y))
+    row, rows = cleared(blank_rows(run, 1)), cleared(blank_rows(run, 2))
     own = parameters._replace(workspace=copied(parameters.workspace))
     wheels, rollers = run.rates.shape
     monitors = blank(MONITORS if parameters.space is None else SPATIAL_MONITORS, wheels)
@@ -56,8 +57,14 @@ def machine_of(config: Config, stages: Any) -> Machine:
         bearing_loads=np.zeros((0, wheels, rollers + 1, 2, 3)),
         energies=np.zeros((0 if parameters.space is None else 1, 3)),
     )
-    marched = parameters, stages, run, blank_rows(run, 2), log
+    marched = parameters, stages, run, rows, blank_log()
     return Machine(marched, (own, row, np.zeros(1), monitors, observed))
+
+
+def cleared(rows: Recording) -> Recording:
+    """Rows of zeros in the place of these."""
+    zeros: list[Any] = [np.zeros_like(part) for part in rows]
+    return Recording(*zeros)
 
 
 def with_piece(start: Start) -> Start:

@@ -8,6 +8,7 @@ from omnisim.base.status import EVENT_KINDS, EVENTS_PER_STEP, LOG_FULL, RUNNING,
 from omnisim.dynamics.spatial.records import SLOTS
 from omnisim.dynamics.state import places_in
 from omnisim.native.memory import Machine, Memory
+from omnisim.native.parameters import Parameter
 from omnisim.native.variables import Input, Output, inputs_of, outputs_of
 from omnisim.scene.ideal_kinematics import wheel_rows
 from omnisim.scene.schema import Config
@@ -40,10 +41,10 @@ def sentences(config: Config, dt: float) -> list[str]:
     return found
 
 
-def header(config: Config, machine: Machine, memory: Memory, identity: str) -> str:
+def header(config: Config, machine: Machine, memory: Memory, parameters: list[Parameter], identity: str) -> str:
     """scene.h, which machine.c includes. identity: 16 hexadecimal digits, by which the library knows its states."""
-    parameters, _, run, _, log = machine.marched
-    at = places_in(parameters)
+    constants, _, run, _, log = machine.marched
+    at = places_in(constants)
     clock = run.clock
     numbers = {
         "LIBRARY": f"UINT64_C(0x{identity})",
@@ -56,13 +57,13 @@ def header(config: Config, machine: Machine, memory: Memory, identity: str) -> s
         "SAFE_STEP": SAFE_STEP,
         "STABILITY_LIMIT": float(clock.stability_limit),
         "WHEELS": len(config.wheels),
-        "CHANNELS": parameters.inputs.shape[1],
-        "PIECES": len(parameters.starts) - 1,
-        "PIECES_ROOM": len(parameters.starts),
+        "CHANNELS": constants.inputs.shape[1],
+        "PIECES": len(constants.starts) - 1,
+        "PIECES_ROOM": len(constants.starts),
         "EVENT_KINDS": len(EVENT_KINDS),
-        "STARTS": memory[parameters.starts],
-        "INPUTS": memory[parameters.inputs],
-        "PUSHED": memory.field(parameters.machine, "pushed"),
+        "STARTS": memory[constants.starts],
+        "INPUTS": memory[constants.inputs],
+        "PUSHED": memory.field(constants.machine, "pushed"),
         "LOG": memory[log],
         "EVENT_SIZE": log.dtype.itemsize,
         "EVENT_KIND": log.dtype.fields["kind"][1],
@@ -73,13 +74,13 @@ def header(config: Config, machine: Machine, memory: Memory, identity: str) -> s
         "VELOCITY": at.velocity,
         "YAW_RATE": at.yaw_rate,
         "RATE": at.rate,
-        "CENTRE": memory.field(parameters.machine, "centre"),
-        "ODOMETRY_YAW": memory.field(parameters.machine, "odometry_yaw"),
-        "WHEEL_SIZE": parameters.wheels.dtype.itemsize,
-        "WHEEL_ODOMETRY": memory.field(parameters.wheels, "odometry", 0),
-        "HEIGHT": float(parameters.wheels[0].radius) if config.chassis is None else 0.0,
-        "FREE": int(parameters.space is not None),
-        "ORIGIN": 0 if parameters.space is None else memory.field(parameters.space.body, "origin"),
+        "CENTRE": memory.field(constants.machine, "centre"),
+        "ODOMETRY_YAW": memory.field(constants.machine, "odometry_yaw"),
+        "WHEEL_SIZE": constants.wheels.dtype.itemsize,
+        "WHEEL_ODOMETRY": memory.field(constants.wheels, "odometry", 0),
+        "HEIGHT": float(constants.wheels[0].radius) if config.chassis is None else 0.0,
+        "FREE": int(constants.space is not None),
+        "ORIGIN": 0 if constants.space is None else memory.field(constants.space.body, "origin"),
     }
     numbers |= {f"CLOCK_{name.upper()}": memory.field(clock, name) for name in CLOCK_FIELDS}
     inputs, outputs = inputs_of(config, machine), outputs_of(config, machine, memory)
@@ -95,6 +96,10 @@ def header(config: Config, machine: Machine, memory: Memory, identity: str) -> s
             *array("static const struct copy COPIED[]", copies(machine, memory)),
             *array("static const char *const SENTENCE[]", map(text, sentences(config, float(clock.dt)))),
             *array("static const char *const WHEEL[]", (text(wheel.name) for wheel in config.wheels)),
+            f"#define PARAMETERS {len(parameters)}",
+            *array("static const omnisim_variable PARAMETER[]", map(ranged, parameters)),
+            f"#define FACTORS {sum(len(one.by) for one in parameters)}",
+            *array("static const struct factor FACTOR[]", factors(parameters)),
             f"#define FOLLOWERS {len(followers)}",
             *array("static const struct follower FOLLOWER[]", twists(config, followers, inputs)),
             "",
@@ -115,7 +120,19 @@ def text(said: str) -> str:
 def told(variable: Input | Output) -> str:
     start = variable.start if isinstance(variable, Input) else 0.0
     whole = int(isinstance(variable, Output) and variable.whole)
-    return f"{{{text(variable.name)}, {text(variable.unit)}, {text(variable.description)}, {start!r}, {whole}}}"
+    return (
+        f"{{{text(variable.name)}, {text(variable.unit)}, {text(variable.description)}, {start!r}, {whole}, 0.0, 0.0}}"
+    )
+
+
+def ranged(parameter: Parameter) -> str:
+    name, start, least, most, _ = parameter
+    return f'{{{text(name)}, "", {text(f"{name} of the scene")}, {start!r}, 0, {least!r}, {most!r}}}'
+
+
+def factors(parameters: list[Parameter]) -> list[str]:
+    """Where each parameter acts, and what it is multiplied with there."""
+    return [f"{{{i}, {place}, {by!r}}}" for i, one in enumerate(parameters) for place, by in one.by.items()]
 
 
 def twists(config: Config, followers: list[int], inputs: list[Input]) -> list[str]:

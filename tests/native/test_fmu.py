@@ -199,6 +199,31 @@ def test_a_state_taken_back_repeats_the_run_bit_for_bit_in_this_instance_and_ano
     assert np.array_equal(rows(other, 40), once)
 
 
+@pytest.mark.parametrize("standard", ["3", "2"])
+def test_parameters_set_before_initialization_ends_are_those_of_the_scene(made, tmp_path, standard):
+    unit = Unit(made("youbot", standard), tmp_path)
+    unit.give("wheels/front_left/rate", 2.0)
+    unit.give("friction.coefficient", 0.35)
+    unit.start()
+    loop = omnisim.Loop(omnisim.load("youbot", ["friction.coefficient=0.35"]))
+    loop.drive("front_left", 2.0)
+    found = rows(unit, 50)
+    loop.advance(0.5)
+    expected = loop.position[0], loop.yaw, loop.spin_rates[0], loop.normal_forces[0]
+    assert found[-1] == pytest.approx(expected, rel=1e-11, abs=1e-11)
+    assert unit.row("friction.coefficient") == [0.35]
+    with pytest.raises(fmpy.fmi1.FMICallException) as failure:
+        unit.give("friction.coefficient", 0.5)
+    assert failure.value.status == DISCARD
+    other = Unit(made("youbot", standard), tmp_path)
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        other.give("friction.coefficient", -1.0)
+    if standard == "3":
+        assert unit.said[-1] == "friction.coefficient is fixed after initialization"
+        assert other.said[-1] == "friction.coefficient must be within 0.15 and 2.4, not -1"
+    assert other.row("friction.coefficient") == [0.6]
+
+
 def test_instances_side_by_side_do_not_see_each_other(made, tmp_path):
     alone = rows(Unit(made("youbot"), tmp_path).start(), 30)
     pair = [Unit(made("youbot"), tmp_path).start() for _ in range(2)]

@@ -16,8 +16,10 @@ from native_machine import REFUSED, RUNNING, STOPPED, Library, Machine, columns,
 from scenes import reference_scene
 
 import omnisim
-from omnisim.native.building import SOURCES
+from omnisim.native.building import SOURCES, native
 from omnisim.native.library import prefix_of
+from omnisim.native.memory import Memory
+from omnisim.native.parameters import parameters_of
 
 COASTING = ("initial.yaw_rate=6.0", "initial.velocity=[0.3, 0.2]", "wheels.wheel.spin_rate=-1.0", "time.end=2.5",
             "time.output_interval=0.05", "solver.method=radau5", "friction.law=coulomb", "time.step=5e-4")  # fmt: skip
@@ -177,6 +179,42 @@ def test_a_machine_that_is_stopped_says_so_as_a_loop_does(opened):
     assert machine.reset() == RUNNING and machine.step(0.01) == RUNNING
 
 
+PARAMETERS = {
+    "friction.coefficient": 0.35,
+    "wheels.front_left.drive.proportional": 0.8,
+    "wheels.rear_right.drive.torque_limit": 1.1,
+}
+
+
+@pytest.mark.long
+def test_parameters_are_those_of_the_scene(opened):
+    machine = opened("youbot")
+    untouched = machine.rows(0.01, 40)
+    for name, value in PARAMETERS.items():
+        number = machine.library.find_parameter(name.encode())
+        assert machine.set_parameter(number, value) == RUNNING and machine.get_parameter(number) == value
+        assert machine.time() == 0.0
+    trajectory = omnisim.simulate(omnisim.load("youbot", [f"{name}={value}" for name, value in PARAMETERS.items()]))
+    rows = machine.rows(0.01, 300)
+    expected = columns(trajectory, machine.library.names)
+    assert np.abs(rows - expected).max() < 1e-10 and not np.array_equal(rows[:41], untouched)
+    kept = machine.state()
+    assert machine.reset() == RUNNING and np.array_equal(machine.rows(0.01, 40), untouched)
+    assert machine.restore(kept) == RUNNING and np.array_equal(machine.row(), rows[-1])
+
+
+@pytest.mark.long
+def test_a_parameter_out_of_its_range_is_refused(opened):
+    machine = opened("youbot")
+    number = machine.library.find_parameter(b"friction.coefficient")
+    machine.step(0.01)
+    for value in (-0.1, 7.0, float("nan")):
+        assert machine.set_parameter(number, value) == REFUSED
+        assert machine.said.startswith("friction.coefficient must be within 0.15 and 2.4, not")
+    assert machine.set_parameter(-1, 1.0) == REFUSED and machine.said == "there is no parameter -1"
+    assert machine.get_parameter(number) == 0.6 and machine.time() == 0.01
+
+
 @pytest.mark.long
 def test_machines_of_one_library_march_side_by_side_in_threads(opened):
     alone = opened("youbot").rows(0.01, 50)
@@ -244,6 +282,25 @@ def test_header_and_layer_are_c_without_a_warning(made, tmp_path):
         cwd=tmp_path,
         check=True,
     )
+
+
+def test_parameters_are_what_a_machine_is_proportional_to():
+    scene = omnisim.load("youbot")
+    machine = native(scene)
+    found = {one.name: one for one in parameters_of(scene, machine.marched[1], Memory(machine))}
+    assert {name for name in found if "wheels" not in name} == {"friction.coefficient"}  # no mass, no length
+    assert {name.rpartition(".")[2] for name in found if "wheels" in name} == {
+        "proportional",
+        "integral",
+        "torque_limit",
+    }
+    assert (found["friction.coefficient"].least, found["friction.coefficient"].most) == (0.15, 2.4)
+
+
+def test_what_a_machine_begins_with_is_the_same_every_time():
+    """Nothing of this process is in it."""
+    first, second = (Memory(native(omnisim.load("kiwi"))).start for _ in range(2))
+    assert first == second
 
 
 # --- the command ----------------------------------------------------------------------------------

@@ -1,9 +1,9 @@
 /* What FMI 2.0 and 3.0 have in common: an instance, its variables and its states. Included by fmi2.c or fmi3.c alone.
 
-   Value references: 0 is time; then the inputs; then the outputs, in the order of machine.h. */
+   Value references: 0 is time; then inputs, outputs and parameters, in the order of machine.h. */
 
 #include "machine.h"
-#include "variables.h" /* INPUTS, OUTPUTS, TOKEN: written by omnisim */
+#include "variables.h" /* INPUTS, OUTPUTS, PARAMETERS, TOKEN: written by omnisim */
 
 #include <math.h>
 #include <stdarg.h>
@@ -98,16 +98,31 @@ static int get(struct instance *instance, uint32_t reference, double *value) {
         *value = instance->told.input[reference - 1];
     else if (reference <= INPUTS + OUTPUTS)
         *value = omnisim_get(instance->machine, (int)(reference - 1 - INPUTS));
+    else if (reference <= INPUTS + OUTPUTS + PARAMETERS)
+        *value = omnisim_get_parameter(instance->machine, (int)(reference - 1 - INPUTS - OUTPUTS));
     else
         return complain(instance, ERROR, "there is no variable with value reference %u", (unsigned)reference);
     return OK;
 }
 
+/* A parameter takes the machine back to its start, with the inputs that are set already. */
+static int set_parameter(struct instance *instance, int parameter, double value) {
+    if (instance->told.begun)
+        return complain(instance, DISCARD, "%s is fixed after initialization", omnisim_parameter(parameter)->name);
+    int status = status_of(instance, omnisim_set_parameter(instance->machine, parameter, value));
+    for (int i = 0; i < INPUTS && status == OK; i++)
+        if (instance->told.given[i])
+            status = status_of(instance, omnisim_set(instance->machine, i, instance->told.input[i]));
+    return status;
+}
+
 /* An input acts from when it is set to something new, and after initialization from when it is set at all: importers may
    set start values, and these leave to a drive what the scene gives it. */
 static int set(struct instance *instance, uint32_t reference, double value) {
+    if (reference > INPUTS + OUTPUTS && reference <= INPUTS + OUTPUTS + PARAMETERS)
+        return set_parameter(instance, (int)(reference - 1 - INPUTS - OUTPUTS), value);
     if (reference < 1 || reference > INPUTS)
-        return complain(instance, ERROR, "there is no input with value reference %u", (unsigned)reference);
+        return complain(instance, ERROR, "there is no input or parameter with value reference %u", (unsigned)reference);
     struct told *told = &instance->told;
     int i = (int)reference - 1;
     if (value == told->input[i] && (told->given[i] || !told->begun))

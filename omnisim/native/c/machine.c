@@ -21,6 +21,11 @@ struct place {
 struct copy {
     size_t from, to, size;
 };
+struct factor {
+    int parameter;
+    size_t at;
+    double by;
+};
 struct follower {
     int input;
     double twist[3];
@@ -40,6 +45,7 @@ struct state {
     uint64_t library; /* whose state it is */
     int64_t pieces;   /* of the tables */
     int64_t events[EVENT_KINDS];
+    double parameter[PARAMETERS + 1];
 };
 struct omnisim_machine {
     struct state state;
@@ -114,12 +120,42 @@ static omnisim_status march(omnisim_machine *machine, int64_t goal) {
     return status == RUNNING ? omnisim_RUNNING : explained(machine);
 }
 
-omnisim_status omnisim_reset(omnisim_machine *machine) {
-    memset(&machine->state, 0, sizeof machine->state);
-    machine->state.library = LIBRARY;
-    machine->state.pieces = PIECES;
+/* The start with the parameters as they are. What a parameter changes is proportional to it. */
+static omnisim_status begin(omnisim_machine *machine) {
+    struct state *state = &machine->state;
+    state->library = LIBRARY;
+    state->pieces = PIECES;
+    memset(state->events, 0, sizeof state->events);
     memcpy(machine->memory, omnisim_start, KEPT);
+    for (int i = 0; i < FACTORS; i++) {
+        double value = state->parameter[FACTOR[i].parameter];
+        if (value != PARAMETER[FACTOR[i].parameter].start)
+            *reals(machine, FACTOR[i].at) = FACTOR[i].by * value;
+    }
     return march(machine, 0); /* stands the machine on the floor */
+}
+
+omnisim_status omnisim_reset(omnisim_machine *machine) {
+    for (int i = 0; i < PARAMETERS; i++)
+        machine->state.parameter[i] = PARAMETER[i].start;
+    return begin(machine);
+}
+
+omnisim_status omnisim_set_parameter(omnisim_machine *machine, int parameter, double value) {
+    const omnisim_variable *found = omnisim_parameter(parameter);
+    if (!found)
+        return refused(machine, "%sthere is no parameter %s", "", parameter, 0.0);
+    if (!(value >= found->least && value <= found->most)) {
+        snprintf(machine->message, sizeof machine->message, "%s must be within %.9g and %.9g, not %.17g", found->name,
+                 found->least, found->most, value);
+        return omnisim_REFUSED;
+    }
+    machine->state.parameter[parameter] = value;
+    return begin(machine);
+}
+
+double omnisim_get_parameter(const omnisim_machine *machine, int parameter) {
+    return omnisim_parameter(parameter) ? machine->state.parameter[parameter] : NAN;
 }
 
 omnisim_machine *omnisim_open(void) {
@@ -293,8 +329,10 @@ static int find(const omnisim_variable *variables, int count, const char *name) 
 
 int omnisim_find_input(const char *name) { return find(INPUT, INPUT_COUNT, name); }
 int omnisim_find_output(const char *name) { return find(OUTPUT, OUTPUT_COUNT, name); }
+int omnisim_find_parameter(const char *name) { return find(PARAMETER, PARAMETERS, name); }
 const omnisim_variable *omnisim_input(int i) { return i >= 0 && i < INPUT_COUNT ? &INPUT[i] : NULL; }
 const omnisim_variable *omnisim_output(int i) { return i >= 0 && i < OUTPUT_COUNT ? &OUTPUT[i] : NULL; }
+const omnisim_variable *omnisim_parameter(int i) { return i >= 0 && i < PARAMETERS ? &PARAMETER[i] : NULL; }
 double omnisim_grid(void) { return GRID; }
 double omnisim_end(void) { return END; }
 double omnisim_time(const omnisim_machine *machine) { return (double)*whole(machine, CLOCK_STEP) * GRID; }

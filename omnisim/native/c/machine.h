@@ -26,16 +26,21 @@ typedef enum {
 
 typedef struct {
     const char *name, *unit, *description;
-    double start; /* of an input: what the scene gives it at the beginning */
-    int whole;    /* 1: a whole number */
+    double start;       /* of an input: what the scene gives it at the beginning; of a parameter: its value there */
+    int whole;          /* 1: a whole number */
+    double least, most; /* of a parameter */
 } omnisim_variable;
 
 /* A machine at the start of its scene; NULL if there is no memory for it. */
 omnisim_API omnisim_machine *omnisim_open(void);
 omnisim_API void omnisim_close(omnisim_machine *machine);
 
-/* Back to the start, as just opened. */
+/* Back to the start, as just opened: nothing set, parameters as the scene has them. */
 omnisim_API omnisim_status omnisim_reset(omnisim_machine *machine);
+
+/* Back to the start with a parameter at this value, others as they were set. */
+omnisim_API omnisim_status omnisim_set_parameter(omnisim_machine *machine, int parameter, double value);
+omnisim_API double omnisim_get_parameter(const omnisim_machine *machine, int parameter);
 
 /* March on by a multiple of omnisim_grid(), s. There is no end: tables of the scene keep their last values. */
 omnisim_API omnisim_status omnisim_step(omnisim_machine *machine, double seconds);
@@ -47,11 +52,13 @@ omnisim_API double omnisim_end(void);
 /* s since the start. */
 omnisim_API double omnisim_time(const omnisim_machine *machine);
 
-/* Variables count from 0; find returns -1 for a name that there is not, input and output NULL for a number too large. */
+/* Variables count from 0; find returns -1 for a name that there is not, the others NULL for a number too large. */
 omnisim_API int omnisim_find_input(const char *name);
 omnisim_API int omnisim_find_output(const char *name);
+omnisim_API int omnisim_find_parameter(const char *name);
 omnisim_API const omnisim_variable *omnisim_input(int input);
 omnisim_API const omnisim_variable *omnisim_output(int output);
+omnisim_API const omnisim_variable *omnisim_parameter(int parameter);
 
 /* Hold an input at a value from now on, in place of what the scene gives it. */
 omnisim_API omnisim_status omnisim_set(omnisim_machine *machine, int input, double value);
