@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from omnisim.scene.wheel_schema import WheelType
 
 PICTURES = (".png", ".svg", ".pdf")
+OF_SCENES = ("fm202", "soccer_kit", "soccer_robot", "youbot")  # whose wheels are those of a machine that there is
 
 
 @click.command()
@@ -30,7 +31,7 @@ def data(names: tuple[str, ...], output: str | None, force: bool) -> None:
     omnisim data                                    names: scenes, wheels that are sold, measured robots
     omnisim data lekiwi_omni_102                    its file, with its sources
     omnisim data lekiwi_omni_102 -o mine.toml       a copy to change
-    omnisim data -o wheels.png                      pictures of all these wheels: .png, .svg, .pdf
+    omnisim data -o wheels.png                      pictures of wheels that there are: .png, .svg, .pdf
     omnisim data youbot fm202 -o two.png            of the wheels of these
     """
     from omnisim.scene.packaged import packaged_text
@@ -62,7 +63,7 @@ def known(name: str) -> str:
 
 
 def pictures(names: list[str], suffix: str) -> bytes:
-    """Of the wheel types of these scenes, or of all packaged wheels."""
+    """Of the wheel types of these scenes, or of all packaged wheels and OF_SCENES."""
     try:
         from omnisim.cad.portrait import sheet
     except ImportError:
@@ -71,7 +72,7 @@ def pictures(names: list[str], suffix: str) -> bytes:
     from omnisim.scene.scene import load
 
     types: dict[str, WheelType] = {}
-    for name in names or packaged_wheels():
+    for name in names or [*packaged_wheels(), *OF_SCENES]:
         kinds = load(name).config.wheel_types
         types |= {name if len(kinds) == 1 else f"{name}: {key}": kind for key, kind in kinds.items()}
     return sheet(types, suffix)

@@ -40,6 +40,15 @@ def test_pictures_are_drawn_of_any_scenes_wheels(folder, suffix):
     assert image[:4] in (b"\x89PNG", b"<?xm", b"%PDF") and len(image) > 10_000
 
 
+def test_a_picture_of_no_name_shows_every_packaged_wheel_and_those_of_packaged_machines(folder):
+    pytest.importorskip("matplotlib", reason="needs the extra plot")
+    assert command("data", "-o", "wheels.svg").exit_code == 0
+    drawn = (folder / "wheels.svg").read_text(encoding="utf-8")
+    assert all(
+        f"<!-- {name} -->" in drawn for name in (*packaged_wheels(), "fm202", "soccer_kit", "soccer_robot", "youbot")
+    )
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
