@@ -6,18 +6,21 @@ bench stands at the end.
 Source: github.com/PickNikRobotics/moveit_pro_example_ws, pull requests 875 and 913. Published: rolling radius from
 71.38 to 75.90 mm; ripple at 1.72, 4.42 and 9.59 Hz predicted, 1.76, 4.44 and 9.68 measured; 0.557 m/s where 0.5 is
 commanded by a controller that takes the radius for 66.6 mm. There the base is held at one height, here it is free, on
-rubber.
+rubber. Commanded were 2, 4 and 8 rad/s, which would give 2.55, 5.09 and 10.19 Hz: that machine did not reach them.
+Rates here are taken from the published frequencies, which they therefore do not confirm. Nor does the source tell on
+which wheel 0.557 was measured: this one is assumed, not a later one of twenty spheres (75.63 mm, 0.568 m/s).
 """
 
 import numpy as np
 import pytest
 
 import omnisim
+from omnisim.scene.rollers import rolling
 
 RING, BALL, COUNT = 0.0594, 0.0165, 8
 HALF_TRACK, HALF_BASE = 0.2755, 0.319
 BELIEVED = 0.0666  # m, radius in the controller
-RATES = (1.351, 3.471, 7.532)  # rad/s, of the three published speeds
+RATES = (1.351, 3.471, 7.532)  # rad/s, by the three published frequencies
 STEADY = 1.0  # s
 MASS, STIFFNESS = 104.0, 3e6
 
@@ -95,14 +98,17 @@ def peak(run, values, around):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("rate", "published"), list(zip(RATES, (1.72, 4.42, 9.59), strict=True)))
-def test_ripple_comes_with_every_sphere(rate, published):
-    """8 w / 2 pi. Found 1.720, 4.421 and 9.590 Hz."""
+@pytest.mark.parametrize("rate", RATES)
+def test_every_sphere_brings_one_ripple_as_high_as_its_shape(rate):
+    """8 w / 2 pi of the rate w with which wheels turn: 1.720, 4.421 and 9.590 Hz; 4.49, 4.51 and 4.54 mm of 4.52."""
     run = driven(rate, end=5.0)
     steady = run.time >= STEADY
-    expected = COUNT * rate_of(run, steady) / (2.0 * np.pi)
-    assert expected == pytest.approx(published, abs=5e-3)
+    turned = rate_of(run, steady)
+    expected = COUNT * turned / (2.0 * np.pi)
+    assert turned == pytest.approx(rate, rel=2e-3)  # 1.1e-3, 2e-4, 1e-5
     assert peak(run, swings(run, "body/position", steady), expected) == pytest.approx(expected, rel=5e-3)
+    height = RING * (1.0 - np.cos(np.pi / COUNT))
+    assert np.ptp(run["body/position"][steady, 2]) == pytest.approx(height, rel=1e-2)
 
 
 @pytest.mark.long
@@ -131,13 +137,20 @@ def test_a_controller_with_the_wrong_radius_drives_too_fast():
 @pytest.mark.long
 def test_wheels_between_each_other_make_the_base_judder_in_yaw():
     """Left wheels high where right ones are low: each gets ahead of its mean by R1 (sin q - q sin(a)/a), at most 0.23
-    mm, so that the base turns to and fro by 0.095 deg; knocks add to that. Published is 1.88 deg, the difference of
-    heights by the half track: there wheels hang in the air, and the others turn the base."""
+    mm, so that the base turns to and fro by 0.095 deg; knocks add to that."""
     run = driven(RATES[0], 22.5, end=5.0)
     steady = run.time >= STEADY
     wave = np.degrees(swings(run, "body/yaw", steady))
     assert 0.095 < np.ptp(wave) < 0.2  # 0.140; 0.080 and 0.081 at the higher speeds
     assert peak(run, wave, 1.72) == pytest.approx(1.72, abs=5e-3)  # 1.720 Hz
+
+
+@pytest.mark.short
+def test_the_published_judder_is_the_difference_of_heights_of_such_wheels_by_the_half_track():
+    """1.88 deg, of a base that is held at one height: wheels hang in the air there, and the others turn it."""
+    kind = omnisim.load_text(base(RATES[0])).config.wheel_types["balls"]
+    found = rolling(kind)
+    assert np.degrees(2.0 * (found.highest - found.lowest) / HALF_TRACK) == pytest.approx(1.88, abs=5e-3)  # 1.881
 
 
 # --- a double-row wheel on a bench: Duda et al., Sensors 2025, 25, 5026 ------------------------------------
