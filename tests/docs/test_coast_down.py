@@ -37,6 +37,15 @@ def test_the_rolling_resistance_of_the_page_slows_a_machine_as_published():
     assert deceleration(lost, ACROSS) == pytest.approx(ASIDE, rel=2e-2)
 
 
+def test_bearings_of_12_9_n_mm_without_rolling_resistance_slow_a_machine_as_published_too():
+    """Axles do the rest: bearings alone take nothing ahead. 12, 14 and 16 N mm: 1.782, 1.870 and 1.961 m/s^2 aside."""
+    assert "bearings of 12.9 N mm" in PAGE.read_text(encoding="utf-8")
+    lost = losses(0.0)._replace(bearing=12.9e-3)
+    assert deceleration(lost, ALONG) == pytest.approx(AHEAD, rel=1e-3)
+    assert deceleration(lost, ACROSS) == pytest.approx(ASIDE, rel=2e-3)
+    assert deceleration(lost._replace(axle=0.0), ALONG) == pytest.approx(0.0, abs=1e-6)
+
+
 def test_the_page_has_the_numbers_of_the_script():
     table = told(BEGIN)
     rows = [[float(cell) for cell in row.split("|")[1:4]] for row in table.splitlines() if re.match(r"\| [0-9]", row)]
