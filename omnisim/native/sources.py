@@ -5,7 +5,6 @@ from collections.abc import Iterable
 from typing import Any
 
 from omnisim.base.status import EVENT_KINDS, EVENTS_PER_STEP, LOG_FULL, RUNNING, SAFE_STEP, SENTENCES
-from omnisim.dynamics.spatial.records import SLOTS
 from omnisim.dynamics.state import places_in
 from omnisim.native.memory import Machine, Memory
 from omnisim.native.parameters import Parameter
@@ -34,7 +33,6 @@ def sentences(config: Config, dt: float) -> list[str]:
         "step": dt,
         "tenth": 0.1 * dt,
         "events": EVENTS_PER_STEP,
-        "contacts": SLOTS,
     }
     found = [SENTENCES.get(code, "").format_map(told | known) for code in range(max(SENTENCES) + 1)]
     found[RUNNING] = "a bug in omnisim: a kernel has raised an exception"
