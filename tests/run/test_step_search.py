@@ -103,6 +103,13 @@ def test_steps_that_are_too_stiff_are_passed_over():
     assert run.attributes["step"] < 2e-5  # mu N A / slip_speed = 1e5 1/s, which rk4 follows up to 2.8e-5 s
 
 
+def test_a_machine_free_in_space_keeps_the_error_that_is_asked_for():
+    shared = ("time.end=0.1", "time.output_interval=0.05")
+    run = searched(reference_scene("spatial_kiwi_slope", "solver.error=1e-6", *shared))
+    exact = omnisim.simulate(reference_scene("spatial_kiwi_slope", "time.step=1e-5", *shared))
+    assert distance(run, exact) < run.attributes["error_estimate"] < 1e-6  # m, rad; measured 7.3e-11, 1.1e-8
+
+
 # --- steps and rows -------------------------------------------------------------------------------
 
 
