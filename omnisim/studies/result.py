@@ -192,17 +192,19 @@ def gathered(task: Task, rows: Iterable[Row]) -> StudyResult:
     """The StudyResult of a study of which these rows are known."""
     study = task.study
     count = study.count
-    names = [reading.name for reading in (*task.readings, *task.final)]
-    numbers = np.full((len(names), count), np.nan)
-    times = np.full((len(OF_RUNS), count), np.nan)
+    known = list(rows)
+    runs = [row.run for row in known]
     status = np.full(count, NOT_RUN, dtype=object)
-    for row in rows:
-        status[row.run] = row.status
-        times[:, row.run] = row.stop_time, row.wall_time
-        numbers[:, row.run] = [np.nan if value is None else value for value in (*row.measures, *row.final)]
+    status[runs] = [row.status for row in known]
+    times = np.full((len(OF_RUNS), count), np.nan)
+    times[:, runs] = np.array([(row.stop_time, row.wall_time) for row in known]).reshape(len(known), len(OF_RUNS)).T
+    asked = (*task.readings, *task.final)
+    numbers = np.full((len(asked), count), np.nan)
+    found = np.array([(*row.measures, *row.final) for row in known], dtype=float)  # None: NaN
+    numbers[:, runs] = found.reshape(len(known), len(asked)).T
     variables = coordinates(task)
     dims = tuple(factor.key for factor in study.factors) if study.kind == "grid" else (RUN,)
-    for reading, values in zip((*task.readings, *task.final), numbers, strict=True):
+    for reading, values in zip(asked, numbers, strict=True):
         variables[reading.name] = Variable(dims, values.reshape(study.shape), reading.units, reading.told)
     variables["status"] = Variable(dims, status.astype(str).reshape(study.shape), "1", "how the run ended")
     for (name, units, told), values in zip(OF_RUNS, times, strict=True):
@@ -252,21 +254,14 @@ def coordinates(task: Task) -> dict[str, Variable]:
             for factor in study.factors
         }
     found = {RUN: Variable((RUN,), np.arange(study.count), "1", "runs, counted from 0", True)}
-    table = [study.values(run) for run in range(study.count)]
-    for i, factor in enumerate(study.factors):
-        if not factor.each:
-            found[factor.key] = Variable(
-                (RUN,),
-                column([row[i][0] for row in table]),
-                "",
-                OF_KEYS,
-                True,
-            )
-            continue
-        axis = factor.key.partition(".")[0]
-        found[axis] = Variable((axis,), np.array(factor.names), "", "names", True)
-        values = column([value for row in table for value in row[i]]).reshape(study.count, len(factor.names))
-        found[factor.key] = Variable((RUN, axis), values, "", OF_KEYS, True)
+    for factor, values in zip(study.factors, study.columns, strict=True):
+        dims: tuple[str, ...] = (RUN,)
+        if factor.each:
+            axis = factor.key.partition(".")[0]
+            found[axis] = Variable((axis,), np.array(factor.names), "", "names", True)
+            dims = (RUN, axis)
+        shape = (study.count, factor.draws)[: len(dims)]
+        found[factor.key] = Variable(dims, column(values).reshape(shape), "", OF_KEYS, True)
     return found
 
 

@@ -93,6 +93,16 @@ class Study:
             return [[factor.listed[run]] for factor in self.factors]
         return drawn_values(self.factors, self.shares[run].tolist())
 
+    @property
+    def columns(self) -> list[list[Any]]:
+        """The values of each factor in all runs of a design that is no grid, one run after the other; where it has one
+        for each of its targets, these side by side."""
+        if self.kind == "zip":
+            return [list(factor.listed) for factor in self.factors]
+        ends = np.cumsum([factor.draws for factor in self.factors])
+        parts = np.split(self.shares, ends[:-1], axis=1)
+        return [list(map(factor.at, part.ravel().tolist())) for factor, part in zip(self.factors, parts, strict=True)]
+
     def settings(self, run: int) -> list[tuple[KeyPath, Any]]:
         """The paths in the scene's data that a run sets, and their values."""
         return settings(self.factors, self.values(run))

@@ -24,6 +24,7 @@ BORN_DEAD = "processes end as they begin: a script must call this below `if __na
 LEAST = 0.04  # of such a batch: the smallest towards the end
 MOST = 2000  # runs of a batch: what waits for a worker must fit into a pipe
 SHARE = 2  # batches that each worker can still expect
+GROWTH = 8  # of a batch by the next, at most: the first run of a process takes longer
 AHEAD = 2  # batches of several runs that each worker has before it, so that it waits for nobody
 
 
@@ -101,7 +102,7 @@ class Batches:
 
     def took(self, batch: Batch, seconds: float) -> None:
         """A batch has taken so long."""
-        self.size = max(1, min(2 * self.size, int(BATCH_SECONDS * len(batch.runs) / max(seconds, 1e-6)), MOST))
+        self.size = max(1, min(GROWTH * self.size, int(BATCH_SECONDS * len(batch.runs) / max(seconds, 1e-6)), MOST))
 
     def failed(self, batch: Batch) -> bool:
         """A worker died of a batch; whether it is worth another try."""

@@ -150,7 +150,7 @@ def test_a_journal_that_is_damaged_in_the_middle_goes_on_from_there(tmp_path):
     path.unlink()
     kept = journal_of(path)
     lines = kept.read_bytes().splitlines(keepends=True)
-    assert len(lines) > 4
+    assert len(lines) > 3  # of which study, and three batches or more
     kept.write_bytes(b"".join([*lines[:2], lines[2].replace(b"complete", b"xomplete"), *lines[3:]]))
     same(sweep(DRAWN, path, workers=1, resume=True), sweep(DRAWN, workers=1))
 

@@ -78,8 +78,8 @@ def test_batches_are_of_a_quarter_of_a_second_and_hand_out_every_run_once():
         batches.took(batch, 1e-3 * len(batch.runs))
         sizes.append(len(batch.runs))
         runs += batch.runs
-    assert runs == list(range(3000)) and sizes[:4] == [1, 2, 4, 8] and max(sizes) == 250
-    assert min(sizes[8:-1]) == 10  # 4 % of the largest
+    assert runs == list(range(3000)) and sizes[:4] == [1, 8, 64, 250] and max(sizes) == 250
+    assert min(sizes[4:-1]) == 10  # 4 % of the largest
 
 
 @pytest.mark.long
