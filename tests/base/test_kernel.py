@@ -137,6 +137,7 @@ def test_an_import_counts_however_it_is_written(statement, package):
     assert package / "constants.py" in kernel.kernel_sources(package)
 
 
+@pytest.mark.long
 def test_only_the_latest_caches_of_other_sources_survive(package, tmp_path):
     base = tmp_path / "cache" / "omnisim"
     for age in range(10):
@@ -147,6 +148,7 @@ def test_only_the_latest_caches_of_other_sources_survive(package, tmp_path):
     assert kept == {current, *(f"old{age}" for age in range(kernel.KEPT_CACHES))}
 
 
+@pytest.mark.long
 def test_without_a_writable_folder_kernels_compile_into_a_temporary_one(package, tmp_path):
     (tmp_path / "file").write_text("")
     value, _ = run(package, NUMBA_CACHE_DIR=str(tmp_path / "file" / "below"), TMPDIR=str(tmp_path))
@@ -154,6 +156,7 @@ def test_without_a_writable_folder_kernels_compile_into_a_temporary_one(package,
     assert list(tmp_path.glob("omnisim-*/*/**/*.nbc"))
 
 
+@pytest.mark.long
 def test_a_full_disk_costs_the_kept_kernels_but_not_the_result(package, tmp_path):
     program = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))" + PROGRAM
     environment = {**os.environ, "PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}

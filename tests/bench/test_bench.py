@@ -82,17 +82,17 @@ def scipy_peer():
     return scipy_peer
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("form", ["NumPy", "scalars", "compiled"])
-@pytest.mark.parametrize(
-    "solver", either(["LSODA, solve_ivp", "LSODA, odeint", "DOP853, solve_ivp"], ["LSODA, odeint"])
-)
-@pytest.mark.parametrize("psi", [pytest.param(0.0, marks=pytest.mark.long), 30.0])
+@pytest.mark.parametrize("solver", ["LSODA, solve_ivp", "LSODA, odeint", "DOP853, solve_ivp"])
+@pytest.mark.parametrize("psi", [0.0, 30.0])
 def test_scipy_moves_a_bare_wheel_as_the_march_does(scipy_peer, solver, form, psi):
     scene = bare_wheel(1e-4, end=0.5, psi=psi)
     found = scipy_peer.integrate(ready(scene), solver, form, 1e-10)
     np.testing.assert_allclose(found, scipy_peer.final(scene), rtol=0, atol=1e-7)  # measured: 2e-8, the roller rate
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("solver", ["Radau, solve_ivp", "BDF, solve_ivp"])
 def test_implicit_solvers_of_scipy_move_a_bare_wheel_as_the_march_does(scipy_peer, solver):
     scene = bare_wheel(1e-4, end=0.2)
@@ -100,21 +100,18 @@ def test_implicit_solvers_of_scipy_move_a_bare_wheel_as_the_march_does(scipy_pee
     np.testing.assert_allclose(found, scipy_peer.final(scene), rtol=0, atol=1e-5)  # measured: 7e-9, BDF 1.1e-6
 
 
-@pytest.mark.parametrize(
-    "solver", either(["LSODA, solve_ivp", "LSODA, odeint", "Radau, solve_ivp"], ["LSODA, odeint", "Radau, solve_ivp"])
-)
+@pytest.mark.long
+@pytest.mark.parametrize("solver", ["LSODA, solve_ivp", "LSODA, odeint", "Radau, solve_ivp"])
 def test_scipy_moves_a_stiff_wheel_as_radau5_does(scipy_peer, solver):
     scene = scipy_peer.smooth(omnisim.load("coulomb_wheel", ("solver.method=radau5", "time.end=0.3")), 1e-4)
     found = scipy_peer.integrate(ready(scene), solver, "compiled", 1e-9)
     assert scipy_peer.error_of(found, scipy_peer.final(scene), 1) < 1e-7  # measured: 5e-9, 1.8e-8, 1e-12
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("solver", "form"),
-    [
-        pytest.param("LSODA, solve_ivp", "NumPy", marks=pytest.mark.long),
-        *((f"{name}, solve_ivp", "compiled") for name in ("LSODA", "Radau", "BDF")),
-    ],
+    [("LSODA, solve_ivp", "NumPy"), *((f"{name}, solve_ivp", "compiled") for name in ("LSODA", "Radau", "BDF"))],
 )
 def test_scipy_moves_a_stiff_platform_as_radau5_does(scipy_peer, solver, form):
     """Over three exchanges, before its command has risen in full."""
