@@ -26,7 +26,10 @@ PAGES = {
         ("mujoco_peer", "mujoco_platform", "drake_peer", "mujoco_bumps", "drake_bumps"),
     ),
     "laws": ("Laws and formulations", ("laws", "formulations")),
-    "cost": ("Machines, rollers, memory", ("whole_machines", "spatial", "kernels", "scaling", "startup", "memory")),
+    "cost": (
+        "Machines, rollers, memory",
+        ("whole_machines", "spatial", "kernels", "scaling", "native", "startup", "memory"),
+    ),
     "many": ("Thousands of runs", ("studies", "gym")),
     "hard_cases": ("Hard cases", ("hard_cases",)),
 }

@@ -53,8 +53,8 @@ class Observed(NamedTuple):
     slopes (T, n): y'; servo (T, 2): torque about chassis x and y, N m; wheels (T, W): records OBSERVED_WHEEL;
     joint_rate (T, W, N), rad/s; motion (3, T, W, N, 3): position, velocity and acceleration of every roller centre,
     world axes; bearing_loads (T, W, N + 1, 2, 3): force (N) and moment (N m) of the axles of each wheel and its
-    rollers, along their own directions, or no rows if nobody asks for them; energies (T, 3): kinetic, of gravity and
-    elastic, J, of a machine free in space.
+    rollers, along their own directions; energies (T, 3): kinetic, of gravity and elastic, J, of a machine free in
+    space. Rates and motion of rollers, or bearing loads, have no rows if nobody asks for them.
     """
 
     slopes: np.ndarray
@@ -100,7 +100,8 @@ def observe(parameters, rows, times, monitors, observed):
             seen.point[1] = y[Y] + along * h.y + across * k.y
             for i in range(2):
                 seen.slip_velocity[i], seen.friction_force[i] = contact.slip[i], contact.force[i]
-            observe_rollers(parameters, rows, row, w, body, observed)
+            if len(observed.joint_rate):
+                observe_rollers(parameters, rows, row, w, body, observed)
             if len(observed.bearing_loads):
                 if workspace.articulated is None:
                     recover(parameters, mode[w], w, y, slopes, rows.rates[row, w])

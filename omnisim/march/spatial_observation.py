@@ -33,8 +33,9 @@ def observe_in_space(parameters, rows, times_, monitors, observed):
             seen = observed.wheels[row, w]
             seen.drive_torque, seen.voltage, seen.current = part.drive_torque, part.voltage, part.current
             observe_contacts(parameters, mode[w], w, body, y, seen)
-            for i in range(parameters.wheels[w].rollers):
-                observe_roller(parameters, rows, row, w, i, body, observed)
+            if len(observed.joint_rate):
+                for i in range(parameters.wheels[w].rollers):
+                    observe_roller(parameters, rows, row, w, i, body, observed)
             if len(observed.bearing_loads):
                 recover_in_space(parameters, mode[w], w, y, slopes, rows.rates[row, w])
                 resolve_in_space(parameters, w, y, observed.bearing_loads[row, w])

@@ -18,7 +18,7 @@ from omnisim.march.march import march
 from omnisim.march.observation import observe
 from omnisim.march.spatial_observation import observe_in_space
 from omnisim.native.memory import Machine, Memory, machine_of
-from omnisim.native.object_code import Entry, object_code
+from omnisim.native.object_code import Entry, constant, object_code, targets
 from omnisim.native.parameters import Parameter, parameters_of
 from omnisim.native.sources import header
 from omnisim.scene.problems import ConfigError
@@ -35,23 +35,16 @@ class NativeError(Exception):
 
 
 class Built(NamedTuple):
-    """A machine as object code. prefix: of its public names; known: scene.h."""
+    """A machine as object files. prefix: of its public names; identity: 16 hexadecimal digits that tell it from all
+    others; known: scene.h."""
 
     machine: Machine
     memory: Memory
     parameters: list[Parameter]
     prefix: str
-    code: bytes
+    identity: str
+    objects: list[bytes]
     known: str
-
-    @property
-    def identity(self) -> str:
-        """What tells it from all others: 16 hexadecimal digits."""
-        return identity_of(self.code)
-
-
-def identity_of(code: bytes) -> str:
-    return hashlib.sha256(VERSION.encode() + code).hexdigest()[:16]
 
 
 def compiler() -> list[str]:
@@ -86,7 +79,7 @@ def native(scene: Scene) -> Machine:
 
 
 def build(scene: Scene, prefix: str, cpu: str) -> Built:
-    """The kernels of a scene, whose public names begin with the prefix; cpu: as `object_code` takes it.
+    """The kernels of a scene, whose public names begin with the prefix; cpu: as `targets` takes it.
 
     Raises SceneError, and NativeError without a C compiler and on other systems than Linux.
     """
@@ -99,10 +92,12 @@ def build(scene: Scene, prefix: str, cpu: str) -> Built:
     memory = Memory(machine)
     looked = observe if machine.parameters.space is None else observe_in_space
     entries = [Entry(f"{prefix}_march", march, machine.marched), Entry(f"{prefix}_observe", looked, machine.observed)]
-    code = object_code(entries, memory, f"{prefix}_start", cpu)
+    kinds = targets(cpu)
+    objects = [*object_code(entries, memory, kinds), constant(f"{prefix}_start", memory.start)]
+    identity = hashlib.sha256(b"".join([VERSION.encode(), *objects])).hexdigest()[:16]
     parameters = parameters_of(scene, machine.marched[1], memory)
-    known = header(scene.config, machine, memory, parameters, identity_of(code)).replace("omnisim_", f"{prefix}_")
-    return Built(machine, memory, parameters, prefix, code, known)
+    known = header(scene.config, machine, memory, parameters, identity, kinds)
+    return Built(machine, memory, parameters, prefix, identity, objects, known.replace("omnisim_", f"{prefix}_"))
 
 
 def shared_library(built: Built, layer: str | None = None, variables: str = "") -> bytes:
@@ -115,14 +110,16 @@ def shared_library(built: Built, layer: str | None = None, variables: str = "") 
     hidden = [f"-D{prefix}_API="] if layer else []
     with tempfile.TemporaryDirectory(prefix="omnisim-") as name:
         folder = Path(name)
-        (folder / "kernels.o").write_bytes(built.code)
+        kernels = [f"kernels{i}.o" for i in range(len(built.objects))]
+        for own, image in zip(kernels, built.objects, strict=True):
+            (folder / own).write_bytes(image)
         texts = {f"{prefix}.h": source("machine.h", prefix), "fmi.h": source("fmi.h", prefix), "scene.h": built.known}
         texts |= {"variables.h": variables} | {own: source(own, prefix) for own in sources}
         for own, text in texts.items():
             (folder / own).write_text(text, encoding="utf-8")
         called(command, folder, *COMPILE, *hidden, "-c", *sources)
         objects = [own.replace(".c", ".o") for own in sources]
-        linked = "-shared", f"-Wl,-soname,lib{prefix}.so", *objects, "kernels.o", "-o", "machine.so", "-lm"
+        linked = "-shared", f"-Wl,-soname,lib{prefix}.so", *objects, *kernels, "-o", "machine.so", "-lm"
         called(command, folder, *linked)
         return (folder / "machine.so").read_bytes()
 

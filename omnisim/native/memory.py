@@ -52,8 +52,8 @@ def machine_of(config: Config, stages: Any) -> Machine:
         slopes=np.zeros_like(row.y),
         servo=np.zeros((1, 2)),
         wheels=blank(OBSERVED_WHEEL, 1, wheels),
-        joint_rate=np.zeros((1, wheels, rollers)),
-        motion=np.zeros((3, 1, wheels, rollers, 3)),
+        joint_rate=np.zeros((0, wheels, rollers)),
+        motion=np.zeros((3, 0, wheels, rollers, 3)),
         bearing_loads=np.zeros((0, wheels, rollers + 1, 2, 3)),
         energies=np.zeros((0 if parameters.space is None else 1, 3)),
     )

@@ -5,6 +5,7 @@ go. Here the kernels' own parts are linked as for a call from Python. In the pla
 pointer: what a kernel is given, shapes and strides of arrays included, are constants in it, places in the memory.
 """
 
+import platform
 from typing import Any, NamedTuple
 
 import llvmlite.binding as llvm
@@ -17,9 +18,9 @@ from numba.np.arrayobj import make_array, populate_array
 from omnisim.base.compiler import absorbed, linked, reached
 from omnisim.native.memory import Memory
 
-NATIVE = "native"
 POINTER, WORD = ir.IntType(8).as_pointer(), ir.IntType(64)
 FAILED = -1  # what a function returns for an exception, which no kernel raises
+FUSED = {"x86_64": ("avx2", "fma")}  # by architecture, what processors may have or not, and code is a fifth faster with
 
 
 class Entry(NamedTuple):
@@ -30,12 +31,31 @@ class Entry(NamedTuple):
     arguments: tuple[Any, ...]
 
 
-def object_code(entries: list[Entry], memory: Memory, start: str, cpu: str) -> bytes:
-    """The object file of these functions, and of a constant called `start`, the memory of a machine that begins.
+class Target(NamedTuple):
+    """A kind of processor, as LLVM names it and its features; needed: those that it has to be asked for first."""
 
-    cpu: "generic", any of this architecture, or "native", those like this one.
-    """
-    target = target_machine(cpu)
+    cpu: str
+    features: str = ""
+    needed: tuple[str, ...] = ()
+
+    @property
+    def suffix(self) -> str:
+        """Of the names of functions for it."""
+        return "_fused" if self.needed else ""
+
+
+def targets(cpu: str) -> list[Target]:
+    """Kinds of processors to write code for; cpu: "generic", any of this architecture, or "native", those like this
+    one. Those that join a product and a sum get code of their own."""
+    if cpu == "native":
+        return [Target(llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten())]
+    needed = FUSED.get(platform.machine())
+    fused = [Target("generic", ",".join(f"+{name}" for name in needed), needed)] if needed else []
+    return [Target("generic"), *fused]
+
+
+def object_code(entries: list[Entry], memory: Memory, kinds: list[Target]) -> list[bytes]:
+    """Object files of these functions, one for each kind of processor."""
     results = [compiled(entry) for entry in entries]
     codegen = results[0].target_context.codegen()
     library = NativeLibrary(codegen, "omnisim")
@@ -43,19 +63,34 @@ def object_code(entries: list[Entry], memory: Memory, start: str, cpu: str) -> b
     for entry, result in zip(entries, results, strict=True):
         define(module, entry, result, memory)
         library.add_linking_library(result.library)
-    add_start(module, memory, start)
     library.add_ir_module(module)
     library.finalize()
-    return target.emit_object(library.linked({*(entry.name for entry in entries), start}))
+    names = {entry.name for entry in entries}
+    return [emitted(library.module, names, kind) for kind in kinds]
 
 
-def target_machine(cpu: str) -> llvm.TargetMachine:
-    """What writes code for a processor, to be placed anywhere."""
-    features = ""
-    if cpu == NATIVE:
-        cpu, features = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+def constant(name: str, content: bytes) -> bytes:
+    """The object file of a constant by this name: const unsigned char name[]."""
+    module = ir.Module(name)
+    kind = ir.ArrayType(ir.IntType(8), len(content))
+    whole = ir.GlobalVariable(module, kind, name)
+    whole.initializer, whole.global_constant = kind(bytearray(content)), True
+    return emitted(llvm.parse_assembly(str(module)), {name}, Target("generic"))
+
+
+def emitted(module: llvm.ModuleRef, public: set[str], kind: Target) -> bytes:
+    """The object file of a module for a kind of processor, to be placed anywhere. Other object files see what is public
+    alone, by its name with the suffix of the kind, and libraries show none of it."""
+    own = module.clone()  # which is changed on the way
+    for symbol in (*own.functions, *own.global_variables):
+        if symbol.name in public:
+            symbol.visibility = "hidden"
+            symbol.name += kind.suffix
+        elif not symbol.is_declaration:
+            symbol.linkage = "internal"
     target = llvm.Target.from_triple(llvm.get_process_triple())
-    return target.create_target_machine(cpu=cpu, features=features, opt=3, reloc="pic", codemodel="default")
+    machine = target.create_target_machine(kind.cpu, kind.features, opt=3, reloc="pic", codemodel="default")
+    return machine.emit_object(own)
 
 
 def compiled(entry: Entry) -> Any:
@@ -79,15 +114,9 @@ class NativeLibrary(JITCodeLibrary):
         self._final_module.verify()
         self._finalized = True
 
-    def linked(self, public: set[str]) -> llvm.ModuleRef:
-        """The code, of which only what is public has a name that other object files can see; libraries show none."""
-        module = self._final_module
-        for symbol in (*module.functions, *module.global_variables):
-            if symbol.name in public:
-                symbol.visibility = "hidden"
-            elif not symbol.is_declaration:
-                symbol.linkage = "internal"
-        return module
+    @property
+    def module(self) -> llvm.ModuleRef:
+        return self._final_module
 
 
 def define(module: ir.Module, entry: Entry, result: Any, memory: Memory) -> None:
@@ -136,11 +165,3 @@ class Arguments(NamedTuple):
 
     def place(self, array: Any) -> ir.Value:
         return self.builder.gep(self.address, [WORD(self.memory[array])])
-
-
-def add_start(module: ir.Module, memory: Memory, name: str) -> None:
-    start = memory.start
-    kind = ir.ArrayType(ir.IntType(8), len(start))
-    constant = ir.GlobalVariable(module, kind, name)
-    constant.initializer = kind(bytearray(start))
-    constant.global_constant = True

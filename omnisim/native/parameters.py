@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from omnisim.native.memory import Memory, machine_of
+from omnisim.native.units import unit_of
 from omnisim.scene.problems import ConfigError
 from omnisim.scene.scene import Scene, SceneError, changed
 
@@ -27,10 +28,15 @@ class Parameter(NamedTuple):
     at each place in the memory, bytes."""
 
     name: str
+    unit: str
     start: float
     least: float
     most: float
     by: dict[int, float]
+
+    @property
+    def description(self) -> str:
+        return f"{self.name} of the scene"
 
 
 def parameters_of(scene: Scene, stages: Any, memory: Memory) -> list[Parameter]:
@@ -65,7 +71,7 @@ def tried(scene: Scene, stages: Any, content: np.ndarray, name: str, value: floa
     if places is None or not len(places) or bounds[0] == value or bounds[1] == value:
         return None
     by = {8 * int(word): float(content[word] / value) for word in places}
-    return Parameter(name, value, min(bounds), max(bounds), by)
+    return Parameter(name, unit_of(scene.config, name), value, min(bounds), max(bounds), by)
 
 
 def proportional(content: np.ndarray, scaled: np.ndarray, factor: float) -> np.ndarray | None:

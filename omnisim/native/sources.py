@@ -7,6 +7,7 @@ from typing import Any
 from omnisim.base.status import EVENT_KINDS, EVENTS_PER_STEP, LOG_FULL, RUNNING, SAFE_STEP, SENTENCES
 from omnisim.dynamics.state import places_in
 from omnisim.native.memory import Machine, Memory
+from omnisim.native.object_code import Target
 from omnisim.native.parameters import Parameter
 from omnisim.native.variables import Input, Output, inputs_of, outputs_of
 from omnisim.scene.ideal_kinematics import wheel_rows
@@ -39,8 +40,11 @@ def sentences(config: Config, dt: float) -> list[str]:
     return found
 
 
-def header(config: Config, machine: Machine, memory: Memory, parameters: list[Parameter], identity: str) -> str:
-    """scene.h, which machine.c includes. identity: 16 hexadecimal digits, by which the library knows its states."""
+def header(
+    config: Config, machine: Machine, memory: Memory, parameters: list[Parameter], identity: str, kinds: list[Target]
+) -> str:
+    """scene.h, which machine.c includes. identity: 16 hexadecimal digits, by which the library knows its states; kinds:
+    of processors that there is code for."""
     constants, _, run, _, log = machine.marched
     at = places_in(constants)
     clock = run.clock
@@ -87,6 +91,7 @@ def header(config: Config, machine: Machine, memory: Memory, parameters: list[Pa
         [
             "/* Written by omnisim: what machine.c knows of one scene. Places are bytes in the memory of a machine. */",
             *(f"#define {name} {value}" for name, value in numbers.items()),
+            *(f"#define FUSED ({there(kind.needed)})" for kind in kinds if kind.needed),
             *array("static const omnisim_variable INPUT[]", map(told, inputs)),
             *array("static const omnisim_variable OUTPUT[]", map(told, outputs)),
             *array("static const int CHANNEL[]", (str(one.channel) for one in inputs)),
@@ -103,6 +108,11 @@ def header(config: Config, machine: Machine, memory: Memory, parameters: list[Pa
             "",
         ]
     )
+
+
+def there(features: Iterable[str]) -> str:
+    """Whether the processor has them all."""
+    return " && ".join(f"__builtin_cpu_supports({text(name)})" for name in features)
 
 
 def array(declared: str, entries: Iterable[str]) -> list[str]:
@@ -124,8 +134,8 @@ def told(variable: Input | Output) -> str:
 
 
 def ranged(parameter: Parameter) -> str:
-    name, start, least, most, _ = parameter
-    return f'{{{text(name)}, "", {text(f"{name} of the scene")}, {start!r}, 0, {least!r}, {most!r}}}'
+    name, unit, start, least, most, _ = parameter
+    return f"{{{text(name)}, {text(unit)}, {text(parameter.description)}, {start!r}, 0, {least!r}, {most!r}}}"
 
 
 def factors(parameters: list[Parameter]) -> list[str]:

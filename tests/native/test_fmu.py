@@ -1,54 +1,16 @@
-"""Machines as Functional Mock-up Units: importers accept them, step them and get what `omnisim run` tells."""
-
-import json
-import re
-import subprocess
-import sys
-import zipfile
-from pathlib import Path
+"""Machines as Functional Mock-up Units: inputs, parameters and states act, and no caller brings them down."""
 
 import numpy as np
 import pytest
 from commands import command
-from native_machine import columns
 
 import omnisim
-from omnisim.native.building import build
-from omnisim.native.fmu import fmu
-from omnisim.native.library import prefix_of
 
-fmpy, fmi2, fmi3, validation = (
-    pytest.importorskip(f"fmpy{part}", reason="needs fmpy: pip install -e '.[test]'")
-    for part in ("", ".fmi2", ".fmi3", ".validation")
+fmpy, fmi2, fmi3 = (
+    pytest.importorskip(f"fmpy{part}", reason="needs fmpy: pip install -e '.[test]'") for part in ("", ".fmi2", ".fmi3")
 )
 pytestmark = pytest.mark.long
 DISCARD, ERROR = 2, 3
-# Simulates a file with FMPy where importing omnisim or Numba is an error, and writes all outputs at every 10 ms.
-ALONE = """
-import json, sys
-sys.modules.update(dict.fromkeys(["omnisim", "numba", "llvmlite"]))
-import fmpy
-found = fmpy.simulate_fmu(sys.argv[1], output_interval=float(sys.argv[2]))
-json.dump({"names": found.dtype.names, "rows": found.tolist()}, sys.stdout)
-"""
-
-
-@pytest.fixture(scope="module")
-def made(tmp_path_factory):
-    """The file of a scene in a standard, made when a test asks for it first."""
-    there, built = {}, {}
-
-    def ask(name, standard="3"):
-        if (name, standard) not in there:
-            scene = omnisim.load(name)
-            if name not in built:
-                built[name] = build(scene, prefix_of(scene.name), "generic")
-            path = tmp_path_factory.getbasetemp() / f"{name}_{standard}.fmu"
-            path.write_bytes(fmu(scene, built[name], standard))
-            there[name, standard] = path
-        return there[name, standard]
-
-    return ask
 
 
 class Unit:
@@ -108,62 +70,8 @@ def rows(unit, count):
 
 
 @pytest.mark.parametrize("standard", ["3", "2"])
-@pytest.mark.parametrize("name", ["coulomb_wheel", "kiwi", "youbot"])
-def test_fmpy_finds_nothing_and_moves_a_machine_as_omnisim_run_does(made, name, standard):
-    path = made(name, standard)
-    assert validation.validate_fmu(str(path)) == []
-    trajectory = omnisim.simulate(name)
-    program = [sys.executable, "-c", ALONE, str(path), str(trajectory.time[1])]
-    found = json.loads(subprocess.run(program, capture_output=True, text=True, check=True).stdout)
-    names, values = found["names"], np.array(found["rows"])
-    expected = columns(trajectory, names)
-    assert values.shape == expected.shape and names[0] == "time" and len(names) > 25
-    error = np.abs(values - expected) / np.maximum(np.abs(expected).max(axis=0), 1.0)
-    assert error.max() < 1e-12, names[np.argmax(error.max(axis=0))]  # measured 2e-14
-
-
-def test_another_importer_loads_and_steps_it(made):
-    pytest.importorskip("libcosimpy", reason="needs libcosimpy: pip install -e '.[test]'")
-    program = """
-import sys
-from libcosimpy.CosimExecution import CosimExecution
-from libcosimpy.CosimObserver import CosimObserver
-from libcosimpy.CosimSlave import CosimLocalSlave
-execution = CosimExecution.from_step_size(step_size=10_000_000)
-slave = execution.add_local_slave(CosimLocalSlave(fmu_path=sys.argv[1], instance_name="one"))
-observer = CosimObserver.create_last_value()
-execution.add_observer(observer)
-there = {variable.name.decode(): variable.reference for variable in execution.slave_variables(slave)}
-execution.step(300)
-print("found", *observer.last_real_values(slave, [there["body/position.x"], there["wheels/front_left/spin_rate"]]))
-"""
-    said = subprocess.run(
-        [sys.executable, "-c", program, str(made("youbot", "2"))], capture_output=True, text=True, check=True
-    ).stdout
-    trajectory = omnisim.simulate("youbot")
-    expected = trajectory["body/position"][-1, 0], trajectory["wheels/front_left/spin_rate"][-1]
-    found = [float(text) for text in re.search("^found (.*)", said, re.MULTILINE)[1].split()]
-    assert found == pytest.approx(expected, rel=1e-12)
-
-
-@pytest.mark.parametrize("standard", ["3", "2"])
-def test_every_function_of_the_standard_is_there(made, standard, tmp_path):
-    header = Path(fmpy.__file__).parent / f"c-code/fmi{standard}Functions.h"
-    exchange = r"Functions for FMI2 for Model Exchange.*?Functions for FMI2 for Co-Simulation"
-    declared = re.sub(exchange, "", header.read_text(), flags=re.DOTALL)
-    wanted = set(re.findall(rf"TYPE\s+(fmi{standard}\w+);", declared))
-    with zipfile.ZipFile(made("youbot", standard)) as archive:
-        library = next(name for name in archive.namelist() if name.endswith(".so"))
-        archive.extract(library, tmp_path)
-    shown = subprocess.run(
-        ["nm", "-D", "--defined-only", tmp_path / library], capture_output=True, text=True, check=True
-    )
-    assert len(wanted) > 20 and {line.split()[-1] for line in shown.stdout.splitlines()} == wanted
-
-
-@pytest.mark.parametrize("standard", ["3", "2"])
-def test_inputs_act_as_those_of_a_loop_and_start_values_leave_the_command(made, tmp_path, standard):
-    unit, loop = Unit(made("youbot", standard), tmp_path), omnisim.Loop("youbot")
+def test_inputs_act_as_those_of_a_loop_and_start_values_leave_the_command(fmu_file, tmp_path, standard):
+    unit, loop = Unit(fmu_file("youbot", standard), tmp_path), omnisim.Loop("youbot")
     unit.give("wheels/front_left/rate", 0.0)  # its start value, which importers may set
     unit.start()
     for i in range(100):
@@ -180,8 +88,8 @@ def test_inputs_act_as_those_of_a_loop_and_start_values_leave_the_command(made, 
 
 
 @pytest.mark.parametrize("standard", ["3", "2"])
-def test_a_state_taken_back_repeats_the_run_bit_for_bit_in_this_instance_and_another(made, tmp_path, standard):
-    one, other = (Unit(made("youbot", standard), tmp_path).start() for _ in range(2))
+def test_a_state_taken_back_repeats_the_run_bit_for_bit_in_this_instance_and_another(fmu_file, tmp_path, standard):
+    one, other = (Unit(fmu_file("youbot", standard), tmp_path).start() for _ in range(2))
     named = "State" if standard == "3" else "state"
     get, put, free, pack = (getattr(one.unit, f"{what}FMU{named}") for what in ("get", "set", "free", "serialize"))
     back = getattr(other.unit, f"{'deserialize' if standard == '3' else 'deSerialize'}FMU{named}")
@@ -200,8 +108,8 @@ def test_a_state_taken_back_repeats_the_run_bit_for_bit_in_this_instance_and_ano
 
 
 @pytest.mark.parametrize("standard", ["3", "2"])
-def test_parameters_set_before_initialization_ends_are_those_of_the_scene(made, tmp_path, standard):
-    unit = Unit(made("youbot", standard), tmp_path)
+def test_parameters_set_before_initialization_ends_are_those_of_the_scene(fmu_file, tmp_path, standard):
+    unit = Unit(fmu_file("youbot", standard), tmp_path)
     unit.give("wheels/front_left/rate", 2.0)
     unit.give("friction.coefficient", 0.35)
     unit.start()
@@ -215,7 +123,7 @@ def test_parameters_set_before_initialization_ends_are_those_of_the_scene(made, 
     with pytest.raises(fmpy.fmi1.FMICallException) as failure:
         unit.give("friction.coefficient", 0.5)
     assert failure.value.status == DISCARD
-    other = Unit(made("youbot", standard), tmp_path)
+    other = Unit(fmu_file("youbot", standard), tmp_path)
     with pytest.raises(fmpy.fmi1.FMICallException):
         other.give("friction.coefficient", -1.0)
     if standard == "3":
@@ -224,16 +132,16 @@ def test_parameters_set_before_initialization_ends_are_those_of_the_scene(made, 
     assert other.row("friction.coefficient") == [0.6]
 
 
-def test_instances_side_by_side_do_not_see_each_other(made, tmp_path):
-    alone = rows(Unit(made("youbot"), tmp_path).start(), 30)
-    pair = [Unit(made("youbot"), tmp_path).start() for _ in range(2)]
+def test_instances_side_by_side_do_not_see_each_other(fmu_file, tmp_path):
+    alone = rows(Unit(fmu_file("youbot"), tmp_path).start(), 30)
+    pair = [Unit(fmu_file("youbot"), tmp_path).start() for _ in range(2)]
     pair[1].give("wrench/force.x", 3.0)
     found = np.array([[rows(unit, 1)[0] for unit in pair] for _ in range(30)])
     assert np.array_equal(found[:, 0], alone) and not np.array_equal(found[-1, 1], alone[-1])
 
 
-def test_what_cannot_be_meant_is_discarded_and_told(made, tmp_path):
-    unit = Unit(made("youbot"), tmp_path).start()
+def test_what_cannot_be_meant_is_discarded_and_told(fmu_file, tmp_path):
+    unit = Unit(fmu_file("youbot"), tmp_path).start()
     for seconds in (1.2e-4, -0.01, float("nan")):
         with pytest.raises(fmpy.fmi1.FMICallException) as failure:
             unit.step(seconds)
@@ -250,12 +158,12 @@ def test_what_cannot_be_meant_is_discarded_and_told(made, tmp_path):
     assert unit.said[-1] == "there is no variable with value reference 10000"
     unit.step(0.01)
     with pytest.raises(Exception, match=r"[Ii]nstantiate"):
-        Unit(made("youbot"), tmp_path, token="another")
+        Unit(fmu_file("youbot"), tmp_path, token="another")
 
 
 @pytest.mark.parametrize("standard", ["3", "2"])
-def test_a_machine_that_is_stopped_says_so_and_takes_nobody_with_it(made, tmp_path, standard):
-    unit, loop = Unit(made("youbot", standard), tmp_path).start(), omnisim.Loop("youbot")
+def test_a_machine_that_is_stopped_says_so_and_takes_nobody_with_it(fmu_file, tmp_path, standard):
+    unit, loop = Unit(fmu_file("youbot", standard), tmp_path).start(), omnisim.Loop("youbot")
     unit.step(0.01)
     loop.advance(0.01)
     unit.give("wrench/force.z", 1000.0)

@@ -16,6 +16,7 @@ from native_machine import REFUSED, RUNNING, STOPPED, Library, Machine, columns,
 from scenes import reference_scene
 
 import omnisim
+from omnisim.native import object_code
 from omnisim.native.building import SOURCES, native
 from omnisim.native.library import prefix_of
 from omnisim.native.memory import Memory
@@ -74,6 +75,20 @@ def test_code_for_this_processor_moves_bit_for_bit_as_omnisim_run(opened, name):
     state = [i for i, known in enumerate(machine.library.names) if "spin" in known or known.startswith("body/yaw")]
     rows = machine.rows(trajectory.time[1], len(trajectory.time) - 1)
     assert np.array_equal(rows[:, state], columns(trajectory, machine.library.names)[:, state])
+
+
+@pytest.mark.long
+def test_processors_without_vectors_and_joined_products_have_code_of_their_own(monkeypatch, tmp_path):
+    """Which a library holds beside the other, and alone here: as near to the run, and none of its instructions."""
+    monkeypatch.setattr(object_code, "FUSED", {})
+    folder, prefix = make(SCENES["coulomb_wheel"](), tmp_path / "plain")
+    library = Library(folder, prefix)
+    trajectory = omnisim.simulate(SCENES["coulomb_wheel"]())
+    rows = Machine(library).rows(trajectory.time[1], len(trajectory.time) - 1)
+    expected = columns(trajectory, library.names)
+    assert (np.abs(rows - expected) / np.maximum(np.abs(expected).max(axis=0), 1.0)).max() < 1e-12  # measured 2e-14
+    code = subprocess.run(["objdump", "-d", folder / f"lib{prefix}.so"], capture_output=True, text=True, check=True)
+    assert "mulsd" in code.stdout and not re.search("%[yz]mm|vfmadd|vmulsd", code.stdout)
 
 
 @pytest.mark.long

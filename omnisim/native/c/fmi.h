@@ -89,6 +89,22 @@ static int reset(struct instance *instance) {
     return status_of(instance, omnisim_reset(instance->machine));
 }
 
+static int set_logging(struct instance *instance, int on) {
+    instance->logging = on;
+    return OK;
+}
+
+/* Initialization, from the time at which the importer begins to its end. */
+static int start_at(struct instance *instance, double start) {
+    instance->told.start = start;
+    return OK;
+}
+
+static int end_initialization(struct instance *instance) {
+    instance->told.begun = 1;
+    return OK;
+}
+
 static double now(const struct instance *instance) { return instance->told.start + omnisim_time(instance->machine); }
 
 static int get(struct instance *instance, uint32_t reference, double *value) {
@@ -135,6 +151,20 @@ static int set(struct instance *instance, uint32_t reference, double value) {
     return status;
 }
 
+static int get_reals(struct instance *instance, const uint32_t references[], size_t count, double values[]) {
+    int status = OK;
+    for (size_t i = 0; i < count && status == OK; i++)
+        status = get(instance, references[i], &values[i]);
+    return status;
+}
+
+static int set_reals(struct instance *instance, const uint32_t references[], size_t count, const double values[]) {
+    int status = OK;
+    for (size_t i = 0; i < count && status == OK; i++)
+        status = set(instance, references[i], values[i]);
+    return status;
+}
+
 static int step(struct instance *instance, double point, double length) {
     if (!(fabs(point - now(instance)) < 0.5 * omnisim_grid()))
         return complain(instance, DISCARD, "the machine is at t = %.9g s, not at %.9g s", now(instance), point);
@@ -160,6 +190,24 @@ static int restore(struct instance *instance, const void *state) {
     if (status != omnisim_REFUSED)
         memcpy(&instance->told, state, sizeof instance->told);
     return status == omnisim_REFUSED ? status_of(instance, status) : OK;
+}
+
+static int forget(void **state) {
+    free(*state);
+    *state = NULL;
+    return OK;
+}
+
+static int measure(size_t *size) {
+    *size = state_size();
+    return OK;
+}
+
+static int pack(struct instance *instance, const void *state, void *bytes, size_t size) {
+    if (size < state_size())
+        return complain(instance, ERROR, "a state of this machine has %zu bytes, not %zu", state_size(), size);
+    memcpy(bytes, state, state_size());
+    return OK;
 }
 
 static int unpack(struct instance *instance, const void *bytes, size_t size, void **state) {

@@ -35,23 +35,18 @@ EXPORTED int fmi2Terminate(struct instance *instance) { return instance ? OK : E
 
 EXPORTED int fmi2SetDebugLogging(struct instance *instance, int on, size_t count, const char *const categories[]) {
     (void)count, (void)categories;
-    instance->logging = on;
-    return OK;
+    return set_logging(instance, on);
 }
 
 EXPORTED int fmi2SetupExperiment(struct instance *instance, int tolerated, double tolerance, double start, int limited,
                                  double stop) {
     (void)tolerated, (void)tolerance, (void)limited, (void)stop;
-    instance->told.start = start;
-    return OK;
+    return start_at(instance, start);
 }
 
 EXPORTED int fmi2EnterInitializationMode(struct instance *instance) { return instance ? OK : ERROR; }
 
-EXPORTED int fmi2ExitInitializationMode(struct instance *instance) {
-    instance->told.begun = 1;
-    return OK;
-}
+EXPORTED int fmi2ExitInitializationMode(struct instance *instance) { return end_initialization(instance); }
 
 /* A machine that is stopped discards the rest of the step: where it stands, fmi2GetRealStatus tells. */
 EXPORTED int fmi2DoStep(struct instance *instance, double point, double length, int final) {
@@ -73,10 +68,7 @@ EXPORTED int fmi2GetBooleanStatus(struct instance *instance, int kind, int *valu
 /* --- variables ------------------------------------------------------------------------------------ */
 
 EXPORTED int fmi2GetReal(struct instance *instance, const uint32_t references[], size_t count, double values[]) {
-    int status = OK;
-    for (size_t i = 0; i < count && status == OK; i++)
-        status = get(instance, references[i], &values[i]);
-    return status;
+    return get_reals(instance, references, count, values);
 }
 
 EXPORTED int fmi2GetInteger(struct instance *instance, const uint32_t references[], size_t count, int values[]) {
@@ -90,10 +82,7 @@ EXPORTED int fmi2GetInteger(struct instance *instance, const uint32_t references
 }
 
 EXPORTED int fmi2SetReal(struct instance *instance, const uint32_t references[], size_t count, const double values[]) {
-    int status = OK;
-    for (size_t i = 0; i < count && status == OK; i++)
-        status = set(instance, references[i], values[i]);
-    return status;
+    return set_reals(instance, references, count, values);
 }
 
 /* --- states --------------------------------------------------------------------------------------- */
@@ -103,22 +92,16 @@ EXPORTED int fmi2SetFMUstate(struct instance *instance, void *state) { return re
 
 EXPORTED int fmi2FreeFMUstate(struct instance *instance, void **state) {
     (void)instance;
-    free(*state);
-    *state = NULL;
-    return OK;
+    return forget(state);
 }
 
 EXPORTED int fmi2SerializedFMUstateSize(struct instance *instance, void *state, size_t *size) {
     (void)instance, (void)state;
-    *size = state_size();
-    return OK;
+    return measure(size);
 }
 
 EXPORTED int fmi2SerializeFMUstate(struct instance *instance, void *state, unsigned char bytes[], size_t size) {
-    if (size < state_size())
-        return complain(instance, ERROR, "a state of this machine has %zu bytes, not %zu", state_size(), size);
-    memcpy(bytes, state, state_size());
-    return OK;
+    return pack(instance, state, bytes, size);
 }
 
 EXPORTED int fmi2DeSerializeFMUstate(struct instance *instance, const unsigned char bytes[], size_t size, void **state) {

@@ -25,21 +25,16 @@ EXPORTED int fmi3Terminate(struct instance *instance) { return instance ? OK : E
 
 EXPORTED int fmi3SetDebugLogging(struct instance *instance, bool on, size_t count, const char *const categories[]) {
     (void)count, (void)categories;
-    instance->logging = on;
-    return OK;
+    return set_logging(instance, on);
 }
 
 EXPORTED int fmi3EnterInitializationMode(struct instance *instance, bool tolerated, double tolerance, double start,
                                          bool limited, double stop) {
     (void)tolerated, (void)tolerance, (void)limited, (void)stop;
-    instance->told.start = start;
-    return OK;
+    return start_at(instance, start);
 }
 
-EXPORTED int fmi3ExitInitializationMode(struct instance *instance) {
-    instance->told.begun = 1;
-    return OK;
-}
+EXPORTED int fmi3ExitInitializationMode(struct instance *instance) { return end_initialization(instance); }
 
 EXPORTED int fmi3DoStep(struct instance *instance, double point, double length, bool final, bool *event, bool *terminate,
                         bool *early, double *last) {
@@ -53,17 +48,19 @@ EXPORTED int fmi3DoStep(struct instance *instance, double point, double length, 
 
 /* --- variables ------------------------------------------------------------------------------------ */
 
+static int scalars(struct instance *instance, size_t count, size_t size) {
+    return count == size ? OK : complain(instance, ERROR, "variables are no arrays");
+}
+
 EXPORTED int fmi3GetFloat64(struct instance *instance, const uint32_t references[], size_t count, double values[],
                             size_t size) {
-    int status = count == size ? OK : complain(instance, ERROR, "variables are no arrays");
-    for (size_t i = 0; i < count && status == OK; i++)
-        status = get(instance, references[i], &values[i]);
-    return status;
+    int status = scalars(instance, count, size);
+    return status == OK ? get_reals(instance, references, count, values) : status;
 }
 
 EXPORTED int fmi3GetInt64(struct instance *instance, const uint32_t references[], size_t count, int64_t values[],
                           size_t size) {
-    int status = count == size ? OK : complain(instance, ERROR, "variables are no arrays");
+    int status = scalars(instance, count, size);
     for (size_t i = 0; i < count && status == OK; i++) {
         double value = 0.0;
         status = get(instance, references[i], &value);
@@ -74,10 +71,8 @@ EXPORTED int fmi3GetInt64(struct instance *instance, const uint32_t references[]
 
 EXPORTED int fmi3SetFloat64(struct instance *instance, const uint32_t references[], size_t count, const double values[],
                             size_t size) {
-    int status = count == size ? OK : complain(instance, ERROR, "variables are no arrays");
-    for (size_t i = 0; i < count && status == OK; i++)
-        status = set(instance, references[i], values[i]);
-    return status;
+    int status = scalars(instance, count, size);
+    return status == OK ? set_reals(instance, references, count, values) : status;
 }
 
 /* --- states --------------------------------------------------------------------------------------- */
@@ -87,22 +82,16 @@ EXPORTED int fmi3SetFMUState(struct instance *instance, void *state) { return re
 
 EXPORTED int fmi3FreeFMUState(struct instance *instance, void **state) {
     (void)instance;
-    free(*state);
-    *state = NULL;
-    return OK;
+    return forget(state);
 }
 
 EXPORTED int fmi3SerializedFMUStateSize(struct instance *instance, void *state, size_t *size) {
     (void)instance, (void)state;
-    *size = state_size();
-    return OK;
+    return measure(size);
 }
 
 EXPORTED int fmi3SerializeFMUState(struct instance *instance, void *state, unsigned char bytes[], size_t size) {
-    if (size < state_size())
-        return complain(instance, ERROR, "a state of this machine has %zu bytes, not %zu", state_size(), size);
-    memcpy(bytes, state, state_size());
-    return OK;
+    return pack(instance, state, bytes, size);
 }
 
 EXPORTED int fmi3DeserializeFMUState(struct instance *instance, const unsigned char bytes[], size_t size, void **state) {

@@ -35,6 +35,13 @@ struct follower {
 
 int64_t omnisim_march(unsigned char *memory);
 int64_t omnisim_observe(unsigned char *memory);
+#ifdef FUSED /* where the processor joins a product and a sum */
+int64_t omnisim_march_fused(unsigned char *memory);
+int64_t omnisim_observe_fused(unsigned char *memory);
+#define CALLED(kernel, memory) (FUSED ? kernel##_fused(memory) : kernel(memory))
+#else
+#define CALLED(kernel, memory) kernel(memory)
+#endif
 extern const unsigned char omnisim_start[];
 
 enum { INPUT_COUNT = sizeof INPUT / sizeof *INPUT, OUTPUT_COUNT = sizeof OUTPUT / sizeof *OUTPUT, ALIGNMENT = 64 };
@@ -49,7 +56,7 @@ struct state {
 };
 struct omnisim_machine {
     struct state state;
-    int seen; /* forces and body are those of this instant */
+    int seen, placed; /* whether forces and body are those of this instant */
     double body[BODY_VALUES];
     char message[512];
     unsigned char *memory;
@@ -103,7 +110,7 @@ static omnisim_status explained(omnisim_machine *machine) {
 /* March up to a step of the grid, which is an output row: the energy is weighed there. */
 static omnisim_status march(omnisim_machine *machine, int64_t goal) {
     int64_t status;
-    machine->seen = 0;
+    machine->seen = machine->placed = 0;
     machine->message[0] = '\0';
     if (goal > 0) {
         *whole(machine, CLOCK_ROW) = 1;
@@ -111,7 +118,7 @@ static omnisim_status march(omnisim_machine *machine, int64_t goal) {
     }
     *whole(machine, CLOCK_GOAL) = goal;
     do {
-        status = omnisim_march(machine->memory);
+        status = CALLED(omnisim_march, machine->memory);
         int64_t count = *whole(machine, CLOCK_EVENTS);
         for (int64_t i = 0; i < count; i++)
             machine->state.events[*whole(machine, LOG + i * EVENT_SIZE + EVENT_KIND)]++;
@@ -270,6 +277,7 @@ static void find_body(omnisim_machine *machine, const double *y) {
     body[ODOMETRY] = *reals(machine, ODOMETRY_YAW);
     for (int w = 0; w < WHEELS; w++)
         body[ODOMETRY] += reals(machine, WHEEL_ODOMETRY + w * WHEEL_SIZE)[2] * y[SPIN_ANGLE + w];
+    machine->placed = 1;
 }
 
 static void look(omnisim_machine *machine) {
@@ -277,8 +285,7 @@ static void look(omnisim_machine *machine) {
         memcpy(machine->memory + COPIED[i].to, machine->memory + COPIED[i].from, COPIED[i].size);
     memcpy(machine->memory + SEEN_PIECE, piece(machine), sizeof *piece(machine));
     *reals(machine, SEEN_TIME) = omnisim_time(machine);
-    omnisim_observe(machine->memory);
-    find_body(machine, reals(machine, Y));
+    CALLED(omnisim_observe, machine->memory);
     machine->seen = 1;
 }
 
@@ -290,10 +297,13 @@ double omnisim_get(omnisim_machine *machine, int output) {
         return *reals(machine, place->at);
     if (place->found == EVENT)
         return (double)machine->state.events[place->at];
+    if (place->found == BODY) {
+        if (!machine->placed)
+            find_body(machine, reals(machine, Y));
+        return machine->body[place->at];
+    }
     if (!machine->seen)
         look(machine);
-    if (place->found == BODY)
-        return machine->body[place->at];
     return place->found == SEEN ? *reals(machine, place->at) : (double)*whole(machine, place->at);
 }
 
@@ -313,7 +323,7 @@ omnisim_status omnisim_restore(omnisim_machine *machine, const void *state) {
         return refused(machine, "%sthis is no state of a machine of this library", "", 0.0, 0.0);
     memcpy(&machine->state, state, sizeof machine->state);
     memcpy(machine->memory, (const unsigned char *)state + sizeof machine->state, KEPT);
-    machine->seen = 0;
+    machine->seen = machine->placed = 0;
     machine->message[0] = '\0';
     return omnisim_stopped(machine) ? explained(machine) : omnisim_RUNNING;
 }
