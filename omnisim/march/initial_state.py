@@ -93,6 +93,7 @@ def newton_workspace(parameters: Parameters, states: int) -> Newton:
     count = len(active)
     return Newton(
         active=active,
+        busy=np.zeros_like(active),
         stages=np.zeros((7, states)),
         real=np.zeros((2 * count + 1, count)),
         complex=np.zeros((count + 1, count), complex),

@@ -6,7 +6,8 @@ real and one complex system of n,
 
     (lambda / h - J) dw = V^-1 f(y + Z) - lambda / h w        w = V^-1 Z
 
-J couples the states `Newton.active` alone, those that forces depend on; the others follow by quadrature.
+J couples the states `Newton.active` alone, those that forces depend on, without those that are idle; the others follow
+by quadrature.
 """
 
 import math
@@ -43,13 +44,14 @@ def implicit_step(parameters, method, run, t, h):
     y = run.y
     z = newton.stages[:3]
     slopes = newton.stages[3:6]
+    active = newton.busy[: gather(parameters, run)]
     converged = h == 0.0
     for i in range(3):
         for m in range(n):
             z[i, m] = 0.0
     if not converged:
-        differentiate(parameters, run, t)
-        factorize_all(radau, newton, h)
+        differentiate(parameters, run, t, active)
+        factorize_all(radau, newton, h, len(active))
     last = math.inf
     for iteration in range(MOST_ITERATIONS):
         if converged:
@@ -59,7 +61,7 @@ def implicit_step(parameters, method, run, t, h):
                 run.trial[m] = y[m] + z[i, m]
             evaluate(parameters, mode, piece, t + radau.c[i] * h, run.trial, slopes[i], run.monitors_end)
         run.clock.rhs += 3
-        change = correct(radau, newton, y, h)
+        change = correct(radau, newton, y, h, active)
         if not math.isfinite(change):
             return False
         converged = change <= TOLERANCE or (change <= FLOOR and change > FALLING * last)
@@ -75,7 +77,19 @@ def implicit_step(parameters, method, run, t, h):
 
 
 @kernel
-def differentiate(parameters, run, t):
+def gather(parameters, run):
+    """Write the active states that are not idle to `Newton.busy`: how many."""
+    newton = run.newton
+    count = 0
+    for m in newton.active:
+        if not idle(parameters, run, m):
+            newton.busy[count] = m
+            count += 1
+    return count
+
+
+@kernel
+def differentiate(parameters, run, t, active):
     """Forward differences of the active slopes at the start of the step.
 
     Friction changes over a slip of |v| + slip_speed: the shifts stay far below it, as far as rounding allows.
@@ -83,26 +97,22 @@ def differentiate(parameters, run, t):
     newton = run.newton
     speed = 1.0
     shifted = newton.stages[6]
-    jacobian = newton.real[: len(newton.active)]
+    jacobian = newton.real[: len(active)]
     for w in range(len(run.monitors)):
         for side in range(contact_count(run.mode[w])):
             speed = min(speed, math.sqrt(run.monitors[w].slip_square[side]) + parameters.machine.slip_floor)
     shift = min(max(STEEP * speed, LEAST_SHIFT), MOST_SHIFT)
     copy(run.y, run.trial)
-    for j in range(len(newton.active)):
-        m = newton.active[j]
-        if idle(parameters, run, m):
-            for i in range(len(newton.active)):
-                jacobian[i, j] = 0.0
-            continue
+    for j in range(len(active)):
+        m = active[j]
         run.trial[m] = run.y[m] + shift
         taken = run.trial[m] - run.y[m]
         evaluate(parameters, run.mode, run.clock.piece, t, run.trial, shifted, run.monitors_end)
         run.trial[m] = run.y[m]
-        for i in range(len(newton.active)):
-            row = newton.active[i]
+        for i in range(len(active)):
+            row = active[i]
             jacobian[i, j] = (shifted[row] - run.slopes[0, row]) / taken
-    run.clock.rhs += len(newton.active)
+    run.clock.rhs += len(active)
 
 
 @kernel
@@ -117,9 +127,8 @@ def idle(parameters, run, m):
 
 
 @kernel
-def factorize_all(radau, newton, h):
-    """LU factors of lambda / h - J for the real and the complex eigenvalue."""
-    k = len(newton.active)
+def factorize_all(radau, newton, h, k):
+    """LU factors of lambda / h - J for the real and the complex eigenvalue, of k states."""
     jacobian = newton.real[:k]
     real = newton.real[k : 2 * k]
     cplx = newton.complex[:k]
@@ -129,17 +138,16 @@ def factorize_all(radau, newton, h):
             cplx[i, j] = -jacobian[i, j]
         real[i, i] += radau.real_value / h
         cplx[i, i] += radau.complex_value / h
-    factorize(real, newton.pivots[0])
-    factorize(cplx, newton.pivots[1])
+    factorize(real, newton.pivots[0, :k])
+    factorize(cplx, newton.pivots[1, :k])
 
 
 @kernel
-def correct(radau, newton, y, h):
+def correct(radau, newton, y, h, active):
     """One Newton correction of the increments z: its largest entry relative to 1 + |y|."""
     z = newton.stages[:3]
     slopes = newton.stages[3:6]
-    active = newton.active
-    k = len(newton.active)
+    k = len(active)
     real_side = newton.real[2 * k]
     complex_side = newton.complex[k]
     largest, a = 0.0, 0
@@ -153,8 +161,8 @@ def correct(radau, newton, y, h):
             a += 1
         else:
             largest = max(largest, change(radau, z, m, real * h / radau.real_value, cplx * h / radau.complex_value, y))
-    substitute(newton.real[k : 2 * k], newton.pivots[0], real_side)
-    substitute(newton.complex[:k], newton.pivots[1], complex_side)
+    substitute(newton.real[k : 2 * k], newton.pivots[0, :k], real_side)
+    substitute(newton.complex[:k], newton.pivots[1, :k], complex_side)
     for a in range(k):
         size = change(radau, z, active[a], real_side[a], complex_side[a], y)
         if not size <= largest:  # a NaN must not hide

@@ -137,3 +137,11 @@ def test_a_piece_that_ends_in_rounding_does_not_hold_up_those_behind_it():
 def test_info_says_which_method_is_used_and_why(overrides, words):
     scene = reference_scene("testbench_psi30", *overrides)
     assert words in explanation(scene.config, packed(scene)[0])
+
+
+def test_rollers_in_the_air_cost_an_implicit_step_nothing():
+    """A machine that stands on four of 72 rollers: 15 right-hand sides for the Jacobian, 24 to 30 for the stages, one
+    at the end. Rates of the 28 rollers that could touch as well, but do not, would be 28 more."""
+    stands = omnisim.simulate(omnisim.load("robocin_omni_50", {"time.end": 0.01}))
+    assert stands.complete and stands.attributes["steps"] == 10
+    assert stands.attributes["rhs_evaluations"] <= 10 * 50 + 2  # 444
