@@ -146,12 +146,13 @@ def draw() -> None:
             path = IdealPaths(fit)(values(fit, fit.fitted)[None], [i])[0][0]
             way = measured(fit.logs[i], fit.compared(fit.logs[i]))
             end = 1e3 * errors(path, way).end_position
-            axes.plot(*path.position.T, color=colour, lw=1.3, label=f"{label}: {end:.0f} mm off at the end")
+            axes.plot(*path.position.T, color=colour, lw=1.3, label=f"{label}: {end:.0f} mm")
             axes.plot(*path.position[-1], "o", color=colour, ms=5)
         axes.plot(*way.position.T, color="#1f2933", lw=4, alpha=0.2, zorder=0, label="measured")
         axes.plot(*way.position[-1], "o", color="#1f2933", ms=9, alpha=0.3, zorder=0)
-        axes.set(aspect="equal", xlabel="x / m", ylabel="y / m", title=f"{other} {run}, by what {kind} tell")
-        axes.legend(frameon=False, fontsize=8, loc="center")
+        axes.set(xlabel="x / m", ylabel="y / m", title=f"{other} {run}, by what {kind} tell")
+        axes.set_aspect("equal", adjustable="datalim")
+        axes.legend(frameon=False, fontsize=8, loc="center", title="off at the end", title_fontsize=8)
     figure.savefig(PICTURE, dpi=110)
 
 

@@ -20,7 +20,7 @@ AZIMUTH, ELEVATION = math.radians(42.0), math.radians(22.0)  # of the eye: from 
 LIGHT = np.array([0.55, 0.35, 0.76])  # towards it: right, towards the eye, up
 AMBIENT, EDGE = 0.4, 1.15  # how bright shade is; of the radius that is shown
 RUBBER, METAL = (0.42, 0.48, 0.56), (0.86, 0.87, 0.89)
-ACROSS, CELL, DPI = 5, 2.1, 90  # pictures in a line; inches of one
+ACROSS, CELL, DPI = 6, 2.1, 90  # pictures in a line; inches of one
 
 
 def sheet(wheels: Mapping[str, WheelType], suffix: str) -> bytes:

@@ -27,7 +27,7 @@ def side_by_side(title: str, names: Sequence[str], found: Sequence[dict[str, Fou
     shown = [quantity for quantity in PANELS if told(found, quantity)]
     panels = figure.subplots(2, 3).ravel()
     for axes in panels[len(shown) :]:
-        axes.remove()
+        axes.set_axis_off()
     for axes, quantity in zip(panels, shown, strict=False):
         label, factor = PANELS[quantity]
         for i, (name, entries) in enumerate(zip(names, found, strict=True)):
@@ -37,7 +37,11 @@ def side_by_side(title: str, names: Sequence[str], found: Sequence[dict[str, Fou
         axes.set_xticks(place, motions)
         axes.set_title(label, fontsize=10)
         finish(axes)
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=min(len(names), 5))
+    bars = panels[0].get_legend_handles_labels()
+    if len(shown) < len(panels):
+        panels[-1].legend(*bars, loc="center")
+    else:
+        figure.legend(*bars, loc="outside lower center", ncols=min(len(names), 5))
     figure.suptitle(title, fontsize=11, parse_math=False)
     return figure
 
