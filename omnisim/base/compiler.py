@@ -144,7 +144,7 @@ class Entry(JITCodeLibrary):
     def finalize(self):
         calls = absorbed(self, linked(self))
         self._optimize_final_module()
-        for part in reached(calls):
+        for part in callers_first(calls):
             if not part.inlined:
                 self._final_module.link_in(part.module(), preserve=True)
         self._final_module.verify()
@@ -180,6 +180,24 @@ def reached(parts, through=lambda _: True):
             if through(part):
                 waiting += part.called()
     return list(found)
+
+
+def callers_first(parts):
+    """The same, each before those that it calls: LLVM drops what nothing calls yet, also what is called later on where
+    the only call before has been optimised away."""
+    found: dict = {}
+
+    def visit(part):
+        if part not in found:
+            found[part] = None
+            for call in part.called():
+                visit(call)
+            del found[part]
+            found[part] = None
+
+    for part in parts:
+        visit(part)
+    return list(reversed(found))
 
 
 class KernelLowering(NativeLowering):

@@ -5,30 +5,44 @@ coefficient cannot run; stages and stability limit are derived from the coeffici
 
 Sources: Butcher, Numerical Methods for Ordinary Differential Equations (2016), sections 23 and 31; Dormand & Prince,
 J. Comput. Appl. Math. 6 (1980) 19-26 (the weights of order 5; fixed steps need no error estimate);
+Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I (1993), section II.6 (its continuous extension);
 Hairer & Wanner, Solving Ordinary Differential Equations II (1996), section IV.8 (Radau IIA).
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property
 from math import prod
+from operator import mul
 from typing import NamedTuple
 
 import numpy as np
 
 EXPLICIT, IMPLICIT, AUTO = range(3)
+BETWEEN = Fraction(1, 4)  # of a step: nearly where the derivative of a cubic errs most, 1/2 - sqrt(1/12)
+EXTENDED = 4  # order that a quartic may have
+WITHIN = (Fraction(1, 4), Fraction(1, 2), Fraction(3, 4))  # a quartic that is right there and at both ends is right
 
 
 @dataclass(frozen=True, eq=False)
 class Tableau:
-    """Strictly lower triangular matrix a (s, s), weights b (s,), nodes c (s,), and the order they reach."""
+    """Strictly lower triangular matrix a (s, s), weights b (s,), nodes c (s,), and the order they reach.
+
+    Its continuous extension has that order too, at most 4. It is the cubic that has the states and derivatives at both
+    ends of a step, and at a part x of it beside that x^2 (1 - x)^2 h sum bend_i k_i, bend (s + 1,) or (s + 2,): k_s is
+    the derivative at the end, k_(s+1) one more, at the part BETWEEN, where the cubic is y + h sum within_i k_i; within
+    (s + 1,), empty where that is not needed.
+    """
 
     name: str
     order: int
     a: np.ndarray
     b: np.ndarray
     c: np.ndarray
+    within: np.ndarray
+    bend: np.ndarray
 
     @property
     def stages(self) -> int:
@@ -120,18 +134,55 @@ def elementary_weight(tree: tuple, a: list[list[Fraction]]) -> list[Fraction]:
     return factor
 
 
-def tableau(name: str, order: int, rows: list[list[str]], weights: list[str]) -> Tableau:
-    """A Tableau from exact fractions; asserts b . Phi(tree) = 1 / density(tree) for every tree up to `order`."""
+def weights_within(b: list[Fraction], x: Fraction) -> list[Fraction]:
+    """Weights of the stages and of the derivative at the end in the increment of the cubic at a part x of a step."""
+    y = 1 - x
+    weights = [x * x * (1 + 2 * y) * bi for bi in [*b, Fraction(0)]]
+    weights[0] += x * y * y
+    weights[-1] -= x * x * y
+    return weights
+
+
+def bend_through(b: list[Fraction], x: Fraction) -> list[Fraction]:
+    """Weights of the bend by one more derivative, at a part x of the cubic, by what it differs from the cubic's."""
+    y = 1 - x
+    weights = [6 * x * y * bi for bi in [*b, Fraction(0)]]
+    weights[0] += y * (1 - 3 * x)
+    weights[-1] -= x * (2 - 3 * x)
+    return [weight / (2 * x * y * (x - y)) for weight in [*weights, Fraction(-1)]]
+
+
+def tableau(name: str, order: int, rows: list[list[str]], weights: list[str], bend: Sequence[str] = ()) -> Tableau:
+    """A Tableau from exact fractions, with its own bend or one through a derivative more.
+
+    Asserts b . Phi(tree) = 1 / density(tree) for every tree up to `order`, and the same of its extension.
+    """
     b = [Fraction(weight) for weight in weights]
-    a = [[Fraction(entry) for entry in row] + [Fraction(0)] * (len(b) - len(row)) for row in rows]
-    assert all(len(row) == i for i, row in enumerate(rows)), f"{name}: not explicit"
+    within = [] if bend else weights_within(b, BETWEEN)
+    a = [[Fraction(entry) for entry in row] for row in [*rows, weights]] + [within] * (not bend)
+    bent = [Fraction(entry) for entry in bend] or bend_through(b, BETWEEN)
+    assert all(len(row) == i for i, row in enumerate(a)), f"{name}: not explicit"
+    a = [row + [Fraction(0)] * (len(a) - len(row)) for row in a]
     for nodes in range(1, order + 1):
         for tree in rooted_trees(nodes):
-            weight = sum(bi * phi for bi, phi in zip(b, elementary_weight(tree, a), strict=True))
-            assert weight * density(tree) == 1, f"{name}: order condition of {tree} fails"
+            factors = elementary_weight(tree, a)
+            assert dot(b, factors) * density(tree) == 1, f"{name}: order condition of {tree} fails"
+            for x in WITHIN if nodes <= EXTENDED else ():
+                weight = dot(weights_within(b, x), factors) + (x * (1 - x)) ** 2 * dot(bent, factors)
+                assert weight * density(tree) == x**nodes, f"{name}: order condition of {tree} fails within a step"
+    a = [row[: len(b)] for row in a[: len(b)]]
     matrix = np.array([[float(entry) for entry in row] for row in a])
     nodes_c = np.array([float(sum(row)) for row in a])
-    return Tableau(name, order, matrix, np.array([float(bi) for bi in b]), nodes_c)
+    return Tableau(name, order, matrix, floats(b), nodes_c, floats(within), floats(bent))
+
+
+def floats(values: list[Fraction]) -> np.ndarray:
+    return np.array([float(value) for value in values])
+
+
+def dot(weights: list[Fraction], values: list[Fraction]) -> Fraction:
+    """Of as many as there are weights."""
+    return sum(map(mul, weights, values), Fraction(0))
 
 
 TABLEAUX = {
@@ -151,13 +202,22 @@ TABLEAUX = {
                 ["9017/3168", "-355/33", "46732/5247", "49/176", "-5103/18656"],
             ],
             ["35/384", "0", "500/1113", "125/192", "-2187/6784", "11/84"],
+            [
+                "-12715105075/11282082432",
+                "0",
+                "87487479700/32700410799",
+                "-10690763975/1880347072",
+                "701980252875/199316789632",
+                "-1453857185/822651844",
+                "69997945/29380423",
+            ],
         ),
     )
 }
 
 
 class Stages(NamedTuple):
-    """What the kernels take: an explicit tableau a (s, s), b (s,), c (s,), and Radau IIA beside it.
+    """What the kernels take: an explicit Tableau, and Radau IIA beside it.
 
     first (s,): the first stage that counts in each row of a.
     """
@@ -165,6 +225,8 @@ class Stages(NamedTuple):
     a: np.ndarray
     b: np.ndarray
     c: np.ndarray
+    within: np.ndarray
+    bend: np.ndarray
     first: np.ndarray
     radau: Radau
 
@@ -180,7 +242,8 @@ class Method:
     @cached_property
     def stages(self) -> Stages:
         a = self.tableau.a
-        return Stages(a, self.tableau.b, self.tableau.c, (a != 0.0).argmax(axis=1).astype(np.uint32), RADAU)
+        b, c, within, bend = self.tableau.b, self.tableau.c, self.tableau.within, self.tableau.bend
+        return Stages(a, b, c, within, bend, (a != 0.0).argmax(axis=1).astype(np.uint32), RADAU)
 
 
 RADAU = radau_iia()

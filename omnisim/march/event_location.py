@@ -28,7 +28,8 @@ from omnisim.march.events import (
     resolution,
 )
 from omnisim.march.friction_modes import creep_of, slip_rate, stopped_speed
-from omnisim.march.spatial_location import locate_in_space, of_state_alone
+from omnisim.march.spatial_events import of_state_alone
+from omnisim.march.spatial_location import cut_along, ends_anywhere, locate_in_space
 from omnisim.march.substeps import outrun
 from omnisim.march.trial import advance, advance_again, reach, slide
 
@@ -122,13 +123,16 @@ def cut_at_event(parameters, method, run, t, h):
 
     Each violated guard is located on what is left of the step, TURN first, so EXIT sees a monotone spin angle and a
     step that leaves a roller's end and comes back is cut at the turn before it is searched. In space many contacts may
-    change at one instant: each in its turn, as in no time the guard of one that has changed tells nothing but rounding.
+    change at one instant: where a step cannot be ended along its extension each in its turn, as in no time the guard of
+    one that has changed tells nothing but rounding.
     """
     fired, undisturbed = NO_GUARD, True
     for w in range(len(run.mode)):
         undisturbed = undisturbed and all_hold(parameters, run, w)
     if undisturbed:
         return h, fired
+    if parameters.space is not None and parameters.workspace.resting is None and ends_anywhere(parameters, run):
+        return cut_along(parameters, method, run, t, h)
     for kind in range(guard_kinds(parameters)):
         for w in range(len(run.mode)):
             for side in range(guard_count(parameters, run, kind, w)):

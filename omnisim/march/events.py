@@ -41,7 +41,7 @@ from omnisim.march.runge_kutta import refresh
 from omnisim.march.spatial_events import (
     SPATIAL_GUARDS,
     all_stay,
-    change_contact,
+    change_in_space,
     restore_in_space,
     sides_of,
     spatial_guard,
@@ -167,7 +167,7 @@ def all_held(parameters, run, w):
 def transition(parameters, run, log, fired, time):
     """Change the mode after a Guard fired at `time`, and the derivative with it."""
     if parameters.space is not None:
-        change_contact(parameters, run, log, fired.kind, fired.wheel, fired.side, time)
+        change_in_space(parameters, run, log, fired.kind, fired.wheel, fired.side, time)
     else:
         change_mode(parameters, run, log, fired, time)
 

@@ -37,6 +37,7 @@ from omnisim.march.onset import stand
 from omnisim.march.roller_exchange import release_rollers
 from omnisim.march.runge_kutta import accept, copy, refresh
 from omnisim.march.spatial_contacts import release, stand_in_space
+from omnisim.march.spatial_events import of_state_alone
 from omnisim.march.substeps import step_length
 from omnisim.march.validity import check, check_energy, too_fast, too_stiff
 
@@ -169,11 +170,12 @@ def grid_step(parameters, method, run, rows, log):
             h = step_length(parameters, run, t, h)
         h, fired = step_to_event(parameters, method, run, t, h)
         accept(run)
-        follow(parameters, run, rows, clock.row)
+        kind, w, _ = fired
+        if parameters.space is None or kind < 0 or not of_state_alone(kind):  # of others the forces are found anew
+            follow(parameters, run, rows, clock.row)
         if parameters.workspace.articulated is not None:
             project_bodies(parameters, run, True)
         clock.elapsed += h
-        kind, w, _ = fired
         if parameters.workspace.resting is not None:
             take_drift_away(parameters, run, start + clock.elapsed, kind >= 0 and kind != TURN)
         if kind >= 0:

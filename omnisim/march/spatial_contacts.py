@@ -9,6 +9,7 @@ from omnisim.contact.common_normal import ANY
 from omnisim.contact.friction import SATURATED
 from omnisim.contact.set_valued import SLIP
 from omnisim.contact.support import region_of
+from omnisim.dynamics.spatial.acceleration import slip_at
 from omnisim.dynamics.spatial.gaps import gap_of
 from omnisim.dynamics.spatial.pose import body_of
 from omnisim.dynamics.spatial.records import SLOTS
@@ -33,7 +34,6 @@ def stand_in_space(parameters, run):
         mode = run.mode[w]
         for c in range(mode.contacts):
             mode.pressed[c] = run.monitors[w].press[c] >= 0.0
-            mode.saturated[c] = branch(parameters, run, w, c)
     refresh(parameters, run, 0.0)
     if parameters.workspace.resting is not None:
         come_to_rest(parameters, run, -1, 0, True, 0.0)
@@ -59,8 +59,8 @@ def add_contact(parameters, run, w, i, meeting):
             sum_air(parameters, run, w)
     mode.slot[c], mode.meeting[c], mode.pressed[c] = slot, meeting, 1
     mode.region[c] = region_here(parameters, run.y, w, i, meeting)
-    mode.saturated[c] = 0
     mode.grip[c], mode.stopping[c], mode.stopped[c] = SLIP, 0, 0
+    mode.saturated[c] = branch(parameters, run, w, c)
 
 
 @kernel
@@ -140,4 +140,5 @@ def branch(parameters, run, w, c):
     machine = parameters.machine
     if machine.law != SATURATED:
         return 0
-    return 1 if run.monitors[w].slip_square[c] > machine.slip_speed * machine.slip_speed else 0
+    slip = slip_at(parameters, run.mode[w], w, c, run.y)
+    return 1 if slip.h * slip.h + slip.k * slip.k > machine.slip_speed * machine.slip_speed else 0

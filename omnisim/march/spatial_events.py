@@ -34,18 +34,20 @@ from omnisim.march.event_log import record
 from omnisim.march.friction_modes import grip_guard, young_guard
 from omnisim.march.grip_events import change_grip
 from omnisim.march.runge_kutta import refresh
-from omnisim.march.spatial_contacts import (
-    add_contact,
-    branch,
-    remove_contact,
-)
+from omnisim.march.spatial_contacts import add_contact, remove_contact
 
 DOWN, LIMIT, APART, PIECE, PRESS, ARC, KINK, GRIP, YOUNG, MEET = range(10)  # KINK, GRIP, YOUNG as in events.py
-OF_STATE = (DOWN, APART, PIECE, PRESS, ARC, MEET)  # guards that need no right-hand side
+OF_FORCES = (LIMIT, KINK, GRIP, YOUNG)  # guards that need a right-hand side: the others need the state alone
 SPATIAL_GUARDS = 10
 MOST_CHANGES = 50  # of modes that follow one another at one instant
 BEGIN, END = EVENT_KINDS.index("contact_begin"), EVENT_KINDS.index("contact_end")
 LIFT, LANDING = EVENT_KINDS.index("lift_off"), EVENT_KINDS.index("touch_down")
+
+
+@kernel
+def of_state_alone(kind):
+    """Whether guards of this kind are functions of the state alone."""
+    return kind not in OF_FORCES
 
 
 @kernel
@@ -101,7 +103,7 @@ def gap_in(parameters, mode, w, side, y):
 
 @outlined
 def guard_in(parameters, mode, kind, w, side, y):
-    """Value in state y of a guard of one of the kinds OF_STATE."""
+    """Value in state y of a guard that needs no more."""
     if kind == DOWN:
         return clearance(parameters, y)
     if kind == MEET:
@@ -155,18 +157,32 @@ def clearance(parameters, y):
 
 
 @outlined
-def change_contact(parameters, run, log, kind, w, side, time):
-    """Change the mode of wheel w after a guard fired at `time`, and the derivative with it."""
-    mode, clock = run.mode[w], run.clock
+def change_in_space(parameters, run, log, kind, w, side, time):
+    """Change the modes after a guard fired at `time`, of contacts all that change with it, and the derivative."""
+    mode, changes = run.mode[w], parameters.space.changes
     if kind == DOWN:
-        clock.status, clock.wheel = CHASSIS_DOWN, -1
-        return
-    if kind == LIMIT:
+        run.clock.status, run.clock.wheel = CHASSIS_DOWN, -1
+    elif kind == LIMIT:
         spin_rate = run.y[places(parameters).spin_rate + w]
         mode.drive = next_limit(parameters.wheels[w], mode.drive, run.monitors[w].demand, spin_rate)
-    elif kind in (APART, PIECE):
-        i = mode.roller[mode.slot[side]]
-        record(clock, log, time, END, w, i, -1)
+    elif kind == KINK:
+        mode.saturated[side] = 1 - mode.saturated[side]
+    elif of_state_alone(kind):
+        count = 0
+        while changes[count, 0] >= 0:
+            change_contact(parameters, run, log, changes[count, 0], changes[count, 1], changes[count, 2], time)
+            count += 1
+    elif parameters.workspace.resting is not None:
+        change_grip(parameters, run, log, kind == GRIP, w, side, time)
+    refresh(parameters, run, time)
+
+
+@kernel
+def change_contact(parameters, run, log, kind, w, side, time):
+    """Let a contact begin, end, press or go on, as a guard tells that fired at `time`."""
+    mode, clock = run.mode[w], run.clock
+    if kind in (APART, PIECE):
+        record(clock, log, time, END, w, mode.roller[mode.slot[side]], -1)
         remove_contact(parameters, run, w, side)
         if mode.contacts == 0:
             record(clock, log, time, LIFT, w, -1, -1)
@@ -175,36 +191,17 @@ def change_contact(parameters, run, log, kind, w, side, time):
         mode.grip[side] = SLIP
     elif kind == ARC:
         shape = shape_of(parameters.space, w, mode.meeting[side])
-        mode.region[side] = next_region(shape, mode.region[side], tilt_here(parameters, run, w, side))
-    elif kind == KINK:
-        mode.saturated[side] = 1 - mode.saturated[side]
-    elif kind in (GRIP, YOUNG):
-        if parameters.workspace.resting is not None:
-            change_grip(parameters, run, log, kind == GRIP, w, side, time)
+        stand = standing(parameters, w, body_of(parameters, run.y), run.y)
+        tilt = touching_at(parameters, mode, w, side, stand).tilt
+        mode.region[side] = next_region(shape, mode.region[side], tilt)
+    elif mode.contacts == SLOTS:
+        clock.status, clock.wheel = TOO_MANY_TOUCH, w
     else:
         rollers = parameters.wheels[w].rollers
-        i = side % rollers
-        if mode.contacts == SLOTS:
-            clock.status, clock.wheel = TOO_MANY_TOUCH, w
-            return
         if mode.contacts == 0:
             record(clock, log, time, LANDING, w, -1, -1)
-        record(clock, log, time, BEGIN, w, -1, i)
-        add_contact(parameters, run, w, i, side // rollers)
-        if parameters.machine.law == SATURATED:
-            refresh(parameters, run, time)
-            mode.saturated[mode.contacts - 1] = branch(parameters, run, w, mode.contacts - 1)
-    refresh(parameters, run, time)
-
-
-@kernel
-def tilt_here(parameters, run, w, c):
-    """nu . a at contact c, from what its last evaluation has left."""
-    seen = parameters.space.touches[w * SLOTS + c]
-    wheel = parameters.wheels[w]
-    cos_q, sin_q = seen.azimuth[0], seen.azimuth[1]
-    along_h, along_up = -wheel.cos_psi * cos_q, -wheel.cos_psi * sin_q
-    return along_h * seen.normal[0] + wheel.sin_psi * seen.normal[1] + along_up * seen.normal[2]
+        record(clock, log, time, BEGIN, w, -1, side % rollers)
+        add_contact(parameters, run, w, side % rollers, side // rollers)
 
 
 @outlined
@@ -214,12 +211,12 @@ def restore_in_space(parameters, run, log, time):
         changed = False
         for w in range(len(run.mode)):
             if spatial_guard(parameters, run, LIMIT, w, 0, False) < 0.0:
-                change_contact(parameters, run, log, LIMIT, w, 0, time)
+                change_in_space(parameters, run, log, LIMIT, w, 0, time)
                 changed = True
             for c in range(run.mode[w].contacts):
                 sticks = parameters.workspace.resting is not None and run.mode[w].grip[c] == STICK
                 if sticks and spatial_guard(parameters, run, GRIP, w, c, False) < 0.0:
-                    change_contact(parameters, run, log, GRIP, w, c, time)
+                    change_in_space(parameters, run, log, GRIP, w, c, time)
                     changed = True
         if not changed:
             return

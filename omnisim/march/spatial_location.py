@@ -1,42 +1,120 @@
 """Where in a trial step an event of a machine free in space is: most of its guards need the state alone.
 
-They are followed along the cubic that has the states and derivatives at both ends of the trial, which costs no
-right-hand side. A step is taken to the root found there, and what is missing then is a part e of the step h so small
-that the state is moved on along its cubic, which errs by e^2 h^4 / 24 of the fourth derivative.
+They are followed along the trial's continuous extension (methods.py). A smooth explicit step ends where that has the
+first root, and all that change within a moment change together: it errs with h^5, once for an event, and takes one
+derivative more at most. Where states change much faster than any cubic, as they may in an implicit step, or forces at
+the end are wanted too, a step is taken to the root found on the cubic that has the states and derivatives at both ends.
+What is missing then is a part e of the step h so small that the state is moved on along it, which errs by e^2 h^4 / 24
+of the fourth derivative.
 """
 
 import math
 
+from omnisim.base import methods
 from omnisim.base.kernel import kernel, outlined
+from omnisim.march.events import NO_GUARD, Guard, guard
 from omnisim.march.runge_kutta import evaluate
-from omnisim.march.spatial_events import OF_STATE, guard_in
+from omnisim.march.spatial_events import APART, ARC, DOWN, MEET, OF_FORCES, PIECE, PRESS, guard_in, sides_of
 from omnisim.march.trial import IMPLICIT_REACH, advance_again, cubic, slide
 
 SHORT_REACH = 1e-3  # of a step, by which an explicit one is moved on
+BETWEEN = float(methods.BETWEEN)
+MOMENT = 1e-9  # of a grid step: what follows within it happens at the same instant
 SHRINKING = 2.0**-5  # of a step, in the search for a point inside
 ROUNDING = 1e-14  # of a step and of the time: what is nearer to the start of a step is there
-ROOT = 1e-12  # of a step, to which a root on a cubic is found
+ROOT = 1e-12  # of a step, to which a root on the extension is found
 MOST_ITERATIONS = 60  # for a root, of which halving alone would need 50
 HALVING = 4  # every so many iterations halve what is left
 
 
 @kernel
-def of_state_alone(kind):
-    """Whether guards of this kind are functions of the state alone."""
-    return kind in OF_STATE
+def ends_anywhere(parameters, run):
+    """Whether a trial step with a smooth law may be ended where its extension says: an explicit one, at whose end every
+    guard holds that needs forces."""
+    held = not run.clock.implicit
+    for kind in OF_FORCES:
+        for w in range(len(run.mode)):
+            for side in range(sides_of(parameters, run, kind, w)):
+                held = held and guard(parameters, run, Guard(kind, w, side), True) >= 0.0
+    return held
+
+
+@outlined
+def cut_along(parameters, method, run, t, h):
+    """Move the end of such a trial step of length h to its first event: its length, and the Guard that fired or
+    NO_GUARD; those that fire with it in `changes`."""
+    bend(parameters, method, run, t, h)
+    x, fired = 1.0, NO_GUARD
+    for kind in (DOWN, APART, PIECE, PRESS, ARC, MEET):
+        for w in range(len(run.mode)):
+            for side in range(sides_of(parameters, run, kind, w)):
+                which = Guard(kind, w, side)
+                value = guard(parameters, run, which, True)
+                if value < 0.0 and fired.kind >= 0:
+                    value = guard_along(parameters, run, which, h, x)
+                if value < 0.0:
+                    x, fired = root_before(parameters, run, which, h, x, value), which
+    if fired.kind < 0 or not math.isfinite(x):  # in a state that has burst nothing can be located
+        return h, NO_GUARD
+    note_changes(parameters, run, fired, h, x)
+    slide_along(parameters, run, h, x)
+    return x * h, fired
+
+
+@kernel
+def note_changes(parameters, run, fired, h, x):
+    """Write into `changes` the Guard that has fired at a part x of the trial step h, and those negative at the end that
+    do so a moment later: contacts from the last of a wheel to its first, so that one which ends leaves the numbers of
+    those that follow."""
+    most = len(parameters.space.changes) - 1
+    moment = MOMENT * run.clock.dt
+    later = x + min(moment / max(h, moment), max(1.0 - x, 0.0))
+    count = 0
+    for w in range(len(run.mode)):
+        contacts = sides_of(parameters, run, APART, w)
+        for place in range(contacts):
+            ends = False
+            for kind in (APART, PIECE, PRESS, ARC):
+                which = Guard(kind, w, contacts - 1 - place)
+                if not ends and count < most and fires(parameters, run, which, fired, h, later):
+                    count = note(parameters, count, which)
+                    ends = kind in (APART, PIECE)
+        for side in range(sides_of(parameters, run, MEET, w)):
+            which = Guard(MEET, w, side)
+            if count < most and fires(parameters, run, which, fired, h, later):
+                count = note(parameters, count, which)
+
+
+@kernel
+def note(parameters, count, which):
+    """Write a Guard into `changes` after so many others: how many there are then."""
+    changes = parameters.space.changes
+    changes[count, 0], changes[count, 1], changes[count, 2] = which
+    changes[count + 1, 0] = -1
+    return count + 1
+
+
+@kernel
+def fires(parameters, run, which, fired, h, later):
+    """Whether a Guard is the one that has fired in a trial step h, or negative at its end and at a part `later`."""
+    if which == fired:
+        return True
+    return guard(parameters, run, which, True) < 0.0 and guard_along(parameters, run, which, h, later) < 0.0
 
 
 @outlined
 def locate_in_space(parameters, method, run, t, h, which):
     """Root s of such a Guard on a step of length h at whose end it is negative; leaves the trial at s."""
     near = IMPLICIT_REACH if run.clock.implicit else SHORT_REACH
+    unbend(parameters)
+    note(parameters, 0, which)
     low, high, s = 0.0, h, h
     for iteration in range(MOST_ITERATIONS):
         value = guard_along(parameters, run, which, s, 1.0)
         if not math.isfinite(value + s):  # of a state that has burst nothing can be located
             return h
         if value < 0.0:
-            x, high = root_before(parameters, run, which, s, value), s
+            x, high = root_before(parameters, run, which, s, 1.0, value), s
         else:
             x, low = root_beyond(parameters, run, which, s, value, near), s
         if x * s <= ROUNDING * (t + run.clock.dt):
@@ -53,14 +131,14 @@ def locate_in_space(parameters, method, run, t, h, which):
 
 
 @kernel
-def root_before(parameters, run, which, h, value):
-    """Part of the trial step h, at whose end a Guard has this negative value, at which it is zero on the cubic; 0 if it
-    is positive nowhere before.
+def root_before(parameters, run, which, h, x, value):
+    """Part of the trial step h, before x where a Guard has this negative value, at which it is zero on the extension; 0
+    if it is positive nowhere before.
 
     A step that starts ON the root, leaves it and comes back has its event at the later root: so first a point inside is
     sought at which the guard holds.
     """
-    low, at_low, high, at_high = 0.0, guard_along(parameters, run, which, h, 0.0), 1.0, value
+    low, at_low, high, at_high = 0.0, guard_along(parameters, run, which, h, 0.0), x, value
     while at_low <= 0.0:
         if low > 0.0:
             high, at_high = low, at_low
@@ -82,8 +160,8 @@ def root_beyond(parameters, run, which, h, value, near):
 
 @outlined
 def root_between(parameters, run, which, h, positive, negative):
-    """Part of the trial step h at which a Guard is zero on its cubic, between two with values of both signs (x, value):
-    by chords, of which the end that stays counts half each time (Dowell & Jarratt 1971)."""
+    """Part of the trial step h at which a Guard is zero on its extension, between two with values of both signs
+    (x, value): by chords, of which the end that stays counts half each time (Dowell & Jarratt 1971)."""
     (low, at_low), (high, at_high) = positive, negative
     x, side = high, 0
     for _ in range(MOST_ITERATIONS):
@@ -103,14 +181,56 @@ def root_between(parameters, run, which, h, positive, negative):
 
 
 @kernel
+def unbend(parameters):
+    """Let the extension of a trial step be the cubic."""
+    for m in range(len(parameters.space.bent)):
+        parameters.space.bent[m] = 0.0
+
+
+@kernel
+def bend(parameters, method, run, t, h):
+    """Write into `bent` what the extension of the trial step h has beside its cubic. What is monitored at the start is
+    lost: it is found anew after an event."""
+    y, slopes, bent, state = run.y, run.slopes, parameters.space.bent, parameters.space.shifted
+    stages = len(method.b)
+    if len(method.within) > 0:
+        for m in range(len(state)):
+            rate = 0.0
+            for i in range(stages + 1):
+                rate += method.within[i] * slopes[i, m]
+            state[m] = y[m] + h * rate
+        evaluate(parameters, run.mode, run.clock.piece, t + BETWEEN * h, state, bent, run.monitors)
+        run.clock.rhs += 1
+    for m in range(len(bent)):
+        rate = 0.0
+        if len(method.within) > 0:
+            rate = method.bend[stages + 1] * bent[m]
+        for i in range(stages + 1):
+            rate += method.bend[i] * slopes[i, m]
+        bent[m] = h * rate
+
+
+@outlined
 def guard_along(parameters, run, which, h, x):
-    """Value of a Guard at a part x of the trial step h, on the cubic."""
-    state = parameters.space.shifted
+    """Value of a Guard at a part x of the trial step h, on its extension."""
+    state, bent = parameters.space.shifted, parameters.space.bent
     whole, first, last = cubic(h, x)
+    more = x * x * (1.0 - x) * (1.0 - x)
     for m in range(len(state)):
         step = whole * run.increment[m] + (first * run.slopes[0, m] + last * run.slopes[-1, m])
-        state[m] = run.y[m] + step
+        state[m] = run.y[m] + step + more * bent[m]
     return guard_in(parameters, run.mode[which.wheel], which.kind, which.wheel, which.side, state)
+
+
+@kernel
+def slide_along(parameters, run, h, x):
+    """Move the end of the trial step h to a part x of it, on its extension."""
+    bent = parameters.space.bent
+    more = x * x * (1.0 - x) * (1.0 - x)
+    slide(parameters, run, h, (x - 1.0) * h)
+    for m in range(len(bent)):
+        run.increment[m] += more * bent[m]
+        run.trial[m] = run.y[m] + run.increment[m]
 
 
 @kernel

@@ -199,3 +199,42 @@ def test_a_wheel_that_stands_on_two_barrels_stays():
     assert np.abs(of_wheels(motion, "contact_share") - 0.5).max() < 1e-11  # measured 3e-14
     assert np.abs(motion["body/velocity"]).max() < 1e-12  # m/s; measured 2e-15
     assert np.abs(of_wheels(motion, "normal_force") / (whole_mass(data) * G / 3.0) - 1.0).max() < 1e-11
+
+
+def test_wheels_that_land_or_leave_at_one_instant_do_so_in_one_change():
+    """Of six right-hand sides: four of the step that goes too far, one for where in it, one for what is new."""
+    data = free(machine("omni"))
+    motion = run(data | {"initial": {"height": 2e-3}, "time": {"end": 0.1, "step": 1e-5, "output_interval": 1e-3}})
+    assert list(motion["events/kind"]).count("touch_down") == 8  # four wheels land twice, and leave twice
+    beside = motion.attributes["rhs_evaluations"] - 4 * motion.attributes["steps"]
+    assert beside == 4 * 6 + 2  # two at the start find the contacts and the derivative
+
+
+def on_bumps(height: float, beyond: float) -> dict:
+    """Three wheels, each on a bump whose top lies so far beyond the wheel from the middle of the machine, m."""
+    away = 1.0 + beyond / 0.2
+    data = kiwi() | {"floor": {"bumps": [[x * away, y * away, height, 0.1] for x, y in TRIANGLE]}}
+    data["wheel_types"]["omni"] = OMNI | {"contact": {"stiffness": STIFFNESS, "damping": 100.0}}
+    return data | {"friction": {"law": "regularized", "coefficient": 0.5, "slip_speed": 0.1}}
+
+
+@pytest.mark.parametrize("height", [0.01, -0.01])
+def test_a_machine_on_the_tops_of_bumps_or_the_bottoms_of_pits_stays(height):
+    motion = run(on_bumps(height, 0.0), "time={end=0.2, step=5e-5, output_interval=0.01}")
+    moved = motion["body/position"] - motion["body/position"][0]
+    assert np.abs(moved).max() < 1e-13  # m; measured
+    assert np.abs(motion["body/velocity"]).max() < 1e-12  # m/s; measured
+
+
+@pytest.mark.parametrize("height", [0.01, -0.01])
+def test_a_machine_on_flanks_begins_to_sink_by_what_friction_does_not_hold_at_rest(height):
+    """Placed as if forces were vertical it has N = M g cos / 3 of each wheel, smooth friction none at zero slip: of
+    N along the normal gravity is left with g sin^2 of the slope there."""
+    data = on_bumps(height, 0.02)
+    thickness, load, tilt = OMNI["radius"] - OMNI["roller_distance"], whole_mass(data) * G / 3.0, 0.0
+    for _ in range(50):
+        off = 0.02 - (thickness - load * np.cos(tilt) / STIFFNESS) * np.sin(tilt)  # of the contact below the top
+        tilt = np.arctan(2.0 * height * off / 0.01 * np.exp(-off * off / 0.01))
+    motion = run(data, "time={end=1e-5, step=1e-6, output_interval=1e-5}")
+    found = motion["body/velocity"][-1, 2] / 1e-5
+    assert abs(found / (-G * np.sin(tilt) ** 2) - 1.0) < 1e-3  # measured

@@ -10,7 +10,19 @@ from omnisim.contact.floor import floor_of
 from omnisim.contact.support import MOST_ARCS, NO_ENVELOPE, SHAPE
 from omnisim.dynamics.ground import floor_of_scene
 from omnisim.dynamics.inertia import central_inertia
-from omnisim.dynamics.spatial.records import BODY, CARRIER, HELD, HUB, MOTION, SLOTS, STAND, TOUCH, Holding, Space
+from omnisim.dynamics.spatial.records import (
+    BODY,
+    CARRIER,
+    CHANGES,
+    HELD,
+    HUB,
+    MOTION,
+    SLOTS,
+    STAND,
+    TOUCH,
+    Holding,
+    Space,
+)
 from omnisim.scene.generatrix import edge, ends, generatrix, thickest
 from omnisim.scene.ground_schema import Rocker
 from omnisim.scene.lobes import Lobe, lobes
@@ -81,6 +93,8 @@ def pack_space(config: Config, wheels: list[dict], machine: dict) -> Space:
         balance=np.zeros((6 + len(carriers), 6 + len(carriers))),
         answer=np.zeros(6 + len(carriers)),
         shifted=np.zeros(machine["places"].rho),
+        bent=np.zeros(machine["places"].rho),
+        changes=np.zeros((1 + CHANGES * len(wheels), 3), np.int64),
         holding=holding(len(wheels), len(carriers)) if config.friction.law == "coulomb" else None,
     )
 

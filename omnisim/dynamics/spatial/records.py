@@ -21,6 +21,7 @@ from omnisim.contact.floor import Floor
 
 POSITION, ORIENTATION = 0, 3
 SLOTS = 8  # of contacts that a wheel may have at once
+CHANGES = 3 * SLOTS  # of contacts, that a wheel may have at one instant
 BASE = 0  # of PUSHES: the chassis with what is fixed to it; carrier j follows as j + 1
 
 BODY = np.dtype(
@@ -213,8 +214,9 @@ class Space(NamedTuple):
 
     Then what is found at an instant: stands (W,): records STAND; touches (W * SLOTS,): records TOUCH; motions (C,):
     records MOTION; pushes (1 + C, 6): moment about C and force on chassis and carriers, chassis axes; balance
-    (6 + C, 6 + C) and answer (6 + C,): their equations; shifted (n,): a state nearby. holding: Holding, None with a
-    smooth law.
+    (6 + C, 6 + C) and answer (6 + C,): their equations; shifted (n,): a state nearby; bent (n,): the bend of the
+    extension of a step (methods.py). changes (M, 3): Guards that have fired together, up to one of kind -1. holding:
+    Holding, None with a smooth law.
     """
 
     body: np.record
@@ -230,4 +232,6 @@ class Space(NamedTuple):
     balance: np.ndarray
     answer: np.ndarray
     shifted: np.ndarray
+    bent: np.ndarray
+    changes: np.ndarray
     holding: Holding | None
