@@ -222,8 +222,8 @@ def on_bumps(height: float, beyond: float) -> dict:
 def test_a_machine_on_the_tops_of_bumps_or_the_bottoms_of_pits_stays(height):
     motion = run(on_bumps(height, 0.0), "time={end=0.2, step=5e-5, output_interval=0.01}")
     moved = motion["body/position"] - motion["body/position"][0]
-    assert np.abs(moved).max() < 1e-13  # m; measured
-    assert np.abs(motion["body/velocity"]).max() < 1e-12  # m/s; measured
+    assert np.abs(moved).max() < 1e-13  # m; measured 1.2e-14
+    assert np.abs(motion["body/velocity"]).max() < 1e-11  # m/s; measured 8.8e-13: rounding that grows, it may roll off
 
 
 @pytest.mark.parametrize("height", [0.01, -0.01])
@@ -237,4 +237,4 @@ def test_a_machine_on_flanks_begins_to_sink_by_what_friction_does_not_hold_at_re
         tilt = np.arctan(2.0 * height * off / 0.01 * np.exp(-off * off / 0.01))
     motion = run(data, "time={end=1e-5, step=1e-6, output_interval=1e-5}")
     found = motion["body/velocity"][-1, 2] / 1e-5
-    assert abs(found / (-G * np.sin(tilt) ** 2) - 1.0) < 1e-3  # measured
+    assert abs(found / (-G * np.sin(tilt) ** 2) - 1.0) < 1e-3  # measured 3.2e-4, by the time of 1e-5 s
