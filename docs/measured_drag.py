@@ -1,7 +1,7 @@
 """Creep, rolling resistance and bearings of rollers, fitted to the measured robots (extra study).
 
     python -m docs.measured_drag                    writes the tables of docs/pages/measured_robots.md anew
-    python -m docs.measured_drag omni3_squares      simulates the logs of a fit anew: half an hour, nearly all for bearings
+    python -m docs.measured_drag omni3_squares      simulates the logs of a fit anew: five minutes, half of it for bearings
 
 What a wheel with rollers does that an ideal one does not hardly depends on lengths that are known to a per cent, and is
 proportional to 1 / c, f / c and T / c: creep stiffness, rolling resistance, torque of a roller's bearing. So each log is
@@ -12,7 +12,7 @@ WITH. From one compared row to the next a chassis moves, in its own axes, by
 
 s: how much of it there is, by what the run had; both brackets by what ideal kinematics moves with other lengths. Fits
 and their bootstraps take that for a simulation: at what squares tell of resistance and bearings it errs by 0.5 mm and
-0.2 deg at the end of squares, by 5 mm and 0.7 deg of circles. Bearings, which take 25 times as long, are simulated once,
+0.2 deg at the end of squares, by 5 mm and 0.7 deg of circles. Bearings, which take ten times as long, are simulated once,
 with the lengths from both kinds.
 """
 

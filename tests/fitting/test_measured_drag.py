@@ -77,3 +77,38 @@ def test_the_page_has_what_the_fits_find(of, row):
     told = [drag.estimate(of[:5], keys[0], one.estimates[:, -1]) for one in both]
     assert f"| {drag.FITS[of]} | {drag.NAMES[keys[0]]} | {' | '.join(told)} |" in page
     assert np.isfinite([one.estimates[ALL] for one in both]).all()
+
+
+@pytest.mark.long
+def test_a_record_made_anew_begins_as_the_packaged_one_and_keeps_the_other_fits(monkeypatch, tmp_path):
+    """The command on the first 4 s of a square and of a circle, with the lengths of whole logs. Another end changes
+    steps by a little: moves of 21 mm differ by up to 1.1e-5 m, the 5e-5 to 3e-4 m that keys add by 2e-6."""
+    whole, kept = load_fit(MENDED), 16
+    shown = [next(i for i, log in enumerate(whole.logs) if f"_{kind}_1" in log.file) for kind in drag.KINDS]
+
+    def short(log):
+        rows = slice(whole.compared(log)[kept] + 1)
+        return replace(log, **{key: getattr(log, key)[rows] for key in ("time", "position", "yaw", "angles")})
+
+    def of_whole_logs(fit, fitted):
+        kinds = [kind for kind in drag.KINDS if any(f"_{kind}_" in fit.logs[i].file for i in fitted)]
+        return values(whole, [i for kind in kinds for i in of_kind(whole, kind)])
+
+    before = dict(np.load(drag.RECORD))
+    monkeypatch.setattr(drag, "RECORD", tmp_path / "record.npz")
+    np.savez_compressed(drag.RECORD, **before | {f"{MENDED}/squares/of_old/plain": np.zeros((1, 3))})
+    monkeypatch.setattr(drag, "load_fit", lambda of: replace(whole, logs=tuple(short(whole.logs[i]) for i in shown)))
+    monkeypatch.setattr(drag, "values", of_whole_logs)
+    drag.record(MENDED)
+    found = dict(np.load(drag.RECORD))
+    mine = {key for key in found if key.startswith(f"{MENDED}/")}
+    assert found.keys() - mine == {key for key in before if not key.startswith(f"{MENDED}/")}
+    assert all(np.array_equal(found[key], before[key]) for key in found.keys() - mine)
+    expected = {key for key in before if key.startswith(f"{MENDED}/") and ("_1/" in key or key.endswith("/lengths"))}
+    assert mine == expected and len(mine) == 16
+    for key in mine:
+        if key.endswith("/lengths"):
+            np.testing.assert_allclose(found[key], before[key], rtol=1e-6)
+        else:
+            apart = drag.RECORDED * np.abs(found[key][: kept - 1] - before[key][: kept - 1])
+            assert apart.max() < (2e-5 if key.endswith("/plain") else 4e-6), key
