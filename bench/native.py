@@ -11,7 +11,6 @@ file, and everything is warm.
 
 import ctypes
 import re
-import statistics
 import subprocess
 import tempfile
 from collections.abc import Callable
@@ -21,7 +20,7 @@ from pathlib import Path
 import fmpy
 
 import omnisim
-from bench.common import Claim, interleaved, median_ratio, simulation, table
+from bench.common import Claim, interleaved, quiet, simulation, table
 from omnisim.base.copying import copied
 from omnisim.native.building import build
 from omnisim.native.fmu import fmu
@@ -143,38 +142,40 @@ def with_datasets(scene: Scene) -> Callable[[], object]:
 
 
 def report(result: dict) -> str:
-    calls, example = (ratios(result[part], MARCH) for part in ("calls", "example"))
-    lines = [
-        [name, *(f"{1e3 * statistics.median(seconds[what]):.2f}" for what in (MARCH, DATASETS, ALL)),
-         *(f"{median_ratio(seconds[DATASETS], seconds[f'FMPy, {what}']):.2f}" for what in RECORDED),
-         f"{median_ratio(seconds[MARCH], seconds[ALL]):.2f}"]
-        for name, seconds in result["fmpy"].items()
-    ]  # fmt: skip
-    speeds = [f"speed with {what}" for what in RECORDED]
+    calls, example = (
+        [[name, f"{ratio:.2f}"] for name, ratio in times_the_march(result[part]).items()]
+        for part in ("calls", "example")
+    )
+    rows = []
+    for name, seconds in result["fmpy"].items():
+        mean = quiet(seconds)
+        speeds = [mean[DATASETS] / mean[f"FMPy, {what}"] for what in RECORDED]
+        times = [f"{1e3 * mean[what]:.2f}" for what in (MARCH, DATASETS, ALL)]
+        rows.append([name, *times, *(f"{speed:.2f}" for speed in speeds), f"{mean[MARCH] / mean[ALL]:.2f}"])
+    header = ["", "march, ms", "datasets, ms", "FMPy, ms", *(f"speed with {what}" for what in RECORDED)]
     return "\n\n".join(
         [
             table(["`youbot`, 3 s in one call", "times the march"], calls),
             table(["the C++ example, commands every 10 ms", "times the march of the same motion"], example),
             "FMPy, steps of 10 ms; speeds by that of `omnisim.simulate` with all datasets at the same times:",
-            table(["", "march, ms", "datasets, ms", "FMPy, ms", *speeds, "with all outputs, by the march"], lines),
+            table([*header, "with all outputs, by the march"], rows),
         ]
     )
 
 
-def ratios(seconds: dict[str, list[float]], by: str) -> list[list[object]]:
-    return [[name, f"{median_ratio(own, seconds[by]):.2f}"] for name, own in seconds.items() if name != by]
+def times_the_march(seconds: dict[str, list[float]]) -> dict[str, float]:
+    """In the quietest rounds."""
+    mean = quiet(seconds)
+    return {name: value / mean[MARCH] for name, value in mean.items() if name != MARCH}
 
 
 def claims(result: dict) -> list[Claim]:
     found = [
-        Claim(
-            f"{name}, by the march of the same motion", median_ratio(own, result["example"][MARCH]), "at most", 1.1, 1.5
-        )
-        for name, own in result["example"].items()
-        if name != MARCH
+        Claim(f"{name}, by the march of the same motion", ratio, "at most", 1.1, 1.5)
+        for name, ratio in times_the_march(result["example"]).items()
     ]
     for name, seconds in result["fmpy"].items():
-        speed = median_ratio(seconds[DATASETS], seconds[ALL])
+        mean = quiet(seconds)
         text = f"speed of FMPy with all outputs at 10 ms, by that of omnisim.simulate with all datasets: {name}"
-        found.append(Claim(text, speed, "at least", 0.5, 0.25))
+        found.append(Claim(text, mean[DATASETS] / mean[ALL], "at least", 0.5, 0.25))
     return found

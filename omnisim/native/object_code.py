@@ -20,7 +20,12 @@ from omnisim.native.memory import Memory
 
 POINTER, WORD = ir.IntType(8).as_pointer(), ir.IntType(64)
 FAILED = -1  # what a function returns for an exception, which no kernel raises
-FUSED = {"x86_64": ("avx2", "fma")}  # by architecture, what processors may have or not, and code is a fifth faster with
+LEVELS = {  # by architecture, what processors may have or not and Numba has code for where they do, the most last
+    "x86_64": {
+        "avx2": ("avx2", "fma"),
+        "avx512": ("avx2", "fma", "avx512f", "avx512cd", "avx512bw", "avx512dq", "avx512vl"),
+    }
+}
 
 
 class Entry(NamedTuple):
@@ -32,26 +37,26 @@ class Entry(NamedTuple):
 
 
 class Target(NamedTuple):
-    """A kind of processor, as LLVM names it and its features; needed: those that it has to be asked for first."""
+    """A kind of processor, as LLVM names it and its features; level: of LEVELS, what names of functions for it end
+    with, and needed: the features that it has to be asked for first."""
 
     cpu: str
     features: str = ""
+    level: str = ""
     needed: tuple[str, ...] = ()
-
-    @property
-    def suffix(self) -> str:
-        """Of the names of functions for it."""
-        return "_fused" if self.needed else ""
 
 
 def targets(cpu: str) -> list[Target]:
-    """Kinds of processors to write code for; cpu: "generic", any of this architecture, or "native", those like this
-    one. Those that join a product and a sum get code of their own."""
+    """Kinds of processors to write code for; cpu: "generic", any of this architecture, with code of its own for each
+    level, or "native", those like this one."""
     if cpu == "native":
         return [Target(llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten())]
-    needed = FUSED.get(platform.machine())
-    fused = [Target("generic", ",".join(f"+{name}" for name in needed), needed)] if needed else []
-    return [Target("generic"), *fused]
+    levels = LEVELS.get(platform.machine(), {})
+    more = [
+        Target("generic", ",".join(f"+{feature}" for feature in needed), f"_{level}", needed)
+        for level, needed in levels.items()
+    ]
+    return [Target("generic"), *more]
 
 
 def object_code(entries: list[Entry], memory: Memory, kinds: list[Target]) -> list[bytes]:
@@ -80,12 +85,12 @@ def constant(name: str, content: bytes) -> bytes:
 
 def emitted(module: llvm.ModuleRef, public: set[str], kind: Target) -> bytes:
     """The object file of a module for a kind of processor, to be placed anywhere. Other object files see what is public
-    alone, by its name with the suffix of the kind, and libraries show none of it."""
+    alone, by its name with the level of the kind, and libraries show none of it."""
     own = module.clone()  # which is changed on the way
     for symbol in (*own.functions, *own.global_variables):
         if symbol.name in public:
             symbol.visibility = "hidden"
-            symbol.name += kind.suffix
+            symbol.name += kind.level
         elif not symbol.is_declaration:
             symbol.linkage = "internal"
     target = llvm.Target.from_triple(llvm.get_process_triple())

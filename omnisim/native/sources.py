@@ -14,6 +14,7 @@ from omnisim.scene.ideal_kinematics import wheel_rows
 from omnisim.scene.schema import Config
 
 CLOCK_FIELDS = ("step", "goal", "row", "steps_per_row", "piece", "events", "status", "wheel", "dt", "rate", "elapsed")
+KERNELS = "march", "observe"
 
 
 class Later:
@@ -91,7 +92,7 @@ def header(
         [
             "/* Written by omnisim: what machine.c knows of one scene. Places are bytes in the memory of a machine. */",
             *(f"#define {name} {value}" for name, value in numbers.items()),
-            *(f"#define FUSED ({there(kind.needed)})" for kind in kinds if kind.needed),
+            *choice(kinds),
             *array("static const omnisim_variable INPUT[]", map(told, inputs)),
             *array("static const omnisim_variable OUTPUT[]", map(told, outputs)),
             *array("static const int CHANNEL[]", (str(one.channel) for one in inputs)),
@@ -110,9 +111,15 @@ def header(
     )
 
 
-def there(features: Iterable[str]) -> str:
-    """Whether the processor has them all."""
-    return " && ".join(f"__builtin_cpu_supports({text(name)})" for name in features)
+def choice(kinds: list[Target]) -> list[str]:
+    """The functions for each kind of processor, and CALLED(march) or CALLED(observe), the one for that which is there:
+    of the last kind that has all that it needs."""
+    declared = [f"int64_t omnisim_{kernel}{kind.level}(unsigned char *memory);" for kind in kinds for kernel in KERNELS]
+    called = f"omnisim_##kernel{kinds[0].level}"
+    for kind in kinds[1:]:
+        there = " && ".join(f"__builtin_cpu_supports({text(feature)})" for feature in kind.needed)
+        called = f"({there} ? omnisim_##kernel##{kind.level} : {called})"
+    return [*declared, f"#define CALLED(kernel) ({called})"]
 
 
 def array(declared: str, entries: Iterable[str]) -> list[str]:

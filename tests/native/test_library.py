@@ -80,7 +80,7 @@ def test_code_for_this_processor_moves_bit_for_bit_as_omnisim_run(opened, name):
 @pytest.mark.long
 def test_processors_without_vectors_and_joined_products_have_code_of_their_own(monkeypatch, tmp_path):
     """Which a library holds beside the other, and alone here: as near to the run, and none of its instructions."""
-    monkeypatch.setattr(object_code, "FUSED", {})
+    monkeypatch.setattr(object_code, "LEVELS", {})
     folder, prefix = make(SCENES["coulomb_wheel"](), tmp_path / "plain")
     library = Library(folder, prefix)
     trajectory = omnisim.simulate(SCENES["coulomb_wheel"]())

@@ -33,15 +33,6 @@ struct follower {
 
 #include "scene.h"
 
-int64_t omnisim_march(unsigned char *memory);
-int64_t omnisim_observe(unsigned char *memory);
-#ifdef FUSED /* where the processor joins a product and a sum */
-int64_t omnisim_march_fused(unsigned char *memory);
-int64_t omnisim_observe_fused(unsigned char *memory);
-#define CALLED(kernel, memory) (FUSED ? kernel##_fused(memory) : kernel(memory))
-#else
-#define CALLED(kernel, memory) kernel(memory)
-#endif
 extern const unsigned char omnisim_start[];
 
 enum { INPUT_COUNT = sizeof INPUT / sizeof *INPUT, OUTPUT_COUNT = sizeof OUTPUT / sizeof *OUTPUT, ALIGNMENT = 64 };
@@ -118,7 +109,7 @@ static omnisim_status march(omnisim_machine *machine, int64_t goal) {
     }
     *whole(machine, CLOCK_GOAL) = goal;
     do {
-        status = CALLED(omnisim_march, machine->memory);
+        status = CALLED(march)(machine->memory);
         int64_t count = *whole(machine, CLOCK_EVENTS);
         for (int64_t i = 0; i < count; i++)
             machine->state.events[*whole(machine, LOG + i * EVENT_SIZE + EVENT_KIND)]++;
@@ -285,7 +276,7 @@ static void look(omnisim_machine *machine) {
         memcpy(machine->memory + COPIED[i].to, machine->memory + COPIED[i].from, COPIED[i].size);
     memcpy(machine->memory + SEEN_PIECE, piece(machine), sizeof *piece(machine));
     *reals(machine, SEEN_TIME) = omnisim_time(machine);
-    CALLED(omnisim_observe, machine->memory);
+    CALLED(observe)(machine->memory);
     machine->seen = 1;
 }
 
