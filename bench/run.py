@@ -48,7 +48,7 @@ OURS = {
     "memory": Benchmark("bench.memory", "Memory of the whole command", 3, 1),
     "studies": Benchmark("bench.studies", "Thousands of runs", 5, 1),
     "gym": Benchmark("bench.gym", "Environments for learning", 5, 1),
-    "native": Benchmark("bench.native", "As native code", 200, 2),
+    "native": Benchmark("bench.native", "As native code", 100, 2),
     # rounds of the next two are simulated seconds
     "vehicle": Benchmark("bench.vehicle", "The authors' vehicle against its ideal", 20, 2),
     "twists": Benchmark("bench.twists", "Machines that follow a twist", 4, 4),
