@@ -185,7 +185,7 @@ def reached(parts, through=lambda _: True):
 def callers_first(parts):
     """The same, each before those that it calls: LLVM drops what nothing calls yet, also what is called later on where
     the only call before has been optimised away."""
-    found: dict = {}
+    found = {}
 
     def visit(part):
         if part not in found:
