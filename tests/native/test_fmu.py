@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from commands import command
+from memory import resident
 
 import omnisim
 
@@ -187,3 +188,27 @@ def test_the_command_writes_a_file_that_is_the_same_every_time(folder):
         assert result.exit_code == 0, result.output
     assert (folder / "one.fmu").read_bytes() == (folder / "two.fmu").read_bytes()
     assert fmpy.read_model_description("one.fmu").fmiVersion == "2.0"
+
+
+@pytest.mark.parametrize("standard", ["3", "2"])
+def test_ten_million_steps_and_a_thousand_instances_take_no_more_memory(fmu_file, tmp_path, standard):
+    path = fmu_file("coulomb_wheel", standard)
+    unit = Unit(path, tmp_path).start()
+    unit.step(100.0)
+    opened(path, tmp_path, 100)
+    before = resident()
+    for _ in range(100):
+        unit.give("wrench/yaw_torque", 1e-9)
+        unit.step(100.0)
+    assert unit.time == 10_100.0 and np.isfinite(unit.row("body/yaw")).all()
+    opened(path, tmp_path, 1000)
+    assert resident() - before < 2.0  # MB
+
+
+def opened(path, folder, count):
+    """So many instances, one after the other, each with a step."""
+    for _ in range(count):
+        unit = Unit(path, folder).start()
+        unit.step(0.01)
+        unit.unit.terminate()
+        unit.unit.freeInstance()

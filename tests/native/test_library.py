@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from commands import command, contents, refused
+from memory import resident
 from native_machine import REFUSED, RUNNING, STOPPED, Library, Machine, columns, make
 from scenes import reference_scene
 
@@ -236,12 +237,6 @@ def test_machines_of_one_library_march_side_by_side_in_threads(opened):
     with ThreadPoolExecutor(4) as threads:
         found = list(threads.map(lambda machine: machine.rows(0.01, 50), [opened("youbot") for _ in range(8)]))
     assert all(np.array_equal(rows, alone) for rows in found)
-
-
-def resident():
-    """Memory of this process, MB."""
-    pages = int(Path("/proc/self/statm").read_text().split()[1])
-    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
 @pytest.mark.long
