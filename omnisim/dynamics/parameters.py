@@ -138,7 +138,6 @@ CONTACT = np.dtype(
         ("unit_torque", np.float64),  # contact torque by the normal force, m
         ("constant", np.float64, (2,)),  # friction that does not depend on the normal force, N
         ("creep", np.float64, (2,)),  # direction of creeping slip
-        ("veering", np.float64),  # rate at which that turns, rad/s
         ("turned", np.float64),  # by the last correction in the search for it, rad
         ("force", np.float64, (2,)),  # of the floor on the roller, N
         ("torque", np.float64),  # about the normal, N m

@@ -152,8 +152,7 @@ MODE = np.dtype(
         ("saturated", np.int64, (TOUCHING,)),  # branch of the saturated friction law at each contact
         ("grip", np.int64, (TOUCHING,)),  # coulomb.SLIP, STICK or CREEP
         ("creep", np.float64, (TOUCHING, 2)),  # direction of creeping slip when it began; 0: not known yet
-        ("veer", np.float64, (3,)),  # rate at which it turns, rad/s, its change, rad/s^2, and when that was so, s
-        ("stopping", np.int64, (TOUCHING,)),  # 1: it had a direction of its own; 0: it was released, or lasts
+        ("stopping", np.int64, (TOUCHING,)),  # 1: creeping slip is about to stop; 0: it has been released, or lasts
         ("stopped", np.int64, (TOUCHING,)),  # 1: slip has just come to its end at this contact
         ("freed", np.int64),  # how often creeping slip got a direction of its own in the grid step
         ("freed_step", np.int64),  # where it last did so

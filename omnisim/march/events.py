@@ -33,7 +33,6 @@ from omnisim.dynamics.normal_forces.rigid_plane import LEAST_REGULAR
 from omnisim.dynamics.parameters import CONTACTS
 from omnisim.dynamics.state import places
 from omnisim.dynamics.wheel import roller_end
-from omnisim.march.creeping import forget_veering
 from omnisim.march.event_log import record
 from omnisim.march.friction_modes import grip_guard, young_guard
 from omnisim.march.grip_events import SLIPS, STUCK, change_grip
@@ -268,8 +267,6 @@ def restore_consistency(parameters, run, log, time):
     if parameters.space is not None:
         restore_in_space(parameters, run, log, time)
     else:
-        if parameters.workspace.resting is not None:
-            forget_veering(run, time)
         restore_modes(parameters, run, log, time)
 
 

@@ -2,7 +2,7 @@
 
     SLIP   ---- slip below rest_speed, F inside the cone ---->  STICK
     SLIP   ---- slip below rest_speed, F outside ------------>  CREEP  (through zero without sticking)
-    SLIP   ---- slow slip, turning as the contact equation tells  CREEP  (or about to stop, see `stops`)
+    SLIP   ---- slip about to stop, turning no more --------->  CREEP  (in space also slow slip that lasts)
     STICK  ---- |F| reaches mu N ---------------------------->  CREEP
     CREEP  ---- slip no longer young ------------------------>  SLIP
     CREEP  ---- slip turns back ----------------------------->  STICK or CREEP again
@@ -10,7 +10,7 @@
 Near zero slip v / |v| turns ever faster towards a limit direction, so steps become ever shorter (substeps.py) and slip
 never crosses zero. The contact equation gives the limit direction in closed form. There a contact that lets go starts,
 until its slip is large enough; and one that has come so near to it that the difference is below the error of a step
-goes on along it, and stops at an instant that is located. The direction itself turns: creeping.py.
+stops along it, at an instant that is located.
 """
 
 import math
@@ -26,11 +26,11 @@ from omnisim.dynamics.indices import contact_count, rate_place
 from omnisim.dynamics.spatial.acceleration import slip_at, slip_change
 from omnisim.dynamics.spatial.mobility import contact_mobility
 from omnisim.dynamics.spatial.pose import body_of
+from omnisim.dynamics.spatial.records import SLOTS
 from omnisim.dynamics.spatial.touching import rate_of_roller, standing, touching_at
 from omnisim.dynamics.state import places
 from omnisim.dynamics.twist import acceleration_of, body_motion, wheel_motion
 from omnisim.dynamics.wheel import contact_state
-from omnisim.march.creeping import begin_veering, keep_all, keep_creep
 from omnisim.march.runge_kutta import refresh
 
 DRIFTED = 0.01  # of the square of slip that no longer matters: more drift of a sticking contact is taken away
@@ -46,7 +46,7 @@ MOST_FREED = 20  # times in a step, after which slip is followed by sub-steps to
 LEAST_STIFF = 2.0  # relaxation of slip within a step, below which sub-steps cost nothing
 STILL_STIFF = 0.5 * LEAST_STIFF  # the same of slip that creeps already: less, lest it begin and end in turn
 AT_EASE = 0.5  # of what a step does not see, that slip which lasts may turn in it: less, for the same reason
-NOT, NEAR, LASTING = range(3)  # how slip goes on in the direction of the contact equation
+NOT, SOON, LASTING = range(3)  # how slip goes on in the direction of the contact equation
 CREEP_ROUNDING = 1e-3  # of the slip that no longer matters: what contacts that let go together may slip back
 CONE = 1e-12  # of mu times load and weight, by which a sticking force may pass the cone in rounding
 
@@ -125,6 +125,16 @@ def load_at(parameters, run, w, side):
 
 
 @kernel
+def creep_of(parameters, w, side):
+    """Direction of creeping slip at a contact of wheel w as the last right-hand side found it (Slip)."""
+    if parameters.space is not None:
+        touch = parameters.space.touches[w * SLOTS + side]
+        return Slip(touch.creep[0], touch.creep[1])
+    contact = parameters.workspace.contacts[parameters.wheels[w].contacts + side]
+    return Slip(contact.creep[0], contact.creep[1])
+
+
+@kernel
 def slip_of(parameters, mode, w, side, y):
     """Slip velocity (Slip, m/s) at a contact of wheel w in state y."""
     if parameters.space is not None:
@@ -141,13 +151,12 @@ def stopped_speed(parameters, run, w, side):
 
 @kernel
 def stops(parameters, run, w, side):
-    """NEAR if a contact slips so near to the direction of the contact equation, which attracts, that the error of a
-    step hides what it slips across: by the turning of the slip, |v x v'|, and the rate of attraction. In space, and
-    where implicit steps follow it all the same, only if it will stop within a step.
+    """SOON if a contact slips that will stop within a step in a direction that attracts, and is so near to it that the
+    error of a step hides what it slips across: by the turning of the slip, |v x v'|, and the rate of attraction.
 
     LASTING if, in space, it turns so little within a step that the error of the step hides it: a wheel on two rollers
     slips on one of them as slowly as their heights differ, for as long as it rolls over their ends, and friction turns
-    that slip a million times faster than anything moves. Else NOT.
+    that slip a million times faster than anything moves. Implicit steps follow it all the same. Else NOT.
     """
     mode, monitors = run.mode[w], run.monitors[w]
     if mode.shared or mode.grip[side] != SLIP or monitors.factor[side] == 0.0:
@@ -160,11 +169,10 @@ def stops(parameters, run, w, side):
     turn = slip.h * rate.k - slip.k * rate.h
     square = monitors.slip_square[side]
     attraction = monitors.factor[side] * across(mobility, slip.h, slip.k) + along
-    followed = parameters.space is None and run.newton is None
+    soon = square < -along * run.clock.dt and stiff
     speed = math.sqrt(square)
-    near = stiff and (followed or square < -along * run.clock.dt)
-    if near and abs(turn) * speed < attraction * unseen(run.clock, True, speed):
-        return NEAR
+    if soon and abs(turn) * speed < attraction * unseen(run.clock, True, speed):
+        return SOON
     if parameters.space is None or run.newton is not None or not stiff:
         return NOT
     return LASTING if abs(turn) * run.clock.dt < AT_EASE * run.clock.aligned * speed else NOT
@@ -269,8 +277,6 @@ def start_creep(parameters, run, w, side, t):
     mode = run.mode[w]
     mode.grip[side], mode.stopping[side] = CREEP, 0
     mode.creep[side, 0] = mode.creep[side, 1] = 0.0
-    if parameters.space is None:
-        begin_veering(mode, 0.0)
     refresh(parameters, run, t)
     keep_creep(parameters, run, w, side)
 
@@ -284,9 +290,7 @@ def begin_to_stop(parameters, run, t):
             how = stops(parameters, run, w, side)
             if how != NOT:
                 slip = slip_of(parameters, mode, w, side, run.y)
-                mode.grip[side], mode.stopping[side] = CREEP, how == NEAR
-                if parameters.space is None:
-                    begin_veering(mode, mode.veer[0] if mode.freed_step == run.clock.step else 0.0)
+                mode.grip[side], mode.stopping[side] = CREEP, how == SOON
                 speed = math.sqrt(run.monitors[w].slip_square[side])
                 mode.creep[side, 0], mode.creep[side, 1] = slip.h / speed, slip.k / speed
     refresh(parameters, run, t)
@@ -315,6 +319,14 @@ def slip_on(parameters, run, t):
                 changed = True
     if changed:
         refresh(parameters, run, t)
+
+
+@kernel
+def keep_creep(parameters, run, w, side):
+    """Remember the direction of creeping slip that the last right-hand side found."""
+    mode = run.mode[w]
+    creep = creep_of(parameters, w, side)
+    mode.creep[side, 0], mode.creep[side, 1] = creep.h, creep.k
 
 
 @kernel
@@ -358,5 +370,3 @@ def take_drift_away(parameters, run, t, refreshed):
         align_slip(parameters, run)
         if not (still or refreshed):
             refresh(parameters, run, t)
-            if parameters.space is None:
-                keep_all(parameters, run)

@@ -20,8 +20,7 @@ from omnisim.march.stiffness import resolve
 from omnisim.march.substeps import fineness
 from omnisim.scene.schema import Config, Time
 
-COARSE_STEP = 1e-2  # s: of methods that are there for their accuracy, and in space
-COARSEST_STEP = 2e-2  # s: of explicit methods with an upright machine
+COARSE_STEP = 1e-2  # s: of an upright machine, and of methods that are there for their accuracy
 
 
 def begin(config: Config, parameters: Parameters, ask: Ask[Config] = alone) -> Run:
@@ -81,10 +80,8 @@ def clock_of(time: Time, method: Method, choice: int) -> bytes:
 def coarse_step(parameters: Parameters, choice: int) -> float:
     """A grid step from which on sub-steps of slip are as coarse as is safe, s: of explicit ones in space one in which
     the machine swings by 1 rad on its rubber, as they err by powers of that."""
-    if choice != EXPLICIT:
+    if parameters.space is None or choice != EXPLICIT:
         return COARSE_STEP
-    if parameters.space is None:
-        return COARSEST_STEP
     return min(COARSE_STEP, 1.0 / fastest_swing(parameters))
 
 

@@ -23,7 +23,6 @@ from omnisim.base.status import (
 from omnisim.dynamics.actuation import sample
 from omnisim.dynamics.indices import contact_count
 from omnisim.dynamics.multibody.joint_kinematics import project_bodies
-from omnisim.march.creeping import foresee_veering
 from omnisim.march.event_location import GRID_ROUNDING, step_to_event
 from omnisim.march.events import (
     EXIT,
@@ -169,8 +168,6 @@ def grid_step(parameters, method, run, rows, log):
             end_old_slips(parameters, run, rows, log, t)
         if parameters.workspace.resting is not None or run.newton is not None:
             h = step_length(parameters, run, t, h)
-        if parameters.workspace.resting is not None and parameters.space is None:
-            foresee_veering(parameters, run, t, h)
         h, fired = step_to_event(parameters, method, run, t, h)
         accept(run)
         kind, w, _ = fired
@@ -179,7 +176,7 @@ def grid_step(parameters, method, run, rows, log):
         if parameters.workspace.articulated is not None:
             project_bodies(parameters, run, True)
         clock.elapsed += h
-        if parameters.workspace.resting is not None and h > GRID_ROUNDING * (start + clock.dt):
+        if parameters.workspace.resting is not None:
             take_drift_away(parameters, run, start + clock.elapsed, kind >= 0 and kind != TURN)
         if kind >= 0:
             transition(parameters, run, log, fired, start + clock.elapsed)

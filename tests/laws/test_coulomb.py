@@ -5,8 +5,6 @@ import pytest
 from scenes import final_reference, final_state, packed, reference_data, reference_scene, simulate
 
 import omnisim
-from bench.machine_scenes import platform
-from bench.precision import NEAR_LIMIT
 from omnisim.base.methods import METHODS
 from omnisim.base.status import COMPLETE, RUNNING
 from omnisim.contact.set_valued import SLIP, STICK
@@ -18,7 +16,6 @@ from omnisim.march.friction_modes import slip_rate
 from omnisim.march.initial_state import blank_rows
 from omnisim.march.march import march
 from omnisim.march.runge_kutta import evaluate
-from omnisim.results.comparison import distance
 
 CASE = "coulomb_wheel"
 STILL = ("initial.velocity=[0, 0]", "wheels.wheel.spin_rate=0")
@@ -236,23 +233,3 @@ def test_the_order_holds_through_releases_and_slow_slip_of_a_driven_wheel(method
     errors = [np.abs(final_state(run) - exact).max() for run in runs]
     assert np.log10(errors[0] / errors[1]) > order, errors  # measured 3.88, 3.04, 4.34
     assert errors[1] < 1e-6  # measured 1.1e-7, 8.9e-8, 3.4e-11
-
-
-@pytest.mark.parametrize(
-    ("scene", "method", "order", "bound", "work"),
-    [  # measured: 6.8, 6.4e-11 and 34895 right-hand sides; 3.97, 3.0e-9, 24437; 4.2, 4.5e-7, 37968
-        ("platform", "dopri5", 4.7, 2e-10, 45000),
-        ("platform", "rk4", 3.7, 6e-9, 32000),
-        ("near limit", "rk4", 3.8, 1e-6, 45000),
-    ],
-)
-def test_slow_slip_that_turns_as_it_lasts_costs_no_order_and_few_sub_steps(scene, method, order, bound, work):
-    def run(method, step):
-        if scene == "platform":
-            return omnisim.simulate(platform("diagonal with yaw", "rate", method, step))
-        return omnisim.simulate(omnisim.load(NEAR_LIMIT, [f"solver.method={method}", f"time.step={step!r}"]))
-
-    exact, coarse, fine = run("dopri5", 2e-4), run(method, 2e-3), run(method, 1e-3)
-    error = distance(fine, exact)
-    assert error < bound and fine.attributes["rhs_evaluations"] < work
-    assert np.log2(distance(coarse, exact) / error) > order
