@@ -195,14 +195,14 @@ def test_ten_million_steps_and_a_thousand_instances_take_no_more_memory(fmu_file
     path = fmu_file("coulomb_wheel", standard)
     unit = Unit(path, tmp_path).start()
     unit.step(100.0)
-    opened(path, tmp_path, 100)
+    opened(path, tmp_path, 1000)  # after the first few hundred Python takes 3 MB, once
     before = resident()
     for _ in range(100):
         unit.give("wrench/yaw_torque", 1e-9)
         unit.step(100.0)
     assert unit.time == 10_100.0 and np.isfinite(unit.row("body/yaw")).all()
     opened(path, tmp_path, 1000)
-    assert resident() - before < 2.0  # MB
+    assert resident() - before < 2.0  # MB, measured 0.0
 
 
 def opened(path, folder, count):
