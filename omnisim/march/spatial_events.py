@@ -184,7 +184,7 @@ def change_contact(parameters, run, log, kind, w, side, time):
     if kind in (APART, PIECE):
         record(clock, log, time, END, w, mode.roller[mode.slot[side]], -1)
         remove_contact(parameters, run, w, side)
-        if mode.contacts == 0:
+        if mode.contacts == 0 and not passed_on(parameters.space.changes, w):
             record(clock, log, time, LIFT, w, -1, -1)
     elif kind == PRESS:
         mode.pressed[side] = 1 - mode.pressed[side]
@@ -198,10 +198,23 @@ def change_contact(parameters, run, log, kind, w, side, time):
         clock.status, clock.wheel = TOO_MANY_TOUCH, w
     else:
         rollers = parameters.wheels[w].rollers
-        if mode.contacts == 0:
+        if mode.contacts == 0 and not passed_on(parameters.space.changes, w):
             record(clock, log, time, LANDING, w, -1, -1)
         record(clock, log, time, BEGIN, w, -1, side % rollers)
         add_contact(parameters, run, w, side % rollers, side // rollers)
+
+
+@kernel
+def passed_on(changes, w):
+    """Whether the ground passes wheel w on from piece to piece: contacts end and begin at once, none is in the air."""
+    ends = begins = False
+    count = 0
+    while changes[count, 0] >= 0:
+        if changes[count, 1] == w:
+            ends = ends or changes[count, 0] in (APART, PIECE)
+            begins = begins or changes[count, 0] == MEET
+        count += 1
+    return ends and begins
 
 
 @outlined

@@ -11,6 +11,7 @@ from machines import BOX, CHASSIS, TYPES, axle_inertia, locked, machine, on_slop
 from scenes import of_wheels
 from scipy.optimize import fsolve
 
+import omnisim
 from omnisim.dynamics.packing import bodies
 
 G = 9.81
@@ -185,3 +186,15 @@ def test_a_symmetric_machine_rolls_straight_on_rubber_too():
     motion = run(copy.deepcopy(data), "time.end=1.0")
     assert motion["body/position"][-1, 0] > 0.3
     assert np.abs(motion["body/position"][:, 1]).max() < 1e-12  # m; measured 5e-18
+
+
+def test_a_wheel_that_the_ground_passes_from_floor_to_edge_is_not_in_the_air():
+    """A roller's contact ends on the duct's level top and begins on its rounded edge, at one instant and one depth."""
+    motion = omnisim.simulate(omnisim.load("cable_duct", ["time.end=0.9"]))
+    time, kind, wheel = (motion[f"events/{name}"] for name in ("time", "kind", "wheel"))
+    ends, begins = kind == "contact_end", kind == "contact_begin"
+    passed = [i for i in np.flatnonzero(ends) if np.any(begins & (time == time[i]) & (wheel == wheel[i]))]
+    assert [wheel[i] for i in passed] == ["front_left"]
+    assert not {"lift_off", "touch_down"} & set(kind)
+    least = np.min([motion[f"interval_min/wheels/{name}/normal_force"].min() for name in motion.wheels])
+    assert least > 30.0  # N: measured 33.2

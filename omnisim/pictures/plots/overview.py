@@ -30,7 +30,7 @@ def story(runs: Runs) -> Figure:
     free = [HEIGHT, INCLINATION] if all(is_free(run) for run in runs.values()) else []
     panels = [SPEED, YAW_RATE, *free, *drives, NORMAL_FORCE, SLIP_SPEED]
     kinds = len(kinds_of(runs))
-    height = TALL + 0.7 * len(drives + free)
+    height = TALL + 1.1 * len(drives + free)  # a label is as long as its panel is high
     figure = figure_of(runs, WIDTH, height)
     left, right = figure.subfigures(1, 2, squeeze=False, width_ratios=(0.85, 1.0))[0]
     path, works, balance = left.subplots(3, 1, height_ratios=(3.6, 1.0, 1.0))
