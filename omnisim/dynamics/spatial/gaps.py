@@ -7,9 +7,10 @@ from omnisim.base.vector import dot
 from omnisim.contact.common_normal import ANY, room
 from omnisim.contact.common_normal import Roller as Solid
 from omnisim.contact.floor import pieces
-from omnisim.dynamics.spatial.pose import body_of
+from omnisim.dynamics.spatial.pose import body_of, put
 from omnisim.dynamics.spatial.touching import in_world, meetings, roller_on, shape_of, standing, touching
 
+MOST_MEETINGS = 1009  # of rollers and their lobes, a prime
 FAR = 1.0  # m: a gap where no common normal is found, which events can still be located with
 
 
@@ -56,13 +57,41 @@ def room_around(parameters, w, stand, i, meeting):
 
 @kernel
 def least_gap(parameters, mode, w, stand):
-    """The least gap of wheel w between the ground and what does not touch it of its rollers, m.
-
-    On a plane a wheel is round enough: the next to touch is another lobe of a roller that does, its neighbour, or in
-    the air that of the lowest place.
+    """The least gap of wheel w between the ground and what does not touch it of its rollers, m; on a plane something
+    less, if it is clearly apart: no roller comes nearer than the wheel has moved since it was last looked at with these
+    contacts, whose points go as far as its centre does and its reach times what normal and spin turn by.
     """
     if parameters.space.body.uneven:
         return least_gap_on_ground(parameters, mode, w, stand)
+    seen, normal = parameters.space.stands[w], stand.normal
+    turn = abs(normal.x - seen.clear_normal[0]) + abs(normal.y - seen.clear_normal[1])
+    turn += abs(normal.z - seen.clear_normal[2])
+    turn += abs(stand.cos - seen.clear_turn[0]) + abs(stand.sin - seen.clear_turn[1])
+    contacts = contacts_of(parameters, mode, w)
+    left = seen.clear - (abs(stand.height - seen.clear_height) + parameters.space.hubs[w].reach * turn)
+    if left > 0.0 and contacts == seen.clear_contacts:
+        return left
+    seen.clear = least_gap_on_plane(parameters, mode, w, stand)
+    seen.clear_contacts, seen.clear_height = contacts, stand.height
+    put(seen.clear_normal, normal)
+    seen.clear_turn[0], seen.clear_turn[1] = stand.cos, stand.sin
+    return seen.clear
+
+
+@kernel
+def contacts_of(parameters, mode, w):
+    """A number for what touches of wheel w."""
+    found = 0
+    for c in range(mode.contacts):
+        meeting = mode.roller[mode.slot[c]] * parameters.space.hubs[w].lobes + mode.meeting[c]
+        found = found * MOST_MEETINGS + meeting + 1
+    return found
+
+
+@outlined
+def least_gap_on_plane(parameters, mode, w, stand):
+    """The same on a plane. There a wheel is round enough: the next to touch is another lobe of a roller that does, its
+    neighbour, or in the air that of the lowest place."""
     wheel, rows, lobes = parameters.wheels[w], parameters.space.hubs[w].row_count, parameters.space.hubs[w].lobes
     least = math.inf
     if mode.contacts == 0:

@@ -79,6 +79,7 @@ def pack_space(config: Config, wheels: list[dict], machine: dict) -> Space:
             [
                 hub_values(*each, centre)
                 | {"carrier": carrier_of(standing, w), "first_lobe": first[w], "lobes": len(shapes[w])}
+                | {"reach": reach_of(types[w], shapes[w])}
                 for w, each in enumerate(mounted)
             ],
         ),
@@ -212,6 +213,12 @@ def hub_values(kind: WheelType, wheel: Wheel, values: dict, centre: np.ndarray) 
         "lean": leaning(values),
         "row_count": len(kind.rows),
     }
+
+
+def reach_of(kind: WheelType, shapes: list[dict]) -> float:
+    """Radius of a sphere about O that holds all rollers of a wheel with these SHAPE records, m."""
+    away = math.hypot(kind.roller_distance, max(abs(row.offset) for row in kind.rows))
+    return away + max(values["reach"] for values in shapes)
 
 
 def shape_values(kind: WheelType, values: dict) -> list[dict]:

@@ -56,6 +56,7 @@ HUB = np.dtype(
         ("row_count", np.int64),
         ("first_lobe", np.int64),  # of its rollers, among the shapes
         ("lobes", np.int64),
+        ("reach", np.float64),  # of a sphere about O that holds its rollers, m
     ],
     align=True,
 )
@@ -89,6 +90,11 @@ STAND = np.dtype(  # as of a Standing
         ("spin_rate", np.float64),
         ("stretch", np.float64),
         ("height", np.float64),
+        ("clear", np.float64),  # at least as far from the ground was what does not touch it, m, with
+        ("clear_contacts", np.int64),
+        ("clear_height", np.float64),
+        ("clear_normal", np.float64, (3,)),
+        ("clear_turn", np.float64, (2,)),  # cosine and sine of the spin angle
     ],
     align=True,
 )
