@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
-from omnisim.base.keeping import UNKNOWN, Ask, Common, alone
+from omnisim.base.keeping import UNKNOWN, Ask, Common, alone, kept
 from omnisim.scene.estimates import complete, shape_rules
 from omnisim.scene.floor_rules import floor_rules, narrow_bumps
 from omnisim.scene.machine_rules import MACHINE_RULES
@@ -14,6 +14,7 @@ from omnisim.scene.problems import ConfigError, Problem, schema_problems
 from omnisim.scene.profile_rules import profile_rules
 from omnisim.scene.rules import RULES
 from omnisim.scene.schema import Config
+from omnisim.scene.sharing import modelled
 from omnisim.scene.spatial_rules import spatial_rules
 from omnisim.scene.toml_text import KeyPath
 from omnisim.scene.values import Table
@@ -47,8 +48,9 @@ NO_OTHERS = Variants()
 
 
 def validate(data: Mapping[str, Any]) -> Config:
-    """The scene in `data` (what tomllib returns), complete, or ConfigError with every problem found."""
-    return checked(tuples(data))
+    """The scene in `data` (what tomllib returns), complete, or ConfigError with every problem found. Of two that say
+    the same the second is the first, if that is still held."""
+    return _lawful_once(_modelled(modelled, tuples(data)))
 
 
 def checked(data: Mapping[str, Any], variants: Variants = NO_OTHERS) -> Config:
@@ -58,15 +60,27 @@ def checked(data: Mapping[str, Any], variants: Variants = NO_OTHERS) -> Config:
     Rules across keys compare values, bumps and estimates need shapes, and rules of the machine its parts: each stage
     waits for the one before.
     """
+    return _lawful(_modelled(Config.model_validate, data), variants)
+
+
+def _modelled(model: Callable[[Mapping[str, Any]], Config], data: Mapping[str, Any]) -> Config:
+    """What `model` makes of the data of a scene, or ConfigError."""
     try:
-        config = Config.model_validate(data)
+        return model(data)
     except ValidationError as error:
         raise ConfigError(schema_problems(error, data)) from None
+
+
+def _lawful(config: Config, variants: Variants = NO_OTHERS) -> Config:
+    """The same scene, complete, or ConfigError with every rule that it breaks."""
     _obey(OF_KEYS, config, variants.given)
     _obey(OF_SHAPES, config, variants.given)
     config = complete(config)
     _obey(OF_MACHINES, config, variants.complete)
     return config
+
+
+_lawful_once = kept(_lawful)
 
 
 def _obey(rules: Iterable[Asked], config: Config, ask: Ask[Config]) -> None:
