@@ -22,7 +22,6 @@ import fmpy
 
 import omnisim
 from bench.common import Claim, interleaved, quiet, simulation, table
-from omnisim.base.copying import copied
 from omnisim.native.building import build
 from omnisim.native.fmu import fmu
 from omnisim.native.library import files, prefix_of
@@ -52,7 +51,7 @@ def measure(rounds: int) -> dict:
 
 def marching(scene: Scene) -> Callable[[], Callable[[], object]]:
     """A contestant: the march of `omnisim run`."""
-    return lambda: Marching(scene.config, start=copied(packed_once(scene.config))).march
+    return lambda: Marching(scene.config, start=packed_once(scene.config)).march
 
 
 def in_one_call(folder: Path) -> dict[str, Callable[[], Callable[[], object]]]:

@@ -11,14 +11,22 @@ def direct(function, *arguments):
     From the second call on it is called at once: finding out the types of so many arrays takes longer than handing
     them over.
     """
-    key = function, *[members(argument) for argument in arguments if isinstance(argument, tuple)]
-    call = DIRECT.get(key)
+    call = at_once(function, arguments)
     if call is not None:
         return call(*arguments)
     result = function(*arguments)
     if hasattr(function, "entry"):  # compilation may be switched off
-        DIRECT[key] = function.entry.get_overload(tuple(map(numba.typeof, arguments)))
+        DIRECT[key_of(function, arguments)] = function.entry.get_overload(tuple(map(numba.typeof, arguments)))
     return result
+
+
+def at_once(function, arguments):
+    """What `direct` calls at once, for such arguments; None until it has called the function."""
+    return DIRECT.get(key_of(function, arguments))
+
+
+def key_of(function, arguments):
+    return function, *[members(argument) for argument in arguments if isinstance(argument, tuple)]
 
 
 def members(argument):

@@ -227,7 +227,7 @@ class Stage(NamedTuple):
     (W,): records MONITORS, written only if `monitoring`, as is what else only events and observers want to know.
     """
 
-    mode: np.recarray
+    mode: np.ndarray
     piece: int
     t: float
     y: np.ndarray
@@ -285,8 +285,8 @@ class Recording(NamedTuple):
 
     y: np.ndarray
     rates: np.ndarray
-    mode: np.recarray
+    mode: np.ndarray
     piece: np.ndarray
-    extremes: np.recarray
+    extremes: np.ndarray
     bearing_extremes: np.ndarray
     odometry_extremes: np.ndarray

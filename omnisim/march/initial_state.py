@@ -115,9 +115,10 @@ def blank_rows(run: Run, count: int, bearing_loads: bool = False, odometry: bool
     )
 
 
-def unwritten(dtype: np.dtype, *shape: int) -> np.recarray:
-    """Space for records: to clear it takes long."""
-    return np.empty(shape, recorded(dtype)).view(np.recarray)
+def unwritten(dtype: np.dtype, *shape: int) -> np.ndarray:
+    """Space for records: to clear it takes long. Each is an np.record; nobody reads a field of all of them by its name,
+    so that they need be no recarray."""
+    return np.empty(shape, recorded(dtype))
 
 
 def initial_state(config: Config, parameters: Parameters, ask: Ask[Config] = alone) -> tuple[np.ndarray, np.ndarray]:

@@ -27,7 +27,6 @@ from omnisim.base.arguments import finite, number, shown
 from omnisim.base.copying import copied
 from omnisim.dynamics.input_tables import WRENCH
 from omnisim.dynamics.parameters import DRIVE_INPUT
-from omnisim.dynamics.state import places_in
 from omnisim.results.assembly import collect
 from omnisim.results.trajectory import Trajectory
 from omnisim.run.inputs import Held, hold_inputs, with_tables
@@ -55,13 +54,12 @@ class Loop(Marching, Sensors):
     def __init__(self, scene: Scene | str | PathLike[str]):
         self.scene = scene = stepped(as_scene("Loop", scene))
         try:
-            super().__init__(scene.config, start=copied(packed_once(scene.config)))
+            super().__init__(scene.config, start=packed_once(scene.config))
         except ConfigError as error:
             raise SceneError(scene.document.told(error.problems)) from None
         except MemoryError as error:
             raise SceneError(f"{scene.source}: time.output_interval: too many rows for the memory: {error}") from None
         self.names = MappingProxyType({wheel.name: w for w, wheel in enumerate(scene.config.wheels)})
-        self._at = places_in(self.parameters)
         self._dt = float(self.run.clock.dt)
         self._held = Held(len(self.parameters.starts))
         self.march(0)  # finds the rollers in contact; the first call loads or compiles the kernels

@@ -1,12 +1,14 @@
 """One march of a scene, from its packed numbers to the rows that it records."""
 
 import time
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from omnisim.base import status
-from omnisim.base.calls import direct
+from omnisim.base.calls import at_once, direct
+from omnisim.base.copying import Template
 from omnisim.base.keeping import Ask, alone, kept
 from omnisim.base.methods import METHODS
 from omnisim.base.status import EVENTS_PER_STEP
@@ -36,10 +38,20 @@ def packed(config: Config, ask: Ask[Config] = alone) -> Start:
     return Start(parameters, begin(config, parameters, ask))
 
 
-packed_once = kept(packed)  # to be copied: of scenes that are run again
+@kept
+def templates(config: Config) -> tuple[Template[Parameters], Template[Run]]:
+    """Of a scene that is run again. They are two: a trajectory may hold the parameters for long."""
+    start = packed(config)
+    return Template(start.parameters), Template(start.run)
 
 
-def blank_log() -> np.recarray:
+def packed_once(config: Config) -> Start:
+    """The scene as it begins, for one run, which may write into it."""
+    parameters, run = templates(config)
+    return Start(parameters.copy(), run.copy())
+
+
+def blank_log() -> np.ndarray:
     """Space for events."""
     return unwritten(EVENT, 4 * EVENTS_PER_STEP)
 
@@ -52,8 +64,10 @@ class Marching:
     the machine has any. Raises MemoryError if the rows do not fit into memory.
     """
 
+    _at_once: Callable[..., int] | None = None  # what `direct` calls: for all of its marches the same
+
     def __init__(
-        self, config: Config, log: np.recarray | None = None, start: Start | None = None, odometry: bool = True
+        self, config: Config, log: np.ndarray | None = None, start: Start | None = None, odometry: bool = True
     ):
         self.config = config
         self.stages = METHODS[config.solver.method].stages
@@ -69,12 +83,17 @@ class Marching:
         clock = self.run.clock
         clock["pause"] = FOR_EVER if work == FOR_EVER else min(int(clock["rhs"]) + work, FOR_EVER)
         begun = time.perf_counter()
-        result = direct(march, self.parameters, self.stages, self.run, self.rows, self.log)
+        result = self._march()
         while result == status.LOG_FULL:
-            self.log = np.concatenate([self.log, np.zeros_like(self.log)]).view(np.recarray)
-            result = direct(march, self.parameters, self.stages, self.run, self.rows, self.log)
+            self.log = np.concatenate([self.log, np.zeros_like(self.log)])
+            result = self._march()
         self.wall_time += time.perf_counter() - begun
         return result
+
+    def _march(self) -> int:
+        arguments = self.parameters, self.stages, self.run, self.rows, self.log
+        self._at_once = self._at_once or at_once(march, arguments)
+        return self._at_once(*arguments) if self._at_once else direct(march, *arguments)
 
     def observables(self) -> Observables:
         """The datasets of the rows so far."""

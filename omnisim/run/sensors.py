@@ -5,6 +5,7 @@ the inputs that have acted up to now. What is set after the last step acts, and 
 """
 
 from collections.abc import Mapping
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from omnisim.base.copying import copied
 from omnisim.base.records import plain
 from omnisim.contact.set_valued import STICK
 from omnisim.dynamics.parameters import Parameters
-from omnisim.dynamics.state import YAW, Places, Run, X, Y
+from omnisim.dynamics.state import YAW, Places, Run, X, Y, places_in
 from omnisim.march.initial_state import blank_rows
 from omnisim.march.observation import Observed, observed_rows
 from omnisim.results.observables import body
@@ -30,9 +31,12 @@ class Sensors:
     parameters: Parameters
     run: Run
     names: Mapping[str, int]  # of the wheels, to where they stand in the arrays
-    _at: Places
     _dt: float
     _seen: Observed | None = None  # of this instant, once somebody asked
+
+    @cached_property
+    def _at(self) -> Places:
+        return places_in(self.parameters)
 
     @property
     def time(self) -> float:

@@ -92,7 +92,7 @@ class Task:
         with no_collection():
             return [row for i in range(0, len(runs), TOGETHER) for row in self.together(runs[i : i + TOGETHER], log)]
 
-    def together(self, runs: Sequence[int], log: np.recarray) -> list[Row]:
+    def together(self, runs: Sequence[int], log: np.ndarray) -> list[Row]:
         """The same of a few, which go through every stage side by side: what Python does for one after the other takes
         half as long as between other stages, which empty the caches of the processor."""
         found: list[Any] = [log] * len(runs)
@@ -115,7 +115,7 @@ class Task:
         except Exception as error:
             return self.nothing(run, f"failed: a bug in omnisim: {type(error).__name__}: {error}".replace("\n", " "))
 
-    def possible(self, run: int, log: np.recarray) -> tuple[Config, np.recarray] | Row:
+    def possible(self, run: int, log: np.ndarray) -> tuple[Config, np.ndarray] | Row:
         """The scene of a run, and the log of its events; its Row if it is impossible, or if it needs more than that."""
         try:
             config = self.study.checked(run)
@@ -125,7 +125,7 @@ class Task:
         except SceneError as error:
             return self.nothing(run, f"{IMPOSSIBLE}: {error}")
 
-    def begun(self, run: int, possible: tuple[Config, np.recarray]) -> Marching | Row:
+    def begun(self, run: int, possible: tuple[Config, np.ndarray]) -> Marching | Row:
         """A run that can march; its Row if a machine free in space cannot begin where it is put."""
         config, log = possible
         try:

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import omnisim
-from omnisim.base.copying import copied
 from omnisim.base.keeping import MOST, UNKNOWN, Common, alone, kept
 from omnisim.run.marching import Start, packed, packed_once
 from omnisim.scene.problems import ConfigError
@@ -106,10 +105,10 @@ def test_a_scene_that_shares_tables_with_others_begins_as_if_it_were_alone(name)
 
 def test_what_is_copied_of_a_scene_that_runs_again_is_what_is_packed():
     config = omnisim.load("youbot").config
-    first = copied(packed_once(config))
+    first = packed_once(config)
     first.parameters.inputs[:], first.run.y[:], first.run.clock["step"] = 7.0, 7.0, 7
     first.parameters.machine["mass"] = 7.0
-    assert bits_of(copied(packed_once(config))) == bits_of(packed(config))
+    assert bits_of(packed_once(config)) == bits_of(packed(config))
 
 
 @pytest.mark.parametrize(
