@@ -29,17 +29,15 @@ def collect(
     """The Trajectory of a march as far as it has come. Its datasets are computed when somebody asks for one of them:
     until then parameters and rows must stay as they are; the workspace may change."""
     config = scene.config
-    names = [wheel.name for wheel in scene.config.wheels]
-    interval = config.time.output_interval
-    found = Observables(parameters, so_far(rows, run.clock), interval, config)
+    clock = plain(run.clock)
+    found = Observables(parameters, so_far(rows, clock.row), config.time.output_interval, config)
     kept = finite_count(found)
-    end = ending(config, run, kept)
-    clock = end.clock
+    end = ending(config, clock, kept)
     attributes = {
         "omnisim_version": VERSION,
         "title": config.title,
         "scene": scene.text,
-        "wheels": names,
+        "wheels": tuple([wheel.name for wheel in config.wheels]),
         "model": model_line(config, parameters),
         "tracking": config.solver.tracking,
         "formulation": config.solver.formulation,
@@ -72,9 +70,8 @@ class Ending(NamedTuple):
     sentence: str
 
 
-def ending(config: Config, run: Run, kept: int) -> Ending:
-    """The Ending of a march of which so many rows are finite."""
-    clock = plain(run.clock)
+def ending(config: Config, clock: SimpleNamespace, kept: int) -> Ending:
+    """The Ending of a march of which so many rows are finite; clock: a copy of its record, which the Ending has."""
     if clock.status == status.RUNNING:
         clock.status = status.ENDED
     stop_time = clock.step * clock.dt + clock.elapsed
@@ -92,7 +89,7 @@ def ending(config: Config, run: Run, kept: int) -> Ending:
 
 def outcome(config: Config, run: Run, found: Observables) -> Ending:
     """How a march has ended, as `collect` would tell it, from as little as that takes; found: its rows so far."""
-    return ending(config, run, finite_count(found))
+    return ending(config, plain(run.clock), finite_count(found))
 
 
 def datasets(found: Observables, kept: int, end: Ending, log: np.ndarray) -> dict[str, np.ndarray]:
@@ -111,9 +108,8 @@ def finite_count(found: Observables) -> int:
     return len(found.rows.y) if moderate(found.rows) else finite_rows(found.everything())
 
 
-def so_far(rows: Recording, clock: np.record) -> Recording:
+def so_far(rows: Recording, written: int) -> Recording:
     """The rows that are written."""
-    written = int(clock.row)
     if written == len(rows.y):
         return rows
     parts: list[Any] = [values[:written] for values in rows]
@@ -131,7 +127,8 @@ def finite_rows(sampled: dict[str, np.ndarray]) -> int:
 def moderate(rows: Recording) -> bool:
     """Whether speeds are, all their squares together. If so nothing is infinite: every dataset is a product of few of
     them."""
-    return all(np.vdot(values, values) < MODERATE**2 for values in (rows.y, rows.rates))
+    y, rates = rows.y, rows.rates
+    return bool(np.vdot(y, y) < MODERATE**2 and np.vdot(rates, rates) < MODERATE**2)
 
 
 def events(log: np.ndarray, names: list[str]) -> dict[str, np.ndarray]:

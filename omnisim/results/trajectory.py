@@ -213,6 +213,8 @@ def _scales(wheels: tuple[str, ...], data: Mapping[str, np.ndarray]) -> dict[str
 
 def _attribute(name: str, value: Any) -> Any:
     kind = ATTRIBUTES[name]
+    if type(value) is kind:
+        return value
     if isinstance(value, str) != (kind is str):
         raise ValueError(f"attribute {name} is {value!r}: it must be a {kind.__name__}")
     try:

@@ -60,7 +60,7 @@ class Loop(Marching, Sensors):
         except MemoryError as error:
             raise SceneError(f"{scene.source}: time.output_interval: too many rows for the memory: {error}") from None
         self.names = MappingProxyType({wheel.name: w for w, wheel in enumerate(scene.config.wheels)})
-        self._dt = float(self.run.clock.dt)
+        self._dt = float(self.run.clock["dt"])
         self._held = Held(len(self.parameters.starts))
         self.march(0)  # finds the rollers in contact; the first call loads or compiles the kernels
         self.wall_time = 0.0

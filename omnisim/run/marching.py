@@ -97,8 +97,8 @@ class Marching:
 
     def observables(self) -> Observables:
         """The datasets of the rows so far."""
-        known = so_far(self.rows, self.run.clock)
-        return Observables(self.parameters, known, self.config.time.output_interval, self.config)
+        rows = so_far(self.rows, int(self.run.clock["row"]))
+        return Observables(self.parameters, rows, self.config.time.output_interval, self.config)
 
     def ending(self) -> Ending:
         """How the march has ended, or would if it were left here."""

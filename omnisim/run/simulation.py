@@ -39,7 +39,7 @@ def march_through(scene: Scene, progress: Callable[[float], object] | None) -> L
     loop = Loop(scene)
     clock = loop.run.clock
     chunk = FIRST_CHUNK
-    running = loop.run.clock.status == status.RUNNING
+    running = clock["status"] == status.RUNNING
     interrupted = progress is not None and progress(0.0)
     while running and not interrupted:
         begun = time.perf_counter()
