@@ -46,6 +46,7 @@ OURS = {
     "scaling": Benchmark("bench.scaling", "More rollers, more rows", 31, 5),
     "startup": Benchmark("bench.startup", "Whole command", 5, 1),
     "memory": Benchmark("bench.memory", "Memory of the whole command", 3, 1),
+    "short_runs": Benchmark("bench.short_runs", "Short runs", 300, 5),
     "studies": Benchmark("bench.studies", "Thousands of runs", 5, 1),
     "gym": Benchmark("bench.gym", "Environments for learning", 5, 1),
     "native": Benchmark("bench.native", "As native code", 100, 2),

@@ -30,7 +30,7 @@ PAGES = {
         "Machines, rollers, memory",
         ("whole_machines", "spatial", "kernels", "scaling", "native", "startup", "memory"),
     ),
-    "many": ("Thousands of runs", ("studies", "gym")),
+    "many": ("Thousands of runs", ("studies", "short_runs", "gym")),
     "hard_cases": ("Hard cases", ("hard_cases",)),
 }
 SECTIONS = [name for _, names in PAGES.values() for name in names]

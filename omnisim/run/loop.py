@@ -30,17 +30,17 @@ from omnisim.dynamics.parameters import DRIVE_INPUT
 from omnisim.results.assembly import collect
 from omnisim.results.trajectory import Trajectory
 from omnisim.run.inputs import Held, hold_inputs, with_tables
-from omnisim.run.marching import FOR_EVER, Marching, packed_once
+from omnisim.run.marching import FOR_EVER
+from omnisim.run.scene_march import SceneMarch
 from omnisim.run.sensors import Sensors
 from omnisim.scene.ideal_kinematics import wheel_rows
-from omnisim.scene.problems import ConfigError
 from omnisim.scene.scene import Overrides, Scene, SceneError, as_scene, changed
 from omnisim.scene.toml_text import MISSING, assign, rewrite
 
 ON_GRID = 1e-9  # relative, of times that must be multiples of the step
 
 
-class Loop(Marching, Sensors):
+class Loop(SceneMarch, Sensors):
     """One run of a scene, as far as it has come, with the step that the scene gives: none is picked for `solver.error`.
 
     scene: a Scene, or what `load` takes. Raises SceneError if the scene gives no step, if a machine free in space
@@ -52,18 +52,11 @@ class Loop(Marching, Sensors):
     )
 
     def __init__(self, scene: Scene | str | PathLike[str]):
-        self.scene = scene = stepped(as_scene("Loop", scene))
-        try:
-            super().__init__(scene.config, start=packed_once(scene.config))
-        except ConfigError as error:
-            raise SceneError(scene.document.told(error.problems)) from None
-        except MemoryError as error:
-            raise SceneError(f"{scene.source}: time.output_interval: too many rows for the memory: {error}") from None
-        self.names = MappingProxyType({wheel.name: w for w, wheel in enumerate(scene.config.wheels)})
+        super().__init__(stepped(as_scene("Loop", scene)))
+        self.names = MappingProxyType({wheel.name: w for w, wheel in enumerate(self.config.wheels)})
         self._dt = float(self.run.clock["dt"])
         self._held = Held(len(self.parameters.starts))
-        self.march(0)  # finds the rollers in contact; the first call loads or compiles the kernels
-        self.wall_time = 0.0
+        self.begin()
 
     def march(self, work: int = FOR_EVER) -> int:
         """March up to the goal, or for about so many right-hand sides; the status."""

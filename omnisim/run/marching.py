@@ -64,7 +64,7 @@ class Marching:
     the machine has any. Raises MemoryError if the rows do not fit into memory.
     """
 
-    _at_once: Callable[..., int] | None = None  # what `direct` calls: for all of its marches the same
+    _known: Callable[..., int] | None = None  # see _kernel
 
     def __init__(
         self, config: Config, log: np.ndarray | None = None, start: Start | None = None, odometry: bool = True
@@ -90,10 +90,24 @@ class Marching:
         self.wall_time += time.perf_counter() - begun
         return result
 
+    @property
+    def loaded(self) -> bool:
+        """Whether its kernels are."""
+        return self._kernel is not None
+
     def _march(self) -> int:
-        arguments = self.parameters, self.stages, self.run, self.rows, self.log
-        self._at_once = self._at_once or at_once(march, arguments)
-        return self._at_once(*arguments) if self._at_once else direct(march, *arguments)
+        kernel = self._kernel
+        return kernel(*self._arguments) if kernel else direct(march, *self._arguments)
+
+    @property
+    def _kernel(self) -> Callable[..., int] | None:
+        """What `direct` calls at once, found only once."""
+        self._known = self._known or at_once(march, self._arguments)
+        return self._known
+
+    @property
+    def _arguments(self) -> tuple:
+        return self.parameters, self.stages, self.run, self.rows, self.log
 
     def observables(self) -> Observables:
         """The datasets of the rows so far."""

@@ -7,7 +7,7 @@ from os import PathLike
 from omnisim.base import status
 from omnisim.base.arguments import callable_or_none
 from omnisim.results.trajectory import Trajectory
-from omnisim.run.loop import Loop
+from omnisim.run.scene_march import SceneMarch
 from omnisim.run.step_search import search
 from omnisim.scene.scene import Scene, as_scene
 
@@ -34,19 +34,21 @@ def simulate(scene: Scene | str | PathLike[str], progress: Callable[[float], obj
     return search(scene, lambda candidate: march_through(candidate, progress))
 
 
-def march_through(scene: Scene, progress: Callable[[float], object] | None) -> Loop:
-    """The Loop of a scene where it ends: at its own end, where something stops it, or where `progress` does."""
-    loop = Loop(scene)
-    clock = loop.run.clock
+def march_through(scene: Scene, progress: Callable[[float], object] | None) -> SceneMarch:
+    """The march of a scene where it ends: at its own end, where something stops it, or where `progress` does."""
+    march = SceneMarch(scene)
+    clock = march.run.clock
     chunk = FIRST_CHUNK
+    if progress is not None or not march.loaded:  # else the march itself begins: a call of it is not for nothing
+        march.begin()
     running = clock["status"] == status.RUNNING
     interrupted = progress is not None and progress(0.0)
     while running and not interrupted:
         begun = time.perf_counter()
-        running = loop.march(chunk) == status.RUNNING
+        running = march.march(chunk) == status.RUNNING
         elapsed = time.perf_counter() - begun
         interrupted = running and progress is not None and progress(clock.step / clock.steps)
         chunk = int(min(max(chunk * CHUNK_SECONDS / max(elapsed, 1e-9), FIRST_CHUNK), MOST_CHUNK))
     if interrupted:
         clock.status = status.INTERRUPTED
-    return loop
+    return march

@@ -9,7 +9,7 @@ from omnisim.base.methods import AUTO, METHODS
 from omnisim.base.status import CURABLE, INTERRUPTED, RUNNING
 from omnisim.results.comparison import distance
 from omnisim.results.trajectory import Trajectory
-from omnisim.run.loop import Loop
+from omnisim.run.scene_march import SceneMarch
 from omnisim.scene.scene import Scene
 
 FEWEST_STEPS = 100
@@ -19,7 +19,7 @@ SLOWEST = 0.9  # differences that hardly fall, or grow, count as if they fell by
 LEAST = 10.0 * ROUNDING  # m, rad: an estimate that no shorter step makes smaller
 
 
-def search(scene: Scene, run: Callable[[Scene], Loop]) -> Trajectory:
+def search(scene: Scene, run: Callable[[Scene], SceneMarch]) -> Trajectory:
     """The first of the runs with ever shorter steps of which the estimated error is at most `solver.error`.
 
     `run` marches a scene to where it ends. Runs that stop early for reasons that a shorter step may cure tell nothing;
@@ -35,18 +35,18 @@ def search(scene: Scene, run: Callable[[Scene], Loop]) -> Trajectory:
     code = RUNNING
     error = math.inf
     for candidate in candidates(scene):
-        loop = run(candidate)
+        march = run(candidate)
         before = code
-        code = int(loop.run.clock.status)
+        code = int(march.run.clock.status)
         if code == INTERRUPTED:
             break
         if code in CURABLE:
             continue
-        latest = loop.trajectory()
+        latest = march.trajectory()
         gaps = [*gaps, distance(best, latest)] if best is not None and code == before else []
         best = latest
         error = estimate(gaps, order)
-        if error <= enough and loop.run.clock.choice == AUTO:
+        if error <= enough and march.run.clock.choice == AUTO:
             other = run(by_radau5(candidate))
             checked = int(other.run.clock.status)
             error = max(error, distance(latest, other.trajectory())) if checked == code else math.inf
@@ -54,7 +54,7 @@ def search(scene: Scene, run: Callable[[Scene], Loop]) -> Trajectory:
                 code = checked
         if error <= enough or code == INTERRUPTED:
             break
-    found = loop.trajectory() if best is None else best
+    found = march.trajectory() if best is None else best
     if best is None and code in CURABLE:
         found.attributes["status"] += (
             "; solver.error tries no shorter step: choose another method, or give time.step alone"
