@@ -41,7 +41,7 @@ class Template(Generic[Tuple]):
 
     def _maker(self, part: Any) -> Callable[[bytearray], Any]:
         """What makes a copy of a part, from the memory in which its numbers stand."""
-        if part is None or isinstance(part, int | float):
+        if part is None or isinstance(part, int | float | np.number):
             return lambda _: part
         if isinstance(part, tuple):
             makers, made = [self._maker(each) for each in part], type(part)._make  # type: ignore[attr-defined]
