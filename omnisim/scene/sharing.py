@@ -1,4 +1,4 @@
-"""Tables that say the same are one object, in whatever scenes they stand: what follows from a table is kept by it."""
+"""A table that says the same as one of a scene before is that object: what follows from a table is kept by it."""
 
 from collections.abc import Mapping
 from functools import reduce
