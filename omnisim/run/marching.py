@@ -38,17 +38,35 @@ def packed(config: Config, ask: Ask[Config] = alone) -> Start:
     return Start(parameters, begin(config, parameters, ask))
 
 
+class Beginning:
+    """A scene as it begins, for runs that may write into it: packed for the first, as many a scene runs but once, and
+    copied for all others. Templates are two: a trajectory may hold the parameters for long."""
+
+    def __init__(self, config: Config):
+        self._config = config
+        self._ran = False
+        self._templates: tuple[Template[Parameters], Template[Run]] | None = None
+
+    def start(self) -> Start:
+        """For one more run."""
+        if not self._ran:
+            self._ran = True
+            return packed(self._config)
+        if self._templates is None:
+            start = packed(self._config)
+            self._templates = Template(start.parameters), Template(start.run)
+        parameters, run = self._templates
+        return Start(parameters.copy(), run.copy())
+
+
 @kept
-def templates(config: Config) -> tuple[Template[Parameters], Template[Run]]:
-    """Of a scene that is run again. They are two: a trajectory may hold the parameters for long."""
-    start = packed(config)
-    return Template(start.parameters), Template(start.run)
+def beginning(config: Config) -> Beginning:
+    return Beginning(config)
 
 
 def packed_once(config: Config) -> Start:
     """The scene as it begins, for one run, which may write into it."""
-    parameters, run = templates(config)
-    return Start(parameters.copy(), run.copy())
+    return beginning(config).start()
 
 
 def blank_log() -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from functools import reduce
+from hashlib import blake2b
 from typing import Any
 from weakref import WeakValueDictionary
 
@@ -9,7 +10,7 @@ from omnisim.scene.schema import Config
 from omnisim.scene.toml_text import KeyPath
 from omnisim.scene.values import Table
 
-Said = tuple[KeyPath, str]  # where a table stands, places in lists left out, and what it says: 0.0 is not -0.0
+Said = tuple[KeyPath, bytes]  # where a table stands, places in lists left out, and a digest of what it says
 
 _known: WeakValueDictionary[Said, Table] = WeakValueDictionary()  # as long as somebody holds them
 
@@ -29,7 +30,7 @@ def modelled(data: Mapping[str, Any]) -> Config:
 def _with_known(value: Any, path: KeyPath, unknown: dict[KeyPath, Said]) -> Any:
     """What stands at this path, with models in the place of known tables; the others are added to `unknown`."""
     if isinstance(value, dict):
-        said = tuple(part for part in path if isinstance(part, str)), repr(value)
+        said = tuple(part for part in path if isinstance(part, str)), digest(value)
         found = _known.get(said)
         if found is not None:
             return found
@@ -38,6 +39,11 @@ def _with_known(value: Any, path: KeyPath, unknown: dict[KeyPath, Said]) -> Any:
     if isinstance(value, tuple) and value and isinstance(value[0], dict):
         return tuple(_with_known(entry, (*path, i), unknown) for i, entry in enumerate(value))
     return value
+
+
+def digest(value: dict[str, Any]) -> bytes:
+    """Of what a table says: a long text is not kept. 0.0 is not -0.0, nor is 1 what 1.0 is."""
+    return blake2b(repr(value).encode()).digest()
 
 
 def _part(model: Any, key: Any) -> Any:
