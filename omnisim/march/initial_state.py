@@ -54,7 +54,8 @@ def clock_at_start(time: Time, method: Method, choice: int, parameters: Paramete
     clock = np.frombuffer(bytearray(clock_of(time, method, choice)), recorded(CLOCK))[0]
     part = min(1.0, float(clock["dt"]) / coarse_step(parameters, choice))
     lightness = parameters.machine["mass"] * parameters.machine["slip_mobility"]
-    clock["fineness"], clock["aligned"] = fineness(part, choice), alignment(part, choice)
+    clock["fineness"] = fineness(part, choice, method.tableau.order)
+    clock["aligned"] = alignment(part, choice)
     clock["stopping"] = stopping_alignment(part, choice, lightness)
     return clock
 

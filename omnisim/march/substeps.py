@@ -25,6 +25,7 @@ FINE_FRACTION = 0.2  # the same for methods "auto" and "radau5", which are there
 # The same of implicit steps with a smooth law: its layer near zero slip turns motion into heat that is accounted for.
 LAYER_FRACTION = 0.05
 OUTRUN = 20.0  # stable steps by the end of an explicit one that is taken again at half its length
+FOLLOWED, FINER = 4, 0.5  # order up to which whole steps err more than the coarsest sub-steps, and what finer ones are
 AUTO_STIFF = 4.0  # relaxation of slip within a step, beyond which "auto" makes it implicit
 AUTO_ACCURATE = 0.5  # and up to which its explicit steps go
 TURN_FRACTION = 0.7  # of the largest stable step of the method for the turning of the slip's direction
@@ -112,10 +113,13 @@ def slip_fraction(coarsest, pace, clock):
     return coarsest if less >= ratio**5 else largest_slip * less**0.2
 
 
-def fineness(part: float, choice: int) -> float:
+def fineness(part: float, choice: int, order: int) -> float:
     """Part of the coarsest fraction that a step allows for the largest slip: ~ dt of explicit methods, and ~ dt^(3/4)
-    of the others, whose fraction is less and whose steps cost more. part: the step by a coarse one, at most 1."""
-    return part if choice == EXPLICIT else part**0.75
+    of the others, whose fraction is less and whose steps cost more. part: the step by a coarse one, at most 1; order of
+    the method: sub-steps err in the same way by all, and must stay behind the error of its whole steps."""
+    if choice != EXPLICIT:
+        return part**0.75
+    return FINER * part if order > FOLLOWED else part
 
 
 @kernel
