@@ -39,6 +39,7 @@ OURS = {
     "laws": Benchmark("bench.laws", "Set-valued against regularized friction at equal error", 20, 2),
     "whole_machines": Benchmark("bench.whole_machines", "Whole machines", 20, 1),
     "hard_cases": Benchmark("bench.hard_cases", "Hard cases", 1, 1),
+    "random_scenes": Benchmark("bench.random_scenes", "Random scenes", 100, 1),  # rounds: hundreds of scenes
     "targets": Benchmark("bench.targets", "Steps picked for an error", 2, 1),
     "formulations": Benchmark("bench.formulations", "Every body against the reduced equations", 15, 2),
     "kernels": Benchmark("bench.kernels", "Kernels", 31, 5),

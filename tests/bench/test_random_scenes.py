@@ -1,0 +1,76 @@
+"""Random scenes: that they are scenes, the same each time, and that a run which errs by more than it says is told."""
+
+import math
+
+import pytest
+
+from bench.random_scenes import (
+    ERROR,
+    IMPOSSIBLE,
+    LESS,
+    RIGHT,
+    STOPPED,
+    UNSURE,
+    WRONG,
+    claims,
+    judged,
+    outcome,
+    random_scene,
+    report,
+)
+from omnisim.results.layout import COMPLETE
+from omnisim.scene.scene import load_text
+from omnisim.scene.toml_text import rewrite
+
+MANY = 300
+TIPS = "the machine tips at t = 0.1 s"
+
+
+def test_nearly_all_are_scenes_of_every_law_method_and_kind_of_machine():
+    seen = set()
+    for number in range(MANY):
+        data = random_scene(number)
+        assert data == random_scene(number)
+        load_text(rewrite("", [], data))
+        solver = data["solver"]
+        seen |= {data["friction"]["law"], len(data["wheels"]), data.get("scene", {}).get("upright", "upright")}
+        seen |= {solver["method"], f"{solver['tracking']} tracking", solver["formulation"]}
+    laws, methods = {"coulomb", "regularized", "saturated", "viscous"}, {"heun", "rk4", "dopri5", "radau5", "auto"}
+    machines = {1, 3, 4, "upright", "free"}
+    assert seen == laws | methods | machines | {"explicit tracking", "implicit tracking", "reduced", "multibody"}
+
+
+@pytest.mark.parametrize(
+    ("verdict", "said", "reference_said", "apart", "own", "known"),
+    [
+        (RIGHT, COMPLETE, COMPLETE, 9e-7, 1e-6, 1e-8),
+        (WRONG, COMPLETE, COMPLETE, 2e-6, 1e-6, 1e-8),
+        (WRONG, TIPS, TIPS, 2e-6, 1e-6, 1e-8),
+        (STOPPED, TIPS, TIPS, 5e-7, 1e-6, 1e-8),
+        (STOPPED, TIPS, TIPS, 0.0, math.inf, math.inf),
+        (LESS, COMPLETE, COMPLETE, 5e-6, 1e-5, 1e-8),
+        (LESS, COMPLETE, COMPLETE, 1.0, math.inf, 1e-8),
+        (UNSURE, COMPLETE, COMPLETE, 1.0, 1e-6, 0.2 * ERROR),
+        (UNSURE, COMPLETE, "interrupted by the user", 1.0, 1e-6, 1e-9),
+    ],
+)
+def test_a_run_is_judged_by_its_own_estimate_and_that_of_its_reference(
+    verdict, said, reference_said, apart, own, known
+):
+    assert judged(said, reference_said, apart, own, known) == verdict
+
+
+def test_one_of_them_is_right_and_the_claim_counts_faults():
+    found = outcome(13)
+    assert found.verdict == RIGHT and found.error < found.allowed < 1.1 * ERROR
+    faulty = found._replace(verdict=WRONG, number=14)._asdict()
+    result = {
+        "verdicts": {RIGHT: 99, WRONG: 1, IMPOSSIBLE: 3},
+        "faults": [faulty],
+        "share": {"median": 0.1, "most": 0.9},
+        "seconds": 0.1,
+        "slowest": found._asdict(),
+    }
+    (claim,) = claims(result)
+    assert claim.value == 1 and not claim.met and "of 100" in claim.text
+    assert "| 14 |" in report(result)
