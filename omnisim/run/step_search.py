@@ -43,6 +43,9 @@ def search(scene: Scene, run: Callable[[Scene], SceneMarch]) -> Trajectory:
         if code in CURABLE:
             continue
         latest = march.trajectory()
+        if not len(latest.time):  # it cannot begin, by any step
+            best = latest
+            break
         gaps = [*gaps, distance(best, latest)] if best is not None and code == before else []
         best = latest
         error = estimate(gaps, order)

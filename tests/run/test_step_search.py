@@ -178,6 +178,19 @@ class Impatient:
         return self.runs < 0
 
 
+def test_a_machine_that_tips_at_once_is_told_with_a_target_as_it_is_without():
+    scene = [
+        "friction={law='viscous', viscosity=500.0}",
+        "initial.velocity=[1.0, 0.0]",
+        "chassis.center_of_mass=[0.0, 0.0, 0.4]",
+    ]
+    plain = omnisim.simulate(omnisim.load("kiwi", scene))
+    found = omnisim.simulate(omnisim.load("kiwi", [*scene, "solver.error=1e-6"]))
+    for run in (plain, found):
+        assert "tips at t = 0 s" in run.attributes["status"] and len(run.time) == 0
+    assert "error_estimate" not in found.attributes
+
+
 def test_an_interrupted_search_gives_the_last_complete_run_and_says_so():
     scene = omnisim.load("coulomb_wheel", ["solver.error=1e-9"])
     for runs, step in ((2, 0.005), (5, 0.0005)):
