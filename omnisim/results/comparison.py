@@ -147,6 +147,8 @@ def divergence(a: Trajectory, b: Trajectory, pieces: int = 5) -> list[Divergence
 def distance(a: Trajectory, b: Trajectory) -> float:
     """Largest over the rows that both have of that of positions (m), yaws and spin angles (rad)."""
     rows = min(len(a.time), len(b.time))
+    if not rows:
+        return 0.0
     paths = ["body/position", "body/yaw", *(f"wheels/{wheel}/spin_angle" for wheel in a.wheels)]
     apart = [(a[path][:rows] - b[path][:rows]).reshape(rows, -1) for path in paths]
     return max(float(np.linalg.norm(gaps, axis=1).max(initial=0.0)) for gaps in apart)

@@ -63,10 +63,12 @@ def largest(trajectory: Recorded, path: str) -> float:
 def peaks(trajectory: Recorded) -> str:
     """The largest magnitudes of loads, slip, torque and power at any wheel in the march; empty if not recorded."""
     found = []
+    if not len(trajectory.time):
+        return ""
     for name, path, units in WHEEL_PEAKS + MOTOR_PEAKS:
         paths = [f"wheels/{wheel}/{path}" for wheel in trajectory.wheels]
         most = [_magnitude(trajectory, path) for path in paths if f"interval_max/{path}" in trajectory]
-        if len(trajectory.time) and max(most, default=0.0) > 0.0:
+        if max(most, default=0.0) > 0.0:
             found.append(f"{name} {max(most):.4g} {units}")
     return ", ".join(found)
 

@@ -19,6 +19,7 @@ from omnisim.scene.scene import Scene
 
 REPEATS = 5
 PATIENCE = 8.0  # s for all repeats of all scenes of a race
+SHORTEST = 1e-6  # s: a machine that cannot begin takes no time at all
 STATES, ROUNDS = 1000, 200
 INSIDE = 0.99  # of the half angle of a roller: so far from its middle it is looked at
 
@@ -49,7 +50,7 @@ def race(scenes: Sequence[Scene]) -> tuple[list[Trajectory], list[list[float]]]:
     scenes = [replace(scene, config=scene.config.at_step(step)) for scene, step in zip(scenes, steps, strict=True)]
     times = [[trajectory.attributes["wall_time"]] for trajectory in trajectories]
     once = sum(spent[0] for spent in times)
-    for taken in interleaved(scenes, min(REPEATS, int(PATIENCE / once)) - 1):
+    for taken in interleaved(scenes, min(REPEATS, int(PATIENCE / max(once, SHORTEST))) - 1):
         for spent, (march, _) in zip(times, taken, strict=True):
             spent.append(march)
     return trajectories, times

@@ -107,6 +107,32 @@ def test_a_scene_may_come_through_a_pipe(here):
     assert done.returncode == 0 and "Testbench" in done.stdout, done.stderr
 
 
+# --- a machine that cannot begin ------------------------------------------------------------------
+
+TIPS = (
+    "friction={law='viscous', viscosity=500.0}",
+    "initial.velocity=[1.0, 0.0]",
+    "chassis.center_of_mass=[0.0, 0.0, 0.4]",
+)
+
+
+def test_a_machine_that_tips_before_its_first_row_is_told_by_all_commands(here):
+    """A trajectory without rows: what it would be the largest of is not asked for."""
+    (here / "tips.toml").write_text(omnisim.load("kiwi", TIPS).text)
+    told = "the machine tips at t = 0 s: wheel 'back' leaves the floor"
+    for wanted in ([], settings("solver.error=1e-6")):
+        result = command("run", "tips.toml", *wanted, "-o", "tips.h5", "--force")
+        assert result.exit_code == 1 and told in result.stderr.splitlines()[-1], result.output
+    assert len(read("tips.h5").time) == 0
+    assert command("info", "tips.h5").exit_code == 0
+    for shown in (("plot", "tips.h5", "-o", "tips.png"), ("view", "tips.h5", "-o", "tips.html")):
+        refused(command(*shown), "no rows")
+    assert command("export", "tips.h5", "tips.csv").exit_code == 0
+    for pair in (("implicit", "explicit"), ("reduced", "multibody")):
+        result = command("compare", *pair, "tips.toml")
+        assert result.exit_code == 1 and told in result.stderr.splitlines()[-1], result.output
+
+
 # --- names and suffixes ---------------------------------------------------------------------------
 
 
