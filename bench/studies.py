@@ -16,8 +16,9 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager
+from functools import cache
 from multiprocessing.connection import Connection
 from pathlib import Path
 
@@ -27,8 +28,6 @@ import omnisim
 from bench.common import Claim, median_ratio, rates_in_turn, table
 from bench.machine_scenes import END, platform
 from bench.memory import MEGABYTE, peak_of
-from bench.peers.mujoco_peer import mujoco
-from bench.peers.mujoco_platform import HOW, LEVEL, Setup, model, rollout
 from omnisim.studies.study import Study, load_study
 from omnisim.studies.sweep import sweep
 from omnisim.studies.task import Task
@@ -66,22 +65,22 @@ def study_in(folder: Path, count: int) -> Path:
 
 def measure(rounds: int) -> dict:
     """Runs a second of every contestant, round by round in turn; what a study takes beside its marches; its memory."""
-    with tempfile.TemporaryDirectory() as folder, idle_processes(study_in(Path(folder), RUNS)) as idle:
-        study = load_study(study_in(Path(folder), RUNS))
-        output = Path(folder) / "study.h5"
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as apart,
+        idle_processes(study_in(Path(folder), RUNS)) as idle,
+    ):
+        path = study_in(Path(folder), RUNS)
+        study = load_study(path)
         contestants: dict[str, Callable[[], int]] = {
-            "study, 1 process": lambda: swept(study, output, 1),
-            f"study, {cores()} processes": lambda: swept(study, output, cores()),
+            "study, 1 process": lambda: apart.submit(swept, path, 1).result(),
+            f"study, {cores()} processes": lambda: apart.submit(swept, path, cores()).result(),
             f"its runs on {cores()} threads": lambda: threaded(study),
             "loop over simulate": lambda: looped(study),
             "its runs, 1 idle process": lambda: shared_out(idle[:1], study.count),
             f"its runs, {cores()} idle processes": lambda: shared_out(idle, study.count),
         }
-        if mujoco is not None:
-            for contact, integrator, step in HOW[:2]:  # the third is slower by far
-                setup = Setup(MOTION, LEVEL, contact, integrator, step)
-                contestants[f"MuJoCo rollout, {cores()} threads, {contact}, {integrator}, {step:g} s"] = rolled(setup)
-        rates = rates_in_turn(contestants, rounds)
+        rates = rates_in_turn(contestants | rolled(), rounds)
         overhead = [beside_the_march(study) for _ in range(rounds)]
         sizes = (FEW, RUNS, MANY) if rounds > 1 else (FEW, RUNS)
         return {
@@ -93,9 +92,15 @@ def measure(rounds: int) -> dict:
         }
 
 
-def swept(study: Study, output: Path, workers: int) -> int:
-    sweep(study, output, workers=workers, overwrite=True)
+def swept(path: Path, workers: int) -> int:
+    """The study in this file, in a process that has nothing else in its memory, as that of the command: to double one
+    with MuJoCo in it takes twice as long."""
+    study = loaded(path)
+    sweep(study, path.with_suffix(".h5"), workers=workers, overwrite=True)
     return study.count
+
+
+loaded = cache(load_study)
 
 
 def threaded(study: Study) -> int:
@@ -163,16 +168,30 @@ def peak(folder: Path, count: int) -> int:
     return peak_of([*command, "--force", "-o", str(folder / "peak.h5")])
 
 
-def rolled(setup: Setup) -> Callable[[], int]:
-    """MuJoCo's runs, of other friction and mass."""
-    random, models = np.random.default_rng(1), []
-    for _ in range(FEW):
-        variant = model(setup)
-        variant.geom_friction[:, 0] = random.uniform(*FRICTION)
-        variant.body_mass[1] = random.uniform(*MASS)
-        models.append(variant)
-    go = rollout(setup, models, END)
-    return lambda: FEW if go() else 0
+def rolled() -> dict[str, Callable[[], int]]:
+    """MuJoCo's runs, of other friction and mass; none without it."""
+    from bench.peers.mujoco_peer import mujoco  # here: not in the process of the study
+    from bench.peers.mujoco_platform import HOW, LEVEL, Setup, model, rollout
+
+    if mujoco is None:
+        return {}
+
+    def ready(setup: Setup) -> Callable[[], int]:
+        random, models = np.random.default_rng(1), []
+        for _ in range(FEW):
+            variant = model(setup)
+            variant.geom_friction[:, 0] = random.uniform(*FRICTION)
+            variant.body_mass[1] = random.uniform(*MASS)
+            models.append(variant)
+        go = rollout(setup, models, END)
+        return lambda: FEW if go() else 0
+
+    return {
+        f"MuJoCo rollout, {cores()} threads, {contact}, {integrator}, {step:g} s": ready(
+            Setup(MOTION, LEVEL, contact, integrator, step)
+        )
+        for contact, integrator, step in HOW[:2]  # the third is slower by far
+    }
 
 
 def report(result: dict) -> str:
