@@ -16,6 +16,7 @@ from omnisim.march.friction_modes import slip_rate
 from omnisim.march.initial_state import blank_rows
 from omnisim.march.march import march
 from omnisim.march.runge_kutta import evaluate
+from omnisim.results.comparison import distance
 
 CASE = "coulomb_wheel"
 STILL = ("initial.velocity=[0, 0]", "wheels.wheel.spin_rate=0")
@@ -233,3 +234,12 @@ def test_the_order_holds_through_releases_and_slow_slip_of_a_driven_wheel(method
     errors = [np.abs(final_state(run) - exact).max() for run in runs]
     assert np.log10(errors[0] / errors[1]) > order, errors  # measured 3.88, 3.04, 4.34
     assert errors[1] < 1e-6  # measured 1.1e-7, 8.9e-8, 3.4e-11
+
+
+@pytest.mark.parametrize("scene", ["coulomb_wheel", "kiwi"])
+def test_sub_steps_of_slip_keep_the_order_of_dopri5(scene):
+    changes = {"solver.method": "dopri5", "time.output_interval": 0.01}
+    steps = (1e-4, 2e-3, 1e-3)
+    exact, coarse, fine = (omnisim.simulate(omnisim.load(scene, changes | {"time.step": step})) for step in steps)
+    assert np.log2(distance(coarse, exact) / distance(fine, exact)) > 4.7  # measured 5.1, 5.2
+    assert distance(fine, exact) < 2e-11  # measured 5.1e-12, 6.0e-13
