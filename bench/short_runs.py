@@ -23,7 +23,7 @@ AGAIN, LOADED, OTHER = "the same scene", "loaded again", "another mass"
 
 
 def measure(rounds: int) -> dict:
-    """Seconds beside the march and of the march, round by round in turn."""
+    """Seconds beside the march and of the march: quartiles of rounds in which they take turns."""
     with tempfile.TemporaryDirectory() as folder:
         return {name: measured(kinds(name, Path(folder)), rounds) for name in SCENES}
 
@@ -41,6 +41,7 @@ def kinds(name: str, folder: Path) -> dict[str, Callable[[], Scene]]:
 
 
 def measured(scenes: dict[str, Callable[[], Scene]], rounds: int) -> dict[str, list[float]]:
+    """The quartiles of each kind, s."""
     found: dict[str, list[float]] = {kind: [] for kind in (*scenes, "march")}
     for _ in range(rounds):
         for kind, following in scenes.items():
@@ -51,7 +52,7 @@ def measured(scenes: dict[str, Callable[[], Scene]], rounds: int) -> dict[str, l
             whole = time.perf_counter() - begun
             found[kind].append(whole - run.attributes["wall_time"])
             found["march"].append(run.attributes["wall_time"])
-    return found
+    return {kind: statistics.quantiles(values, n=4, method="inclusive") for kind, values in found.items()}
 
 
 def report(result: dict) -> str:
@@ -69,4 +70,4 @@ def claims(result: dict) -> list[Claim]:
 
 
 def medians(found: dict[str, list[float]]) -> dict[str, float]:
-    return {kind: statistics.median(values) for kind, values in found.items()}
+    return {kind: quartiles[1] for kind, quartiles in found.items()}
