@@ -111,8 +111,8 @@ def upright_guard(parameters, run, which, at_end):
     y = run.trial if at_end else run.y
     monitors = run.monitors_end[w] if at_end else run.monitors[w]
     direction = mode.direction
-    if kind == TURN:
-        return direction * y[at.spin_rate + w]
+    if kind == TURN:  # that of a wheel on two rollers is zero, but for what an implicit step leaves of it
+        return 0.0 if mode.shared else direction * y[at.spin_rate + w]
     if kind == EXIT:
         spin_angle = y[at.spin_angle + w]
         rounding = ANGLE_ROUNDING * (1.0 + abs(spin_angle))  # an edge reached to rounding is reached

@@ -103,13 +103,18 @@ def edge_rounding(parameters, mode, w, y, monitors):
 @kernel
 def rest_on_both(parameters, run, w, ahead, t):
     """Wheel w carried by the roller `ahead` and the one behind it, from time t on; it stands on their edge."""
+    run.mode[w].direction = 1
+    stop_at_edge(parameters, run, w, ahead)
+    stand_on(parameters, run, w, ahead, True, t)
+
+
+@kernel
+def stop_at_edge(parameters, run, w, ahead):
+    """Wheel w on the edge between the roller `ahead` and the one behind it, without spin."""
     at = places(parameters)
-    mode = run.mode[w]
-    mode.direction = 1
     run.y[at.spin_angle + w] = roller_end(parameters.wheels[w], ahead, -1)
     run.y[at.spin_rate + w] = 0.0
     run.carry[at.spin_angle + w] = run.carry[at.spin_rate + w] = 0.0
-    stand_on(parameters, run, w, ahead, True, t)
 
 
 @kernel
@@ -118,6 +123,7 @@ def leave_edge(parameters, run, w, t):
     mode = run.mode[w]
     release_rollers(parameters, run, w)
     onto_behind = run.monitors[w].share < 0.5
+    stop_at_edge(parameters, run, w, mode.roller)
     left, kept = (mode.roller, mode.roller - 1) if onto_behind else (mode.roller - 1, mode.roller)
     mode.direction = -1 if onto_behind else 1
     stand_on(parameters, run, w, kept, False, t)
