@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from commands import SCENE, command, contents, refused, settings
+from helpers.stages import either
 from synthetic import synthetic_trajectory
 
 import omnisim
@@ -270,7 +271,7 @@ def test_a_reader_that_is_not_there(shell, code, message, here):
     assert (done.returncode, done.stderr) == (code, message)
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
+@pytest.mark.parametrize("number", either([signal.SIGTERM, signal.SIGHUP, signal.SIGINT], [signal.SIGTERM]))
 def test_a_command_that_is_ended_leaves_nothing_behind(number, here):
     waiting = "import omnisim.run.simulation, time, signal\nsignal.signal(signal.SIGINT, signal.SIG_DFL)\n"
     waiting += "signal.signal(signal.SIGHUP, signal.SIG_DFL)\n"
