@@ -63,7 +63,7 @@ def test_no_point_of_the_surface_lies_below_the_closed_form_at_any_tilt(wheel):
     for axis in rng.normal(size=(40, 3)):
         axis /= np.linalg.norm(axis)
         across = np.linalg.svd(axis[None])[2][1:]
-        brute = (points @ np.array([axis, *across]))[:, 2].min()
+        brute = (points @ np.array([axis, *across])[:, 2]).min()
         exact = support_point(wheel, Vec3(*axis))
         assert exact.z <= brute + 1e-15  # never above the brute-force minimum ...
         assert brute - exact.z < grid_error  # ... which the grid can miss by half a spacing; measured up to 70 % of it
