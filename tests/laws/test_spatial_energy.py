@@ -5,7 +5,6 @@ import copy
 import numpy as np
 import pytest
 from free_machines import free, whole_mass
-from helpers.stages import either
 from machines import CHASSIS, TYPES, diameter_inertia, machine, run, scene, tables, wheel_mass
 from scenes import reference_scene
 
@@ -45,9 +44,8 @@ def test_energy_is_balanced_with_everything_at_once():
     assert np.abs(motion["energy/balance"]).max() < 1e-9 * turned_over(motion)  # measured 2.1e-11
 
 
-@pytest.mark.parametrize(
-    "name", either(["kiwi_slope", "double_row", "mecanum_bump", "mecanum_springs"], ["kiwi_slope", "double_row"])
-)
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["kiwi_slope", "double_row", "mecanum_bump", "mecanum_springs"])
 def test_energy_of_the_reference_cases_is_balanced(name):
     motion = run(tables(reference_scene(f"spatial_{name}", "time.step=1e-5")))
     # measured 4.3e-11, 1.1e-11, 7.8e-12, 5.2e-11

@@ -6,6 +6,7 @@ S: slope, towards uphill_deg. Measured values stand beside the bounds.
 import copy
 
 import numpy as np
+import pytest
 from free_machines import STIFFNESS, free, rotations, whole_mass
 from machines import BOX, CHASSIS, TYPES, axle_inertia, locked, machine, on_slope, run, scene
 from scenes import of_wheels
@@ -129,6 +130,7 @@ def test_locked_mecanum_wheels_creep_below_their_limit():
         assert np.ptp(of_wheels(motion, "normal_force")[-1]) > 1.0  # N: those below carry more
 
 
+@pytest.mark.long
 def test_locked_mecanum_wheels_slide_above_their_limit():
     """With g cos S (tan S - tan S*), and rollers that take part across their axes as Ia / (R - R1)^2 each, half of it:
     what is left of the law's slip_speed is (slip_speed / slip)^2 / 2 of friction."""

@@ -15,7 +15,7 @@ STEPS = {"heun": (3.125e-5, 1.5625e-5, 7.8125e-6), "rk4": (6.25e-5, 3.125e-5, 1.
          "dopri5": (1.25e-4, 6.25e-5, 3.125e-5), "radau5": (1e-3, 5e-4, 2.5e-4)}  # fmt: skip
 
 
-@pytest.fixture(scope="module", params=CASES)
+@pytest.fixture(scope="module", params=either(CASES, ["kiwi_slope", "mecanum_springs"]))
 def case(request):
     """A run with the step of the reference cases, 2e-5 s; the reference; the factor on its bounds."""
     name = f"spatial_{request.param}"
@@ -73,7 +73,8 @@ def finest():
     return final("dopri5", 3.90625e-6)  # good to about 1e-15 m
 
 
-@pytest.mark.parametrize("method", either(["heun", "rk4", "dopri5", "radau5"], ["rk4", "dopri5"]))
+@pytest.mark.long
+@pytest.mark.parametrize("method", ["heun", "rk4", "dopri5", "radau5"])
 def test_a_method_keeps_its_order_through_contacts_that_begin_and_end_and_pass_over_rims(method, finest):
     errors = [np.abs(final(method, step) - finest).max() for step in STEPS[method]]
     order = np.log2(errors[0] / errors[-1]) / 2

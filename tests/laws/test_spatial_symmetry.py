@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from free_machines import rotations
+from helpers.stages import either
 from machines import mirrored, rotated, rotation, run, tables
 from scenes import of_wheels, reference_scene
 
@@ -24,7 +25,7 @@ def told(name: str) -> dict:
     return data
 
 
-@pytest.fixture(scope="module", params=NAMES)
+@pytest.fixture(scope="module", params=either(NAMES, ["mecanum_springs", "creeping"]))
 def scene(request):
     data = told(request.param)
     return data, run(data)

@@ -23,7 +23,9 @@ from oracle.spatial.states import GRID, SCENES, changed, heights, states
 from oracle.vectors import cross
 
 SMOOTH = [name for name, scene in SCENES.items() if scene["friction"]["law"] != "coulomb"]
-SLOW = ("brush of several lobes", "shapes on bumps", "kerb", "ribs", "long shapes")  # seconds even of few states
+SLOW = ("brush of several lobes", "shapes on bumps", "kerb", "ribs", "long shapes",  # seconds even of few states
+        "24 rollers", "grid", "rolling resistance on a bump", "rolling resistance on springs", "brush on a bump",
+        "brush on springs")  # fmt: skip
 FEW, MANY = 10, 60  # states of a scene
 LOSSES = {"friction_loss": "friction", "contact_loss": "contact", "damper_loss": "damper", "drive_work": "drive",
           "wrench_work": "wrench", "bearing_loss": "bearing", "rolling_loss": "rolling"}  # fmt: skip

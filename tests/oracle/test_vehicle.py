@@ -99,6 +99,7 @@ def test_momenta_change_by_what_acts_from_outside(upright: str):
     np.testing.assert_allclose(spun, moment, rtol=0, atol=1e-11)  # of 13 N m; measured: 2e-14
 
 
+@pytest.mark.long
 def test_without_friction_the_centre_of_mass_moves_straight():
     """Drives and gyroscopic torques turn the chassis about it, through five exchanges."""
     scene = skew(law="none")
