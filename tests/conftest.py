@@ -19,9 +19,9 @@ for library in ("OPENBLAS", "MKL"):
 COMPILE = """
 import sys
 from omnisim.run.warming import kinds, warm
-rare = lambda kind: kind.free and kind.set_valued and kind.implicit
+rare = lambda kind: kind.free and kind.set_valued
 warm([kind.scene for kind in kinds() if "long" in sys.argv or not rare(kind)], lambda kind: print(kind, "are ready"))
-"""  # what quick tests need: that rare kind takes a fifth of the time, and only long ones march it
+"""  # what quick tests need: those rare kinds take the most time, and only long ones march them
 
 
 def is_whole(config: pytest.Config) -> bool:

@@ -31,6 +31,7 @@ def moved(motion) -> float:
     return float(np.linalg.norm(motion["body/position"][-1] - motion["body/position"][0]))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("uphill_deg", STEEPEST)
 def test_below_the_limit_of_friction_nothing_moves(uphill_deg):
     motion = run(locked(0.98, uphill_deg, 1.0))
@@ -45,6 +46,7 @@ def test_just_below_it_stands_for_a_thousand_seconds(uphill_deg, method, step):
     assert moved(motion) < 1e-12  # m: a creep of 1e-15 m/s; radau5 measured 2.8e-13
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("uphill_deg", STEEPEST)
 def test_above_it_slides_with_what_friction_leaves(uphill_deg):
     """g cos S (tan S - tan S*) at 1.5 tan S*, but for the small inertia of rollers that turn."""

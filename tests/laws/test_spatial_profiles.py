@@ -83,6 +83,7 @@ def test_a_wheel_stands_on_a_line_with_both_its_ends(name):
         np.testing.assert_allclose(motion[f"wheels/{wheel}/contact_share"], 0.5, rtol=0, atol=1e-9)
 
 
+@pytest.mark.long
 def test_a_machine_that_rocks_on_its_lines_keeps_its_energy():
     """1e-7 J of it under Coulomb friction: ends of lines let go and stick again."""
     motion = run(askew("cylinder", time={"end": 0.1, "step": 2e-5, "output_interval": 0.002}))
