@@ -5,6 +5,7 @@ A second thread gains nothing, and on a busy machine each solve waits for the sl
 more.
 """
 
+import gc
 import os
 import shutil
 import subprocess
@@ -39,6 +40,17 @@ def pytest_cmdline_main(config: pytest.Config) -> None:
     covered = config.getoption("cov_source", None)  # pytest-cov has looked for workers already
     if is_whole(config) and config.getoption("numprocesses", 0) is None and not covered:
         config.option.numprocesses, config.option.dist = "auto", "worksteal"
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """Modules and tests stay to the end: no search for garbage goes through them, now or later."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
+        gc.freeze()
 
 
 @pytest.hookimpl(optionalhook=True)
