@@ -170,6 +170,7 @@ def test_mirrored_vehicle_moves_as_the_mirror_image(upright: str):
             np.testing.assert_allclose(found, sign * wheel[key], rtol=1e-9, atol=1e-10, err_msg=f"{key} {name}")
 
 
+@pytest.mark.long
 def test_wheels_that_turn_alike_exchange_rollers_together():
     scene, _ = load("mecanum")
     scene["friction"] = {"law": "viscous", "viscosity": 2.0}
