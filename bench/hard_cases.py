@@ -59,6 +59,16 @@ NOTES = """Errors are the largest in any row, of position (m), yaw and spin angl
 has the closed form (m/s, rad/s, s). Energy: the largest imbalance, relative to the initial kinetic energy, or else to
 the energy turned over. Time: the march of this run alone."""
 
+# A wheel at rest on an edge, whose rollers both push it back once friction has settled, within nanoseconds.
+PRESSED = (
+    *STILL, "initial.yaw_rate=0", "wheels.wheel.spin_angle_deg=20", torque(-7.309445854288337e-4),
+    "wrench={times=[0.0], yaw_torque=[0.12354274284669106]}", "time.end=0.1", "time.output_interval=0.01",
+    "friction.coefficient=0.5637859789438575", "friction.slip_speed=1e-6",
+    "wheel_types.omni={radius=0.1, roller_distance=0.08597782768422262, roller_count=9, roller_angle_deg=45.0, "
+    "disk={mass=0.9, inertia_axle=0.0028, inertia_diameter=0.0026}, "
+    "roller={mass=0.1, inertia_axial=7.343212068562253e-06, inertia_transverse=8e-5}}",
+)  # fmt: skip
+
 
 def opposed(share: float) -> tuple[str, ...]:
     """A wheel at rest under a torque and a force that friction holds together up to share = 1 of its limit."""
@@ -191,6 +201,16 @@ CASES = (
         "near the limit, regularized", "the same by a smooth law, slip_speed 1e-7", NEAR_LIMIT,
         ("friction.law=regularized", "friction.slip_speed=1e-7"), converged(1e-5, "friction.law=coulomb"),
         "radau5", 1e-4,
+    ),
+    Case(
+        "between two rollers, regularized", "rocks on an edge within nanoseconds, slip_speed 1e-6", PSI30,
+        (*PRESSED, "friction.law=regularized"),
+        converged(1e-5, "friction.law=coulomb"), "radau5",
+    ),
+    Case(
+        "between two rollers, saturated", "the same by a law with a kink", PSI30,
+        (*PRESSED, "friction.law=saturated"),
+        converged(1e-5, "friction.law=coulomb"), "radau5",
     ),
     Case(
         "too stiff for rk4", "relaxes 3000 times in a step", "authors_sliding",

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import SCENE, command
+from commands import SCENE, TIPS, command
 
 pytestmark = pytest.mark.usefixtures("folder")
 
@@ -65,3 +65,11 @@ def test_compare_and_info_know_scenes_without_a_step(folder):
     assert result.exit_code == 0, result.stderr
     assert re.search(r"implicit against explicit: rk4, step \S+ s, \d+ steps, 41 rows", result.stdout)
     assert "2 s in steps that are picked for errors below 1e-06" in command("info", "stepless.toml").stdout
+
+
+@pytest.mark.parametrize("pair", [("implicit", "explicit"), ("reduced", "multibody")])
+def test_runs_without_rows_are_compared_up_to_there(here, pair):
+    (here / "tips.toml").write_text(TIPS)
+    result = command("compare", *pair, "tips.toml")
+    assert result.exit_code == 1, result.output
+    assert "the machine tips at t = 0 s: wheel 'back' leaves the floor" in result.stderr.splitlines()[-1]

@@ -3,9 +3,18 @@
 from click.testing import CliRunner, Result
 from scenes import REFERENCE
 
+from omnisim.scene.scene import load
 from omnisim_cli.main import cli
 
 SCENE = str(REFERENCE / "testbench_psi0.toml")
+TIPS = load(  # the text of a machine that cannot begin: its trajectory has no rows
+    "kiwi",
+    (
+        "friction={law='viscous', viscosity=500.0}",
+        "initial.velocity=[1.0, 0.0]",
+        "chassis.center_of_mass=[0.0, 0.0, 0.4]",
+    ),
+).text
 
 
 def command(*arguments) -> Result:
