@@ -4,6 +4,7 @@ A process that dies, killed for its memory say, takes its batch with it: the bat
 the run that kills is found. It becomes a row with that status, all others finish.
 """
 
+import gc
 import multiprocessing
 import os
 import signal
@@ -62,6 +63,7 @@ def serve(task: Task[Any], connection: Connection, inherited: list[Connection]) 
     """What a worker does until nobody sends it anything any more."""
     for other in inherited:  # else nobody would see the end of the process that hands out the batches
         other.close()
+    gc.freeze()  # a search for garbage in what a fork inherits would copy nearly all of it: 10,000 pages
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that hands out the batches
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     try:

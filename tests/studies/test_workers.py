@@ -1,5 +1,6 @@
 """Who does the runs of a study: the same numbers by one process and by several, and by those that replace dead ones."""
 
+import gc
 import multiprocessing
 import os
 import signal
@@ -69,6 +70,25 @@ def test_workers_go_on_while_nobody_looks_at_their_rows():
     later = list(found)
     assert sum(map(len, [*seen, *later])) == 300
     assert sum(moments[0] < looked for moments in later) >= 3  # 4
+
+
+class Searched:
+    """How many objects a search for garbage goes through, for each of these numbers; it has many of its own."""
+
+    def __init__(self):
+        self.inherited = [[] for _ in range(100_000)]
+
+    def __call__(self, runs):
+        return [len(gc.get_objects())] * len(runs)
+
+    def lost(self, run, how):
+        raise AssertionError(how)
+
+
+def test_a_search_for_garbage_in_a_worker_leaves_alone_what_it_has_inherited():
+    """To search it is to write on nearly every page of it, which a fork then copies."""
+    searched = [count for rows in on_cores(Searched(), list(range(20)), 2, lambda: False) for count in rows]
+    assert len(searched) == 20 and max(searched) < 1000  # 3
 
 
 def test_batches_are_of_a_quarter_of_a_second_and_hand_out_every_run_once():
