@@ -4,6 +4,7 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from statistics import NormalDist
 from typing import Any
 
@@ -44,11 +45,12 @@ class Factor:
         """Numbers that a point of the design takes from it."""
         return len(self.targets) if self.each else 1
 
-    def at(self, share: float) -> Any:
-        """The value at a share of the whole, 0 to 1: of a distribution its quantile."""
+    def at(self, shares: Sequence[float]) -> list[Any]:
+        """The values at shares of the whole, 0 to 1: of a distribution its quantiles."""
         if isinstance(self.values, Distribution):
-            return self.values.quantile(share)
-        return self.listed[min(int(share * len(self.listed)), len(self.listed) - 1)]
+            return self.values.quantiles(shares)
+        values, count = self.values, len(self.values)
+        return [values[min(int(share * count), count - 1)] for share in shares]
 
 
 @dataclass(frozen=True)
@@ -59,15 +61,18 @@ class Distribution:
     a: float
     b: float
 
-    def quantile(self, share: float) -> float | int:
+    def quantiles(self, shares: Sequence[float]) -> list[float | int]:
+        """The values at shares of the whole, 0 to 1; by Python's own numbers, of one as of many the same bits."""
         a, b = self.a, self.b
         if self.kind == "normal":
-            return NormalDist(a, b).inv_cdf(min(max(share, INSIDE), 1.0 - INSIDE))
+            inverse = NormalDist(a, b).inv_cdf
+            return [inverse(min(max(share, INSIDE), 1.0 - INSIDE)) for share in shares]
         if self.kind == "integers":
-            return min(int(a) + int(share * (b - a + 1)), int(b))
+            return [min(int(a) + int(share * (b - a + 1)), int(b)) for share in shares]
         if self.kind == "loguniform":
-            return math.exp(math.log(a) + share * (math.log(b) - math.log(a)))
-        return a + share * (b - a)
+            first, whole = math.log(a), math.log(b) - math.log(a)
+            return [math.exp(first + share * whole) for share in shares]
+        return [a + share * (b - a) for share in shares]
 
 
 def factors(vary: Mapping[str, Any], data: dict[str, Any], sampled: bool) -> Iterator[Factor | Problem]:
@@ -195,7 +200,7 @@ def ranges(here: KeyPath, varied: Variation, sampled: bool) -> Iterator[Any]:
         yield Problem((*here, "count"), "must be 2 or more between numbers that are not integers")
     else:
         between = Distribution("loguniform" if logarithmic else "uniform", first, last)
-        yield (float(first), *(between.quantile(i / (count - 1)) for i in range(1, count - 1)), float(last))
+        yield (float(first), *between.quantiles([i / (count - 1) for i in range(1, count - 1)]), float(last))
 
 
 def unfit(key: str, targets: Sequence[KeyPath], values: Any, data: dict[str, Any]) -> Problem | None:
@@ -216,7 +221,7 @@ def unfit(key: str, targets: Sequence[KeyPath], values: Any, data: dict[str, Any
 def drawn_values(varied: Sequence[Factor], shares: Iterable[float]) -> list[list[Any]]:
     """The values of each factor by shares of the whole, 0 to 1: one, or one for each of its targets."""
     left = iter(shares)
-    return [[factor.at(next(left)) for _ in range(factor.draws)] for factor in varied]
+    return [factor.at(list(islice(left, factor.draws))) for factor in varied]
 
 
 def settings(varied: Sequence[Factor], values: Sequence[Sequence[Any]]) -> list[tuple[KeyPath, Any]]:

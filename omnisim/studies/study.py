@@ -101,7 +101,7 @@ class Study:
             return [list(factor.listed) for factor in self.factors]
         ends = np.cumsum([factor.draws for factor in self.factors])
         parts = np.split(self.shares, ends[:-1], axis=1)
-        return [list(map(factor.at, part.ravel().tolist())) for factor, part in zip(self.factors, parts, strict=True)]
+        return [factor.at(part.ravel().tolist()) for factor, part in zip(self.factors, parts, strict=True)]
 
     def settings(self, run: int) -> list[tuple[KeyPath, Any]]:
         """The paths in the scene's data that a run sets, and their values."""

@@ -1,6 +1,9 @@
 """A study file: what it means, and what is said of a bad one."""
 # ruff: noqa: E501  (tables of texts)
 
+import math
+from statistics import NormalDist
+
 import numpy as np
 import pytest
 
@@ -65,6 +68,23 @@ def test_draws_follow_their_distributions_and_their_seed(tmp_path, kind):
     assert set(rollers) == {5, 6, 7, 8}
     again, other = (study(tmp_path, text.format(kind, seed)) for seed in (7, 8))
     assert found.values(513) == again.values(513) != other.values(513)
+
+
+def test_the_columns_of_a_file_are_the_values_of_its_runs_and_those_of_pythons_own_numbers(tmp_path):
+    """To the last bit, which an exponential or a logarithm of arrays does not promise."""
+    found = study(
+        tmp_path,
+        '[vary]\n"chassis.mass" = { mean = 22.0, deviation = 1.0 }\n"friction.coefficient" = { loguniform = [0.1, 1.0] }\n'
+        '"wheels.*.phase_deg" = { uniform = [0.1, 60.3], each = true }\n"wheels.rear_left.spin_rate" = [1.0, 2.0]\n'
+        '"wheel_types.mecanum.roller_count" = { from = 5, to = 8 }\n[design]\nkind = "random"\ncount = 1000\n',
+    )
+    runs = [found.values(run) for run in range(1000)]
+    assert found.columns == [[value for own in values for value in own] for values in zip(*runs, strict=True)]
+    mass, friction, phase, _, _ = found.columns
+    shares = found.shares.tolist()
+    assert mass == [NormalDist(22.0, 1.0).inv_cdf(share[0]) for share in shares]
+    assert friction == [math.exp(math.log(0.1) + share[1] * (math.log(1.0) - math.log(0.1))) for share in shares]
+    assert phase == [0.1 + one * (60.3 - 0.1) for share in shares for one in share[2:6]]
 
 
 def test_distributions_with_a_count_are_drawn_by_chance(tmp_path):
