@@ -53,15 +53,14 @@ def _fill(file: h5py.File, trajectory: Recorded) -> None:
     for name, value in trajectory.attributes.items():
         file.attrs.create(name, value, dtype=TEXT if ATTRIBUTES[name] in (str, tuple) else None)
     file.attrs[SCENE_CHECKSUM] = checksum(trajectory.attributes["scene"])
-    for quantity in trajectory.quantities:
-        _create(file, quantity, trajectory.data[quantity.path])
+    made = {each.path: _create(file, each, trajectory.data[each.path]) for each in trajectory.quantities}
     for quantity in trajectory.quantities:
         if not quantity.is_scale:
-            for dimension, axis in zip(file[quantity.path].dims, quantity.axes, strict=True):
-                dimension.attach_scale(file[axis])
+            for dimension, axis in zip(made[quantity.path].dims, quantity.axes, strict=True):
+                dimension.attach_scale(made[axis])
 
 
-def _create(file: h5py.File, quantity: Quantity, array: np.ndarray) -> None:
+def _create(file: h5py.File, quantity: Quantity, array: np.ndarray) -> h5py.Dataset:
     *folders, name = quantity.path.split("/")
     group = file
     for folder in folders:
@@ -81,6 +80,7 @@ def _create(file: h5py.File, quantity: Quantity, array: np.ndarray) -> None:
         # Makes /events/time a coordinate of the events. Without it xarray shows /time in its place, a
         # coordinate of the root that every group inherits.
         dataset.attrs["coordinates"] = "time"
+    return dataset
 
 
 def _chunk(array: np.ndarray) -> tuple[int, ...]:

@@ -122,12 +122,11 @@ class StudyResult(Mapping[str, np.ndarray]):
             for name, value in self.attributes.items():
                 file.attrs.create(name, value, dtype=TEXT if isinstance(value, str | tuple) else None)
             others = " ".join(name for name, one in self.variables.items() if one.coordinate and not one.is_scale(name))
-            for name, one in self.variables.items():
-                _create(file, name, one, others)
+            made = {name: _create(file, name, one, others) for name, one in self.variables.items()}
             for name, one in self.variables.items():
                 if not one.is_scale(name):
-                    for dimension, axis in zip(file[name].dims, one.dims, strict=True):
-                        dimension.attach_scale(file[axis])
+                    for dimension, axis in zip(made[name].dims, one.dims, strict=True):
+                        dimension.attach_scale(made[axis])
         return buffer.getbuffer()
 
     def __repr__(self) -> str:
@@ -139,7 +138,7 @@ class StudyResult(Mapping[str, np.ndarray]):
         )
 
 
-def _create(file: h5py.File, name: str, one: Variable, coordinates: str) -> None:
+def _create(file: h5py.File, name: str, one: Variable, coordinates: str) -> h5py.Dataset:
     values = one.values
     if values.dtype.kind in "UO":
         dataset = file.create_dataset(name, data=values.astype(object), dtype=TEXT)
@@ -156,6 +155,7 @@ def _create(file: h5py.File, name: str, one: Variable, coordinates: str) -> None
         dataset.make_scale(name)
     elif coordinates and not one.coordinate:
         dataset.attrs["coordinates"] = coordinates
+    return dataset
 
 
 def open_study(path: str | PathLike[str]) -> StudyResult:
