@@ -22,7 +22,7 @@ from omnisim.base.files import write_whole
 from omnisim.base.formatting import visible
 from omnisim.base.trajectory_file import STUDY
 from omnisim.base.version import VERSION
-from omnisim.results.hdf5 import LIBRARY, TEXT
+from omnisim.results.hdf5 import LIBRARY, TEXT, describe
 from omnisim.scene.toml_text import show_value
 from omnisim.studies.study import StudyError
 from omnisim.studies.task import Row, Task
@@ -150,11 +150,11 @@ def _create(file: h5py.File, name: str, one: Variable, coordinates: str) -> h5py
         )
         if missing and not one.is_scale(name):
             dataset.attrs["_FillValue"] = MISSING
-    dataset.attrs.update(one.attributes)
+    describe(dataset, **one.attributes)
     if one.is_scale(name):
         dataset.make_scale(name)
     elif coordinates and not one.coordinate:
-        dataset.attrs["coordinates"] = coordinates
+        describe(dataset, coordinates=coordinates)
     return dataset
 
 

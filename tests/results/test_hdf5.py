@@ -31,6 +31,14 @@ def test_numbers_are_float64_or_int64_and_strings_utf8(saved):
             assert dtype == (np.int64 if path in INTEGERS else np.float64), path
 
 
+def test_what_is_said_of_a_dataset_is_one_text_in_utf8_of_any_length(saved):
+    with h5py.File(saved, "r") as file:
+        for path in contract():
+            for name in ("units", "description"):
+                found = file[path].attrs.get_id(name)
+                assert h5py.check_string_dtype(found.dtype) == ("utf-8", None) and found.shape == (), path
+
+
 def test_every_axis_of_every_dataset_carries_its_scale(saved):
     with h5py.File(saved, "r") as file:
         for path, (axes, _) in contract().items():
