@@ -218,6 +218,30 @@ def on_bumps(height: float, beyond: float) -> dict:
     return data | {"friction": {"law": "regularized", "coefficient": 0.5, "slip_speed": 0.1}}
 
 
+@pytest.mark.parametrize("height", [60.0, -60.0])
+def test_a_machine_begins_on_the_ground_below_it_however_high_the_rest_is(height):
+    """More than a thousand wheel radii: a hill or a pit far away, and the machine in its middle."""
+    data = kiwi()
+    level = rest(data)[0].height
+    away = rest(data | {"floor": {"bumps": [[800.0, 0.0, height, 20.0]]}})[0]
+    assert abs(away.height / level - 1.0) < 1e-11  # measured 5e-14
+    amid = rest(data | {"floor": {"bumps": [[0.0, 0.0, height, 100.0]]}})[0]
+    assert abs(amid.height - height * np.exp(-4e-6) - level) < 1e-7  # m, by the slope beside the top; measured 2.7e-8
+
+
+def test_ground_without_an_end_carries_nothing():
+    with pytest.raises(ConfigError, match="nothing carries it"):
+        rest(kiwi() | {"floor": {"bumps": [[0.5, 0.0, 1e200, 0.1]]}})
+
+
+def test_a_machine_without_weight_begins_where_it_touches_the_ground():
+    data = kiwi() | {"scene": {"upright": "free", "gravity": 0.0}}
+    assert rest(data)[0].height == 0.0
+    pose, loads = rest(data | {"floor": {"bumps": [[*TRIANGLE[0], 0.02, 0.1]]}})
+    assert abs(pose.height - 0.02) < 1e-14 and pose.roll == pose.pitch == 0.0  # m; measured 4e-16
+    assert not loads.any()
+
+
 @pytest.mark.parametrize("height", [0.01, -0.01])
 def test_a_machine_on_the_tops_of_bumps_or_the_bottoms_of_pits_stays(height):
     motion = run(on_bumps(height, 0.0), "time={end=0.2, step=5e-5, output_interval=0.01}")

@@ -4,6 +4,8 @@ Friction holds it: every contact force is vertical, N / (nu . up) for the normal
 slope the load of a wheel is what it is while the machine neither slides nor tips. Heave, pitch, roll and the carriers'
 s are found by Newton's method; x, y and yaw of the origin are given. Rubber that is stiff lets few wheels touch, and
 which of them is not known: so it begins soft, and stiffens until it is what it is.
+
+Without gravity nothing presses it onto the ground: it begins level, at height 0 or as low as the ground lets it.
 """
 
 import math
@@ -15,10 +17,11 @@ from omnisim.base.calls import direct
 from omnisim.base.kernel import kernel
 from omnisim.base.vector import cross, dot, plus, times
 from omnisim.contact.common_normal import ANY
+from omnisim.contact.floor import flattened
 from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.spatial.carriers import place_carrier
 from omnisim.dynamics.spatial.pose import add_push, body_of, inward, mounted, outward, vector
-from omnisim.dynamics.spatial.records import BASE
+from omnisim.dynamics.spatial.records import BASE, ORIENTATION, POSITION
 from omnisim.dynamics.spatial.touching import meetings, standing, touching
 from omnisim.dynamics.state import places
 
@@ -31,6 +34,8 @@ BALANCED = 1e-11  # of the weight, and of its moment at the arm of the machine
 ROUNDING = 2e-15  # of lengths: stiff rubber makes forces of it
 NUDGE, PART = 1e-6, 1e-3  # m and rad, of differences, at most; and of how far rubber is pressed in, which they keep in
 STEEPEST = 0.5  # rad, of a correction
+SEARCHED = 1000  # wheel radii, up and down from the ground below the wheels, until it carries the machine
+BESIDE = np.linspace(-1.0, 1.0, 5)  # wheel radii from a hub, along x and y: where that ground is looked at
 
 
 class NoEquilibriumError(Exception):
@@ -91,10 +96,14 @@ def find_equilibrium(parameters: Parameters, state_at, carriers: int) -> tuple[n
     radius = float(min(parameters.wheels.radius))
     weight = float(parameters.machine.mass * np.linalg.norm(space.body.gravity))
     loads = np.zeros(len(parameters.wheels))
-    if weight == 0.0:
-        return np.zeros(3 + carriers), loads
-    arm = float(np.abs(np.asarray(space.hubs.centre)).max())
+    x = np.zeros(3 + carriers)
     stiffness = float(np.sum(space.hubs.stiffness))
+    if weight == 0.0:
+        touched = ROUNDING * radius * stiffness
+        if carried(parameters, state_at(x), 1.0, loads) > touched:
+            x[0] = lowest_touch(parameters, state_at, 1.0, loads, touched)
+        return x, np.zeros(len(loads))
+    arm = float(np.abs(np.asarray(space.hubs.centre)).max())
     softness = max(1.0, SOFTEST * radius * stiffness / weight)
     scale = weight * np.array([1.0, arm, arm] + [1.0] * carriers)
 
@@ -107,7 +116,6 @@ def find_equilibrium(parameters: Parameters, state_at, carriers: int) -> tuple[n
         fine = Fineness(min(NUDGE, PART * pressed), max(BALANCED, ROUNDING * radius / pressed))
         return settled(lacking, newton(lacking, x, fine), scale, fine)
 
-    x = np.zeros(3 + carriers)
     x[0] = lowest_touch(parameters, state_at, softness, loads, weight)
     x = at_rest(x)
     factor = STIFFER
@@ -166,24 +174,43 @@ def lowest_touch(parameters: Parameters, state_at, softness: float, loads: np.nd
     """Height at which the ground carries the whole weight of a level machine, m."""
     space = parameters.space
     assert space is not None
-    carriers = len(space.carriers)
+    level = np.zeros(2 + len(space.carriers))
 
-    def carried(height: float) -> float:
-        direct(weigh, parameters, state_at(np.array([height, *np.zeros(2 + carriers)])), softness, loads)
-        return float(loads.sum())
+    def holds(height: float) -> bool:
+        return carried(parameters, state_at(np.array([height, *level])), softness, loads) >= weight
 
-    top = float(space.floor.highest)
     step = float(min(parameters.wheels.radius))
-    high = top + step
-    low = high
-    while carried(low) < weight:
-        low -= step
-        if low < top - 1e3 * step:
-            raise NoEquilibriumError("nothing carries it")
+    start = highest_below(parameters, state_at(np.array([0.0, *level]))) + step
+    high = next((start + i * step for i in range(SEARCHED) if not holds(start + i * step)), None)
+    low = next((start - i * step for i in range(SEARCHED) if holds(start - i * step)), None)
+    if high is None or low is None:
+        raise NoEquilibriumError("nothing carries it")
     for _ in range(60):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if carried(middle) >= weight else (low, middle)
+        low, high = (middle, high) if holds(middle) else (low, middle)
     return low
+
+
+def carried(parameters: Parameters, y: np.ndarray, softness: float, loads: np.ndarray) -> float:
+    """What all wheels carry in state y, N."""
+    direct(weigh, parameters, y, softness, loads)
+    return float(loads.sum())
+
+
+def highest_below(parameters: Parameters, state: np.ndarray) -> float:
+    """The highest ground that is seen below the wheels of a level machine in this state (n,), m."""
+    space = parameters.space
+    assert space is not None
+    if not space.body.uneven:
+        return 0.0
+    real, _, _, along_z = state[ORIENTATION : ORIENTATION + 4]
+    cos, sin = real * real - along_z * along_z, 2.0 * real * along_z
+    heights = []
+    for hub, wheel in zip(space.hubs, parameters.wheels, strict=True):
+        x, y = hub.centre[:2] @ [[cos, sin], [-sin, cos]] + state[POSITION : POSITION + 2]
+        beside = float(wheel.radius) * BESIDE
+        heights += [direct(flattened, space.floor, x + dx, y + dy).height for dx in beside for dy in beside]
+    return max(heights)
 
 
 def newton(lacking, x: np.ndarray, fine: Fineness) -> np.ndarray:
