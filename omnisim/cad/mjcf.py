@@ -108,8 +108,8 @@ def joint_and_inertia(element: Element, body: Body) -> None:
         shown = {key: numbers(value) for key, value in given.items() if value > 0.0}
         if body.slides:
             shown["type"] = "slide"
-        if body.stiffness > 0.0:
-            shown["springref"] = numbers(-body.preload / body.stiffness)
+        if body.spring_at is not None:
+            shown["springref"] = numbers(body.spring_at)
         SubElement(element, "joint", shown, name=body.joint, axis=body.axis)
     inertia = numbers(*body.inertia)
     SubElement(element, "inertial", pos=numbers(*body.centre), mass=numbers(body.mass), diaginertia=inertia)

@@ -57,6 +57,11 @@ class Body(NamedTuple):
         """Its name: not that of the body, since simulators that read SDF want every name once."""
         return f"{self.name}_joint"
 
+    @property
+    def spring_at(self) -> float | None:
+        """Where the joint is when its spring is not strained, m; None without a spring."""
+        return 0.0 - self.preload / self.stiffness if self.stiffness > 0.0 else None
+
 
 def note(config: Config) -> str:
     """What whoever programs the controller has to know."""

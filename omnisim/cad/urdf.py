@@ -1,8 +1,9 @@
 """A scene as a URDF: what it leaves out (floor, drives, rotors) is the business of who reads it.
 
 URDF has no shape that is round both ways but the sphere: a roller touches as a row of them, which its profile holds.
-Nor has it springs: a suspension slides between limits that nothing reaches, with its damping. Friction on the floor,
-creep and rolling resistance go by the load, friction of a joint does not: a comment has them.
+Nor has it springs: a suspension slides between limits that nothing reaches, with its damping, and its spring stands in
+Gazebo's extension, which other readers pass over. Friction on the floor, creep and rolling resistance go by the load,
+friction of a joint does not: a comment has them.
 """
 
 from collections.abc import Iterator, Mapping
@@ -82,3 +83,7 @@ def joint(root: Element, body: Body) -> None:
     if body.slides:
         SubElement(element, "limit", LIMITS)
     SubElement(element, "dynamics", damping=numbers(body.damping), friction=numbers(body.friction))
+    if body.spring_at is not None:
+        spring = SubElement(root, "gazebo", reference=body.joint)
+        SubElement(spring, "springStiffness").text = numbers(body.stiffness)
+        SubElement(spring, "springReference").text = numbers(body.spring_at)

@@ -217,6 +217,24 @@ def test_names_in_a_urdf_are_met_once_and_nothing_in_it_is_unknown(tmp_path, nam
     assert capsys.readouterr().err == ""
 
 
+def test_springs_of_suspensions_stand_in_both_files(tmp_path):
+    """Stiffness, damping, and where each is relaxed: in words of MuJoCo, and of Gazebo as a reader of ROS finds it."""
+    reader = pytest.importorskip("urdf_parser_py.urdf", reason="needs urdf_parser_py").URDF
+    config = machine("unlike wheels").config
+    robot = reader.from_xml_file(str(exported(tmp_path, config, ".urdf")))
+    told = {part.get("reference"): {one.tag: float(one.text) for one in part} for part in robot.gazebos}
+    slides = ElementTree.parse(exported(tmp_path, config, ".xml")).findall(".//joint[@type='slide']")
+    sprung = {f"{wheel.name}_hub_joint": wheel.suspension for wheel in config.wheels if wheel.suspension}
+    assert set(told) == set(sprung) == {joint.get("name") for joint in slides} and len(sprung) == 2
+    for joint in slides:
+        spring = sprung[joint.get("name")]
+        relaxed = -spring.preload / spring.stiffness
+        assert told[joint.get("name")] == {"springStiffness": spring.stiffness, "springReference": relaxed}
+        found = [float(joint.get(key)) for key in ("stiffness", "springref", "damping")]
+        assert found == [spring.stiffness, relaxed, spring.damping]
+        assert robot.joint_map[joint.get("name")].dynamics.damping == spring.damping
+
+
 @pytest.mark.long
 def test_no_text_that_an_export_writes_has_a_number_with_its_type(folder):
     case = skew()
