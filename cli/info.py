@@ -168,7 +168,7 @@ def wheel_table(config: Config, rest: Rest) -> str:
         load = f"{rest.loads[w]:.4g} N" if len(rest.loads) else "none"
         rows.append((wheel.name, wheel.type, place, turned, mirrored, wheel.drive.kind, load))
     if rest.travels:
-        more = ("travel", *(f"{1e3 * travel:.3g} mm" for travel in rest.travels))
+        more = ("travel", *("no spring" if travel is None else f"{1e3 * travel:.3g} mm" for travel in rest.travels))
         rows = [(*row, extra) for row, extra in zip(rows, more, strict=True)]
     return columns(rows, indent="  ")
 

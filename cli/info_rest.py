@@ -17,13 +17,15 @@ if TYPE_CHECKING:
     from omnisim.scene.schema import Config
     from omnisim.scene.wheel_schema import WheelType
 
+ROUND = 1e-9  # of its radius: what a wheel may go up and down by and be round
+
 
 class Rest(NamedTuple):
-    """The machine at rest where it begins: load of each wheel, N, and travel of its suspension, m, empty where there
-    are none; and what else is told of a machine free in space."""
+    """The machine at rest where it begins: load of each wheel, N, and travel of its suspension, m, None where it has
+    none; and what else is told of a machine free in space."""
 
     loads: np.ndarray | tuple[()]
-    travels: Sequence[float]
+    travels: Sequence[float | None]
     facts: dict[str, str]
 
 
@@ -50,7 +52,7 @@ def rest_of(scene: Scene, parameters: Parameters) -> Rest:
         return Rest((), (), {"chassis origin": "it has no pose at rest where the scene puts it"} | facts)
     facts = {"chassis origin": pose_told(pose)} | rocker_facts(config, pose) | facts
     springs = [wheel.suspension is not None for wheel in config.wheels]
-    travels = [float(pose.carriers[sum(springs[:w])]) if own else 0.0 for w, own in enumerate(springs)]
+    travels = [float(pose.carriers[sum(springs[:w])]) if own else None for w, own in enumerate(springs)]
     return Rest(found, travels if any(springs) else (), facts)
 
 
@@ -83,15 +85,15 @@ def shape_facts(kind: WheelType) -> dict[str, str]:
     from omnisim.scene.rollers import end_radius, half_length, rolling, thickest
 
     assert kind.contact is not None
-    rises = "the wheel stays round: both carry it there"
-    if kind.profile.kind != "exact":
-        found = rolling(kind)
+    rises, found = "the wheel stays round: both carry it there", rolling(kind)
+    if found.highest - found.lowest > ROUND * kind.radius:
         rises = f"between two the wheel goes up and down by {1e3 * (found.highest - found.lowest):.3g} mm"
     half, middle, end = half_length(kind), thickest(kind), end_radius(kind)
+    rows = "" if kind.spread else ", in each row"
     return {
         "roller length": f"{2.0 * half:.6g} m",
         "roller radius": f"{middle:.6g} m amid, {end:.6g} m at the ends",
-        "exchange": f"every {math.degrees(2.0 * kind.covered):g} deg; {rises}",
+        "exchange": f"every {360.0 / (kind.rollers if kind.spread else kind.roller_count):g} deg{rows}; {rises}",
         "rubber": f"{kind.contact.stiffness:g} N/m, {kind.contact.damping:g} N s/m at each roller that touches",
     }
 

@@ -10,6 +10,7 @@ from commands import command, refused, settings
 
 import omnisim
 from omnisim.results.trajectory import open_trajectory
+from omnisim.scene.rollers import end_radius, half_length
 
 pytestmark = pytest.mark.usefixtures("folder")
 
@@ -59,6 +60,21 @@ def test_info_tells_on_which_slopes_it_tips_and_how_it_swings():
     kind = config.wheel_types["omni"]
     ripple = (kind.radius - kind.profile.curvature_radius) * (1.0 - math.cos(kind.covered))
     assert "18 in 2 rows" in text and f"goes up and down by {1e3 * ripple:.3g} mm" in text
+
+
+def test_info_tells_how_far_wheels_heave_whose_rollers_are_cut_short_and_which_have_no_spring(folder):
+    """Between two, 30 deg from both, the rim is R1 cos q + u c sin q + r sqrt(1 - c^2 sin^2 q) below the centre."""
+    text = omnisim.load("cable_duct", ["wheel_types.mecanum.covered_deg=25.0"]).text
+    spring = re.search(r"^suspension = .*\n", text, re.MULTILINE)[0]
+    (folder / "short.toml").write_text(text.replace(spring, "", 3))
+    kind = omnisim.load("short.toml").config.wheel_types["mecanum"]
+    q, c = math.radians(30.0), math.cos(math.radians(45.0))
+    rim = half_length(kind) * c * math.sin(q) + end_radius(kind) * math.sqrt(1.0 - (c * math.sin(q)) ** 2)
+    ripple = kind.radius - kind.roller_distance * math.cos(q) - rim
+    said = command("info", "short.toml").stdout
+    assert f"every 60 deg; between two the wheel goes up and down by {1e3 * ripple:.3g} mm" in said
+    assert len(re.findall(r"no spring$", said, re.MULTILINE)) == 3
+    assert "every 60 deg; the wheel stays round" in command("info", "cable_duct").stdout
 
 
 @pytest.mark.parametrize(("overrides", "parts"), [
