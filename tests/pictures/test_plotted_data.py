@@ -200,6 +200,17 @@ def test_the_outline_stands_where_the_wheels_are(kiwi):
         assert distances.min(axis=1).max() < 1e-12  # 4e-16
 
 
+def test_a_legend_says_how_far_contours_of_the_ground_are_apart():
+    """Of a bump of 7 mm on level ground, the darkest above."""
+    scene = omnisim.load("cable_duct", ["floor.steps=[]", "floor.bumps=[[0.0, 0.0, 0.007, 0.5]]"]).text
+    axes = plots.path(synthetic_trajectory(scene=scene)).axes[0]
+    (said,) = [text.get_text() for text in axes.get_legend().get_texts() if "ground" in text.get_text()]
+    assert said == "ground: 1 mm apart, dark is high"
+    (contours,) = [part for part in axes.collections if hasattr(part, "levels")]
+    np.testing.assert_allclose(np.diff(contours.levels), 1.0, rtol=5e-3)
+    assert contours.cmap(0.0)[:3] > contours.cmap(1.0)[:3]
+
+
 def test_the_story_shows_drives_where_there_are_any(kiwi, wheel):
     for run, driven in ((kiwi, True), (wheel, False), ([wheel, kiwi], True)):
         figure = plots.story(run)

@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -18,6 +19,8 @@ from omnisim.results.trajectory import Trajectory
 
 ARROWS = 12
 CELLS, CONTOURS, REACH = 300, 7, 1.2  # of uneven ground: points each way, levels, half the width by that of the path
+HEIGHTS = "YlOrBr"
+MOST_TICKS = 6  # of the axis along x, so that labels in a narrow picture stay apart
 UNMARKED = ("contact_begin", "contact_end")  # at every roller, and often two of a wheel at once
 MOST_MARKS = 30  # of a kind along a path
 SMALLEST = 1e-6  # m: a machine that turns on the spot moves by rounding
@@ -79,13 +82,8 @@ def draw_path(axes: Axes, runs: Runs) -> None:
         draw_machine(axes, run, colour, filled=len(runs) == 1)
         draw_heading(axes, run, colour)
         draw_marks(axes, run, colour, every)
-    ink = {"color": INK} if len(runs) > 1 else {}
-    handles = [Line2D([], [], **RING, markeredgecolor=INK), Line2D([], [], **look(0, 0, 1) | ink), *lines.values()]
-    handles += [Line2D([], [], linestyle="none", **mark(kind, INK)) for kind in every]
-    totals = {kind: sum(count(run, kind) for run in runs.values()) for kind in every}
-    labels = ["begin", "path", *lines, *(named(kind, every[kind], totals[kind]) for kind in every)]
-    axes.legend(handles, labels, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=4, frameon=False, fontsize=8)
     axes.set(xlabel="x, m", ylabel="y, m")
+    axes.locator_params(axis="x", nbins=MOST_TICKS)
     axes.margins(0.1)  # room for the last arrow
     drawn = axes.dataLim
     if max(drawn.width, drawn.height) < SMALLEST:
@@ -94,15 +92,22 @@ def draw_path(axes: Axes, runs: Runs) -> None:
     axes.autoscale_view()
     axes.set_aspect("equal", adjustable="datalim")
     finish(axes)
-    draw_ground(axes, next(iter(runs.values())))
+    lines |= draw_ground(axes, next(iter(runs.values())))
+    ink = {"color": INK} if len(runs) > 1 else {}
+    handles = [Line2D([], [], **RING, markeredgecolor=INK), Line2D([], [], **look(0, 0, 1) | ink), *lines.values()]
+    handles += [Line2D([], [], linestyle="none", **mark(kind, INK)) for kind in every]
+    totals = {kind: sum(count(run, kind) for run in runs.values()) for kind in every}
+    labels = ["begin", "path", *lines, *(named(kind, every[kind], totals[kind]) for kind in every)]
+    axes.legend(handles, labels, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=4, frameon=False, fontsize=8)
 
 
-def draw_ground(axes: Axes, run: Trajectory) -> None:
-    """Contours of uneven ground beneath all else, as wide as an axis of equal scale may become."""
+def draw_ground(axes: Axes, run: Trajectory) -> dict[str, Line2D]:
+    """Contours of uneven ground beneath all else, as wide as an axis of equal scale may become; a handle by what they
+    say."""
     config = config_of(run)
     floor = None if config is None else floor_of_scene(config)
     if floor is None:
-        return
+        return {}
     ends = np.array([axes.get_xlim(), axes.get_ylim()])
     before = axes.dataLim.frozen()
     middle, half = ends.mean(axis=1), REACH * np.ptp(ends, axis=1).max()
@@ -112,9 +117,11 @@ def draw_ground(axes: Axes, run: Trajectory) -> None:
     if span > 0.0:
         levels = height.min() + span * (np.arange(CONTOURS) + 0.5) / CONTOURS
         least = height.min() - span  # the lightest colours would not be seen
-        axes.contour(x, y, height, levels, cmap="YlOrBr", linewidths=0.8, zorder=0.5, vmin=least)
+        axes.contour(x, y, height, levels, cmap=HEIGHTS, linewidths=0.8, zorder=0.5, vmin=least)
     axes.dataLim.set(before)
     axes.autoscale_view()
+    said = f"ground: {span / CONTOURS:.2g} mm apart, dark is high"
+    return {said: Line2D([], [], color=colormaps[HEIGHTS](0.75), linewidth=0.8)} if span > 0.0 else {}
 
 
 def count(run: Trajectory, kind: str) -> int:
