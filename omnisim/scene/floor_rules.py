@@ -44,7 +44,7 @@ def hollow_ground(config: Config) -> Iterator[Problem]:
         for i, (_, _, height, radius) in enumerate(config.floor.bumps)
     ]
     if grid is not None:
-        hollows.append((("floor", "grid"), steepest_bend(heights_of(grid.file), grid.spacing)))
+        hollows.append((("floor", "grid", "spacing"), steepest_bend(heights_of(grid.file), grid.spacing)))
     for path, hollow in hollows:
         if hollow * longest > 1.0:
             expected = f"at least {longest:.3g} m, that of the rollers along their axes"

@@ -21,6 +21,7 @@ X_FOR_O = [
 ]
 FOLLOWING = [f"wheels.{name}.drive={{kind='follow', times=[0, 10], angle=[0, 1]}}" for name in WHEELS]
 CORNERS = ((1, 1), (1, -1), (-1, 1), (-1, -1))
+JAGGED = Path(__file__).parents[2] / "bench/scenes/jagged.csv"
 
 
 def places(x: float, y: float) -> list[str]:
@@ -58,6 +59,7 @@ def doubted(name: str, *overrides: str) -> omnisim.Scene:
 # check, scene, overrides, key and value as they are named, what is said of them
 DOUBTS = {
     "pit": (plausibility.hollow_ground, "youbot", [*FREE, "floor.bumps=[[0, 0, -0.02, 0.05]]"], "floor.bumps[0] = [0, 0, -0.02, 0.05]", "its hollow is curved with a radius of 0.0625 m; expected at least 0.0835 m, that of the rollers along their axes"),
+    "ridges": (plausibility.hollow_ground, "youbot", [*FREE, f"floor.grid={{file='{JAGGED}', spacing=[0.01, 0.05]}}"], "floor.grid.spacing = [0.01, 0.05]", "its hollow is curved with a radius of 0.025 m"),
     "skirt": (plausibility.hollow_ground, "youbot", [*FREE, "floor.bumps=[[9, 9, 0.02, 0.1], [0, 0, 0.02, 0.03]]"], "floor.bumps[1] = ", "a radius of 0.0504 m"),
     "soft rubber": (plausibility.soft_rubber, "cable_duct", [f"{MECANUM}.contact.stiffness=3e4"], "contact.stiffness = 30000.0", "it sags by 1.96 mm under 58.9 N, a wheel's share of the weight; expected at least 5.9e+04 N/m"),
     "soft springs": (plausibility.soft_springs, "cable_duct", ["wheels.rear_left.suspension.stiffness=600.0"], "rear_left.suspension.stiffness = 600.0", "55.9 N beyond its preload press it in by more than the wheel's radius; expected at least 1.2e+03 N/m, or another preload"),
