@@ -57,6 +57,7 @@ def march(parameters, method, run, rows, log):
         sampled(parameters, run, False)
         if parameters.space is not None:
             stand_in_space(parameters, run)
+            restore_consistency(parameters, run, log, 0.0)
         else:
             stand(parameters, run, log)
         check(parameters, run)

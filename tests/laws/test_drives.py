@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from free_machines import free
 from machines import axle_inertia, machine, run
 from scipy.optimize import brentq
 
@@ -86,6 +87,15 @@ MOTOR = {"resistance": 1.2, "torque_constant": 0.015, "gear_ratio": 14.0, "rotor
 GEARED = 14.0 * 0.015
 WHOLE = J + 14.0**2 * 3e-6  # the rotor turns 14 times as fast
 DAMPING = GEARED**2 / 1.2 + 2e-3
+
+
+def test_drives_of_a_machine_free_in_space_begin_at_their_limits():
+    """In the first row already, and beyond them never."""
+    rate = {"kind": "rate", "rate": 30.0, "proportional": 0.05, "torque_limit": LIMIT}
+    motor = {"kind": "dc_motor", "rate": -30.0, "proportional": 1.0, "voltage_limit": 6.0} | MOTOR
+    motion = run(free(machine("mecanum", drives=[rate, motor])), "time={end=0.01, step=1e-4, output_interval=1e-3}")
+    for path, most in (("wheels/w0/drive_torque", LIMIT), ("wheels/w1/voltage", -6.0)):
+        assert motion[path][0] == most and np.abs(motion[f"interval_max/{path}"]).max() == abs(most), path
 
 
 def test_a_motor_approaches_its_no_load_rate_through_jumps_of_its_voltage():
