@@ -91,8 +91,10 @@ def brush_floor(parameters, mode, w, side, y):
     if parameters.space is not None:
         stand = touching.standing(parameters, w, body_of(parameters, y), y)
         touched = touching.touching_at(parameters, mode, w, side, stand)
-        rate = y[touching.rate_of_roller(parameters, mode, w, side)]
-        stream = touching.streaming(parameters, mode, w, side, stand, touched, rate)
+        joint = touching.joint_rate(stand, touched.roller, y[touching.rate_of_roller(parameters, mode, w, side)])
+        shape = touching.shape_of(parameters.space, w, mode.meeting[side])
+        footing, disk = touching.footing_of(touched), touching.disk_turning(stand)
+        stream = touching.streaming(shape, mode.region[side], footing, disk, joint)
     else:
         state = contact_state(parameters, mode, w, side, body_motion(parameters, y), y)
         stream = streaming(parameters.wheels[w], state)

@@ -5,7 +5,16 @@ from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3, combine, cross, dot, minus, plus, times
 from omnisim.contact.frame import Slip
 from omnisim.dynamics.spatial.pose import body_of, hub_of, inward, mounted, outward, tangent_of, turned, vector
-from omnisim.dynamics.spatial.touching import rate_of_roller, react, running, shape_of, standing, touching_at
+from omnisim.dynamics.spatial.touching import (
+    disk_turning,
+    footing_of,
+    rate_of_roller,
+    react,
+    running,
+    shape_of,
+    standing,
+    touching_at,
+)
 from omnisim.dynamics.state import places
 
 MOMENT = 1e-6  # s: of differences of slip along the motion
@@ -89,13 +98,13 @@ def slip_change_on_plane(parameters, mode, w, c, stand, y, dy):
     lifted, bending = hub_acceleration(parameters, stand.body, w, y, dy)
     lifted, bending = inward(axes, lifted), inward(axes, bending)
     axle = Vec3(0.0, 1.0, 0.0)
-    rate = Vec3(hub.rate.x, hub.rate.y + stand.spin_rate, hub.rate.z)
+    rate = disk_turning(stand)
     bending = plus(bending, combine(dy[at.spin_rate + w], axle, stand.spin_rate, cross(hub.rate, axle), 0.0, axle))
     place = rate_of_roller(parameters, mode, w, c)
     joint = y[place] - dot(rate, roller.axis)
     joint_change = dy[place] - dot(bending, roller.axis)
     # X - B, and how it changes
-    run = running(shape_of(parameters.space, w, mode.meeting[c]), mode.region[c], touched, rate)
+    run = running(shape_of(parameters.space, w, mode.meeting[c]), mode.region[c], footing_of(touched), rate)
     axis_change = cross(rate, roller.axis)
     arm = plus(roller.centre, touched.lever)
     velocity = plus(hub.velocity, plus(cross(rate, arm), times(joint, cross(roller.axis, touched.lever))))

@@ -5,7 +5,7 @@ slip, friction. In one pass wheel after wheel would wait for the whole of it. So
 wheels, short enough for a processor to work on those of several at once.
 """
 
-from omnisim.base.kernel import kernel
+from omnisim.base.kernel import kernel, outlined
 from omnisim.base.vector import minus
 from omnisim.dynamics.spatial.pose import Hub, put, vector
 from omnisim.dynamics.spatial.records import SLOTS
@@ -19,9 +19,25 @@ def look_at_all(parameters, mode, body, y):
     for w in range(len(space.stands)):
         keep_standing(space.stands[w], standing(parameters, w, body, y))
     for w in range(len(space.stands)):
-        stand = standing_seen(space.stands[w], body)
         for c in range(mode[w].contacts):
-            keep_touching(space.touches[w * SLOTS + c], touching_at(parameters, mode[w], w, c, stand))
+            if space.body.uneven:
+                look_at_ground(parameters, mode[w], w, c, body)
+            else:
+                look_at_contact(parameters, mode[w], w, c, body)
+
+
+@kernel
+def look_at_contact(parameters, mode, w, c, body):
+    """The Touching of contact c of wheel w into its record; the Standing of the wheel is in its own."""
+    space = parameters.space
+    stand = standing_seen(space.stands[w], body)
+    keep_touching(space.touches[w * SLOTS + c], touching_at(parameters, mode, w, c, stand))
+
+
+@outlined
+def look_at_ground(parameters, mode, w, c, body):
+    """The same on uneven ground: called from here, what a plane does not ask for of a Standing is not read there."""
+    look_at_contact(parameters, mode, w, c, body)
 
 
 @kernel

@@ -67,6 +67,15 @@ class Touching(NamedTuple):
     within: float
 
 
+class Footing(NamedTuple):
+    """What of a Touching tells how it runs over its roller: a, nu, nu . a and delta."""
+
+    axis: Vec3
+    normal: Vec3
+    tilt: float
+    depth: float
+
+
 class Running(NamedTuple):
     """X - B = g a + f nu of a roller and the rates of both: g, f (m), g' and the rate of f - delta (m/s)."""
 
@@ -206,7 +215,7 @@ def react(parameters, mode, w, c, stand, touched, rate):
     """The Reaction at contact c of wheel w, whose roller has the absolute axial rate `rate`, rad/s."""
     machine, own, hub = parameters.machine, parameters.space.hubs[w], stand.hub
     normal, roller = touched.normal, touched.roller
-    turning = Vec3(hub.rate.x, hub.rate.y + stand.spin_rate, hub.rate.z)
+    turning = disk_turning(stand)
     joint = rate - dot(roller.axis, turning)
     swing = times(touched.deep, cross(roller.axis, normal))
     velocity = plus(plus(hub.velocity, cross(turning, touched.arm)), times(joint, swing))
@@ -220,7 +229,10 @@ def react(parameters, mode, w, c, stand, touched, rate):
     if mode.pressed[c]:
         if machine.patch_radius > 0.0:
             turn = dot(turning, normal) + joint * touched.tilt
-        stream = streaming(parameters, mode, w, c, stand, touched, rate) if machine.law == BRUSH else slip
+        stream = slip
+        if machine.law == BRUSH:
+            shape = shape_of(parameters.space, w, mode.meeting[c])
+            stream = streaming(shape, mode.region[c], footing_of(touched), turning, joint)
         factor, torque = friction(machine, mode.saturated[c], load, slip, turn, stream)
     given, heat = factor, factor * (slip.h * slip.h + slip.k * slip.k) - torque * turn
     if parameters.workspace.resting is not None and mode.grip[c] != SLIP:  # its force is found with those of others
@@ -231,33 +243,45 @@ def react(parameters, mode, w, c, stand, touched, rate):
 
 
 @kernel
-def running(shape, region, touched, turning):
-    """The Running of a Touching whose disk turns with the rate `turning` (rad/s); nu is constant, as on a plane."""
-    tilt = touched.tilt
+def footing_of(touched):
+    """The Footing of a Touching."""
+    return Footing(touched.roller.axis, touched.normal, touched.tilt, touched.depth)
+
+
+@kernel
+def running(shape, region, footing, turning):
+    """The Running of a Footing whose disk turns with the rate `turning` (rad/s); nu is constant, as on a plane."""
+    tilt = footing.tilt
     across = max(math.sqrt(max(1.0 - tilt * tilt, 0.0)), STANDING)
     found = support(shape, region, tilt, across)
-    tilt_rate = dot(cross(turning, touched.roller.axis), touched.normal)
+    tilt_rate = dot(cross(turning, footing.axis), footing.normal)
     radial = found.over_across
     radial_rate = (found.r_rate + radial * tilt / across) / across * tilt_rate
     along_rate = found.u_rate * tilt_rate + radial_rate * tilt + radial * tilt_rate
-    return Running(found.u + radial * tilt, touched.depth - radial, along_rate, -radial_rate)
+    return Running(found.u + radial * tilt, footing.depth - radial, along_rate, -radial_rate)
 
 
 @outlined
-def streaming(parameters, mode, w, c, stand, touched, rate):
-    """Velocity (Slip, m/s) with which contact c of wheel w runs over the surface of its roller, which has the absolute
-    axial rate `rate` (rad/s): that of X less that of the material there.
+def streaming(shape, region, footing, disk, joint):
+    """Velocity (Slip, m/s) with which a contact runs over the surface of its roller, which turns on its axle with the
+    rate `joint` and with its disk (Vec3, rad/s): that of X less that of the material there.
 
     Of X - B = g a + f nu it is what the turning of the roller does not make: g' a - f w x nu. On curved ground nu is
     taken to be constant: rollers are much more curved.
     """
-    roller, normal = touched.roller, touched.normal
-    disk = plus(stand.hub.rate, Vec3(0.0, stand.spin_rate, 0.0))
-    turning = plus(disk, times(joint_rate(stand, roller, rate), roller.axis))
-    run = running(shape_of(parameters.space, w, mode.meeting[c]), mode.region[c], touched, disk)
-    velocity = combine(run.along_rate, roller.axis, -run.deep, cross(turning, normal), 0.0, normal)
+    axis, normal = footing.axis, footing.normal
+    turning = plus(disk, times(joint, axis))
+    run = running(shape, region, footing, disk)
+    velocity = combine(run.along_rate, axis, -run.deep, cross(turning, normal), 0.0, normal)
     h, k = tangent_of(normal)
     return Slip(dot(velocity, h), dot(velocity, k))
+
+
+@kernel
+def disk_turning(stand):
+    """Rate at which the disk of a Standing turns (Vec3, rad/s)."""
+    rate = stand.hub.rate
+    return Vec3(rate.x, rate.y + stand.spin_rate, rate.z)
 
 
 @kernel

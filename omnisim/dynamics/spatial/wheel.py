@@ -65,11 +65,10 @@ def push_wheel(parameters, stage, w, body):
     y, dy = stage.y, stage.dy
     spin_rate = y[at.spin_rate + w]
     dy[at.spin_angle + w] = spin_rate
-    stand = standing_seen(space.stands[w], body)
-    hub = stand.hub
     demand, drive = actuate(parameters, stage, w, spin_rate)
-    rollers = rollers_of(parameters, stage, w, stand)
-    pressed, rollers = press_wheel(parameters, stage, w, stand, rollers)
+    rollers = rollers_of(parameters, stage, w, body)
+    pressed, rollers = press_wheel(parameters, stage, w, body, rollers)
+    hub = standing_seen(space.stands[w], body).hub  # read again, where it is asked for: kept, it would fill the registers
     if parameters.machine.bearing_friction:
         dy[at.bearing_loss] += rollers.bearing_loss
     turning = drive + pressed.moment.y - cross(hub.rate, rollers.momentum).y - rollers.torque.y
@@ -95,11 +94,12 @@ def push_wheel(parameters, stage, w, body):
 
 
 @kernel
-def rollers_of(parameters, stage, w, stand):
+def rollers_of(parameters, stage, w, body):
     """The Rollers of wheel w without those that touch; the rates of these are set to what their bearings do."""
     wheel = parameters.wheels[w]
     if parameters.machine.bearing_friction:
-        return rollers_in_bearings(parameters, stage, w, stand)
+        return rollers_in_bearings(parameters, stage, w, body)
+    stand = standing_seen(parameters.space.stands[w], body)
     mode, dy = stage.mode[w], stage.dy
     for slot in range(SLOTS):
         dy[wheel.rates + slot] = 0.0
@@ -113,8 +113,9 @@ def rollers_of(parameters, stage, w, stand):
 
 
 @outlined
-def rollers_in_bearings(parameters, stage, w, stand):
+def rollers_in_bearings(parameters, stage, w, body):
     """The same where bearings have friction: of all rollers, whose rates are states."""
+    stand = standing_seen(parameters.space.stands[w], body)
     wheel = parameters.wheels[w]
     momentum, torque, loss = ZERO, ZERO, 0.0
     for i in range(wheel.rollers):
@@ -130,7 +131,7 @@ def rollers_in_bearings(parameters, stage, w, stand):
 
 
 @kernel
-def press_wheel(parameters, stage, w, stand, rollers):
+def press_wheel(parameters, stage, w, body, rollers):
     """What the ground does to wheel w (Pressed), and the Rollers with those that touch."""
     wheel = parameters.wheels[w]
     machine = parameters.machine
@@ -140,11 +141,11 @@ def press_wheel(parameters, stage, w, stand, rollers):
     for c in range(mode.contacts):
         place = rate_of_roller(parameters, mode, w, c)
         seen = parameters.space.touches[w * SLOTS + c]
-        touched = touching_seen(seen)
+        stand, touched = standing_seen(parameters.space.stands[w], body), touching_seen(seen)
         found = react(parameters, mode, w, c, stand, touched, y[place])
         rolling = found.rolling + found.torque * touched.tilt
         if machine.rolling:
-            resisting = resist(parameters, stage, w, c, stand, touched, found.normal_force)
+            resisting = resist(parameters, stage, w, c, body, found.normal_force)
             rolling += dot(touched.roller.axis, resisting)
             moment = plus(moment, resisting)
         dy[place] += rolling * wheel.axial_mobility
@@ -164,9 +165,10 @@ def press_wheel(parameters, stage, w, stand, rollers):
 
 
 @outlined
-def resist(parameters, stage, w, c, stand, touched, load):
+def resist(parameters, stage, w, c, body, load):
     """Moment of rolling resistance at contact c of wheel w under this load (Vec3, N m, hub axes); its heat into dy."""
-    wheel, mode = parameters.wheels[w], stage.mode[w]
+    wheel, mode, space = parameters.wheels[w], stage.mode[w], parameters.space
+    stand, touched = standing_seen(space.stands[w], body), touching_seen(space.touches[w * SLOTS + c])
     rate = stage.y[rate_of_roller(parameters, mode, w, c)]
     turning = combine(joint_rate(stand, touched.roller, rate), touched.roller.axis, 1.0, stand.hub.rate, 0.0, ZERO)
     turning = plus(turning, Vec3(0.0, stand.spin_rate, 0.0))
