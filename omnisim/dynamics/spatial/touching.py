@@ -14,6 +14,8 @@ next. On a plane it is the lobe.
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3, combine, cross, dot, minus, plus, times
@@ -118,7 +120,7 @@ def standing(parameters, w, body, y):
 @kernel
 def roller_on(parameters, w, i, stand):
     """The Roller i of wheel w."""
-    wheel, place = parameters.wheels[w], parameters.space.disk[w, i]
+    wheel, place = parameters.wheels[w], parameters.space.disk[w, np.uint32(i)]
     cos_q = place[0] * stand.cos + place[1] * stand.sin
     sin_q = place[1] * stand.cos - place[0] * stand.sin
     axis = Vec3(-wheel.cos_psi * cos_q, wheel.sin_psi, -wheel.cos_psi * sin_q)
@@ -140,7 +142,7 @@ def shape_of(space, w, meeting):
     lobe = meeting
     if space.body.uneven:
         lobe = meeting // pieces(space.floor)
-    return space.shapes[space.hubs[w].first_lobe + lobe]
+    return space.shapes[np.uint32(space.hubs[w].first_lobe + lobe)]
 
 
 @kernel
@@ -156,14 +158,20 @@ def touching(parameters, w, stand, meeting, region, i):
 @kernel
 def touching_at(parameters, mode, w, c, stand):
     """The same of contact c of wheel w."""
-    return touching(parameters, w, stand, mode.meeting[c], mode.region[c], mode.roller[mode.slot[c]])
+    return touching(parameters, w, stand, mode.meeting[c], mode.region[c], roller_at(mode, c))
 
 
 @kernel
 def rate_of_roller(parameters, mode, w, c):
     """Where the rate of the roller of contact c stands in the state."""
-    slot = mode.roller[mode.slot[c]] if parameters.machine.every_rate else mode.slot[c]
-    return parameters.wheels[w].rates + slot
+    slot = roller_at(mode, c) if parameters.machine.every_rate else mode.slot[c]
+    return np.uint32(parameters.wheels[w].rates + slot)
+
+
+@kernel
+def roller_at(mode, c):
+    """Which roller of its wheel touches at contact c."""
+    return mode.roller[np.uint32(mode.slot[c])]  # unsigned, as all places here: nobody tests if it counts from the end
 
 
 @kernel

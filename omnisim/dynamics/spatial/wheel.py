@@ -15,13 +15,12 @@ from omnisim.base.kernel import kernel, outlined
 from omnisim.base.vector import Vec3, combine, cross, dot, minus, plus, times
 from omnisim.contact.frame import Slip
 from omnisim.contact.rolling_resistance import rolling_moment, rolling_relaxation
-from omnisim.contact.set_valued import SLIP
 from omnisim.contact.support import region_guard
 from omnisim.dynamics.actuation import actuate, followed
 from omnisim.dynamics.spatial.gaps import least_gap
-from omnisim.dynamics.spatial.pose import add_push, mounted, outward, tangent_of
+from omnisim.dynamics.spatial.pose import add_push, mounted, outward, tangent_of, vector
 from omnisim.dynamics.spatial.records import BASE, SLOTS
-from omnisim.dynamics.spatial.seen import standing_seen, touching_seen
+from omnisim.dynamics.spatial.seen import standing_seen, touch_place, touching_seen
 from omnisim.dynamics.spatial.touching import (
     joint_rate,
     rate_of_roller,
@@ -44,11 +43,12 @@ class Rollers(NamedTuple):
 
 
 class Pressed(NamedTuple):
-    """What the ground does to a wheel: force (N) and moment about O (N m) along hub axes, heat of friction and of
-    rubber, W."""
+    """What the ground does to a wheel: force (N) and moment about O less sum Ia p_i' a_i of the rollers (N m) along hub
+    axes, their sum Ia p_i a_i (N m s), heat of friction and of rubber, W."""
 
     force: Vec3
     moment: Vec3
+    momentum: Vec3
     friction_loss: float
     contact_loss: float
 
@@ -67,23 +67,23 @@ def push_wheel(parameters, stage, w, body):
     dy[at.spin_angle + w] = spin_rate
     demand, drive = actuate(parameters, stage, w, spin_rate)
     rollers = rollers_of(parameters, stage, w, body)
-    pressed, rollers = press_wheel(parameters, stage, w, body, rollers)
-    hub = standing_seen(space.stands[w], body).hub  # read again, where it is asked for: kept, it would fill the registers
+    pressed = press_wheel(parameters, stage, w, body, rollers)
     if parameters.machine.bearing_friction:
         dy[at.bearing_loss] += rollers.bearing_loss
-    turning = drive + pressed.moment.y - cross(hub.rate, rollers.momentum).y - rollers.torque.y
+    rate, own_momentum = vector(space.stands[w].rate, 0), pressed.momentum
+    turning = drive + pressed.moment.y - cross(rate, own_momentum).y
     part.drive_torque, part.free_spin = drive, turning
     part.followed = followed(parameters, stage, w)
-    about_k = own.coupled * turning + rollers.torque.y
+    about_k = own.coupled * turning
     if parameters.machine.follows and wheel.follows:
-        about_k = wheel.axle_inertia * part.followed + rollers.torque.y
-    sigma = spin_rate + hub.rate.y
-    momentum = plus(rollers.momentum, Vec3(0.0, wheel.axle_inertia * sigma, 0.0))
-    spun = Vec3(spin_rate * rollers.momentum.z, 0.0, -spin_rate * rollers.momentum.x)
-    changing = plus(Vec3(rollers.torque.x, about_k, rollers.torque.z), plus(spun, cross(hub.rate, momentum)))
+        about_k = wheel.axle_inertia * part.followed
+    momentum = plus(own_momentum, Vec3(0.0, wheel.axle_inertia * (spin_rate + rate.y), 0.0))
+    spun = Vec3(spin_rate * own_momentum.z, about_k, -spin_rate * own_momentum.x)
+    moment = minus(pressed.moment, plus(spun, cross(rate, momentum)))
+    hub = standing_seen(space.stands[w], body).hub  # read where it is asked for: kept, it would fill the registers
     axes = mounted(hub)
     force = outward(axes, pressed.force)
-    moment = plus(outward(axes, minus(pressed.moment, changing)), cross(hub.centre, force))
+    moment = plus(outward(axes, moment), cross(hub.centre, force))
     push = space.pushes[BASE]
     if len(space.carriers) > 0:
         push = space.pushes[1 + own.carrier]
@@ -132,17 +132,18 @@ def rollers_in_bearings(parameters, stage, w, body):
 
 @kernel
 def press_wheel(parameters, stage, w, body, rollers):
-    """What the ground does to wheel w (Pressed), and the Rollers with those that touch."""
+    """What the ground does to wheel w, a Pressed; rollers: its Rollers without those that touch."""
     wheel = parameters.wheels[w]
     machine = parameters.machine
     mode, y, dy = stage.mode[w], stage.y, stage.dy
-    force, moment, heat, loss = ZERO, ZERO, 0.0, 0.0
-    momentum, torque = rollers.momentum, rollers.torque
+    force, moment, heat, loss = ZERO, minus(ZERO, rollers.torque), 0.0, 0.0
+    momentum = rollers.momentum
     for c in range(mode.contacts):
         place = rate_of_roller(parameters, mode, w, c)
-        seen = parameters.space.touches[w * SLOTS + c]
+        seen = parameters.space.touches[touch_place(w, c)]
         stand, touched = standing_seen(parameters.space.stands[w], body), touching_seen(seen)
         found = react(parameters, mode, w, c, stand, touched, y[place])
+        remember(seen, found)  # not at the end of a step alone: what waits to be asked for fills the registers
         rolling = found.rolling + found.torque * touched.tilt
         if machine.rolling:
             resisting = resist(parameters, stage, w, c, body, found.normal_force)
@@ -152,23 +153,20 @@ def press_wheel(parameters, stage, w, body, rollers):
         axis = touched.roller.axis
         if mode.first[c] and not machine.bearing_friction:
             momentum = plus(momentum, times(wheel.axial_inertia * y[place], axis))
-        torque = plus(torque, times(rolling, axis))
         force = plus(force, found.force)
-        moment = plus(moment, cross(touched.arm, found.force))
+        moment = plus(moment, minus(cross(touched.arm, found.force), times(rolling, axis)))
         if machine.patch_radius > 0.0:
             moment = plus(moment, times(found.torque, touched.normal))
         heat += found.heat
         loss += (found.normal_force - parameters.space.hubs[w].stiffness * touched.depth) * found.closing
-        if stage.monitoring or (parameters.workspace.resting is not None and mode.grip[c] != SLIP):
-            remember(seen, found)
-    return Pressed(force, moment, heat, loss), Rollers(momentum, torque, rollers.bearing_loss)
+    return Pressed(force, moment, momentum, heat, loss)
 
 
 @outlined
 def resist(parameters, stage, w, c, body, load):
     """Moment of rolling resistance at contact c of wheel w under this load (Vec3, N m, hub axes); its heat into dy."""
     wheel, mode, space = parameters.wheels[w], stage.mode[w], parameters.space
-    stand, touched = standing_seen(space.stands[w], body), touching_seen(space.touches[w * SLOTS + c])
+    stand, touched = standing_seen(space.stands[w], body), touching_seen(space.touches[touch_place(w, c)])
     rate = stage.y[rate_of_roller(parameters, mode, w, c)]
     turning = combine(joint_rate(stand, touched.roller, rate), touched.roller.axis, 1.0, stand.hub.rate, 0.0, ZERO)
     turning = plus(turning, Vec3(0.0, stand.spin_rate, 0.0))
@@ -178,7 +176,7 @@ def resist(parameters, stage, w, c, body, load):
     moment = Slip(load * over_load.h, load * over_load.k)
     stage.dy[places(parameters).rolling_loss] -= moment.h * turn_h + moment.k * turn_k
     if stage.monitoring:
-        seen = parameters.space.touches[w * SLOTS + c]
+        seen = parameters.space.touches[touch_place(w, c)]
         seen.resistance[0], seen.resistance[1] = moment.h, moment.k
         stage.monitors[w].relaxing[c] = load * rolling_relaxation(wheel, turn_h, turn_k)
     return combine(moment.h, h, moment.k, k, 0.0, h)
@@ -199,7 +197,7 @@ def monitor_wheel(parameters, stage, w, body):
     space, mode, monitors = parameters.space, stage.mode[w], stage.monitors[w]
     load = 0.0
     for c in range(mode.contacts):
-        seen = space.touches[w * SLOTS + c]
+        seen = space.touches[touch_place(w, c)]
         monitors.depth[c], monitors.within[c] = seen.depth, seen.within
         monitors.press[c], monitors.load[c] = seen.press, seen.normal_force
         monitors.inside[c] = region_guard(shape_of(space, w, mode.meeting[c]), mode.region[c], seen.tilt)
