@@ -9,7 +9,7 @@ direction counts, so no step need put it back to 1.
 import math
 from typing import NamedTuple
 
-from omnisim.base.kernel import kernel
+from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3, combine, cross, dot, minus, plus, times
 from omnisim.dynamics.spatial.records import ORIENTATION, POSITION
@@ -97,27 +97,35 @@ def hub_of(parameters, body, w, y):
     """The Hub of wheel w in state y."""
     space = parameters.space
     hub = space.hubs[w]
-    h, k, up = vector(hub.h, 0), vector(hub.k, 0), Vec3(0.0, 0.0, 1.0)
-    centre = vector(hub.centre, 0)
-    velocity, rate = body.velocity, body.rate
     if hub.carrier >= 0:
         j = hub.carrier
-        carrier = space.carriers[j]
         s, s_rate = y[places(parameters).joint + j], y[places(parameters).joint_rate + j]
-        axis, point = vector(carrier.axis, 0), vector(carrier.point, 0)
-        if carrier.turns:
-            cos, sin = cos_sin(s)
-            h, k, up = turned(h, axis, cos, sin), turned(k, axis, cos, sin), turned(up, axis, cos, sin)
-            arm = turned(minus(centre, point), axis, cos, sin)
-            centre = plus(point, arm)
-            velocity = plus(velocity, times(s_rate, cross(axis, arm)))
-            rate = plus(rate, times(s_rate, axis))
-        else:
-            centre = plus(centre, times(s, axis))
-            velocity = plus(velocity, times(s_rate, axis))
-    axes = Rotation(h, k, up)
+        return carried_hub(hub, space.carriers[j], body, s, s_rate)
+    axes = Rotation(vector(hub.h, 0), vector(hub.k, 0), Vec3(0.0, 0.0, 1.0))
+    return mounted_at(axes, vector(hub.centre, 0), body, body.velocity, body.rate)
+
+
+@outlined
+def carried_hub(hub, carrier, body, s, s_rate):
+    """The same of one on a carrier that stands at s: called, so that its branch costs others no registers."""
+    h, k, up = vector(hub.h, 0), vector(hub.k, 0), Vec3(0.0, 0.0, 1.0)
+    centre = vector(hub.centre, 0)
+    axis, point = vector(carrier.axis, 0), vector(carrier.point, 0)
+    if not carrier.turns:
+        velocity = plus(body.velocity, times(s_rate, axis))
+        return mounted_at(Rotation(h, k, up), plus(centre, times(s, axis)), body, velocity, body.rate)
+    cos, sin = cos_sin(s)
+    axes = Rotation(turned(h, axis, cos, sin), turned(k, axis, cos, sin), turned(up, axis, cos, sin))
+    arm = turned(minus(centre, point), axis, cos, sin)
+    velocity = plus(body.velocity, times(s_rate, cross(axis, arm)))
+    return mounted_at(axes, plus(point, arm), body, velocity, plus(body.rate, times(s_rate, axis)))
+
+
+@kernel
+def mounted_at(axes, centre, body, velocity, rate):
+    """The Hub with these axes and O, and this velocity without that by the turning of the Body, all along its axes."""
     velocity = plus(velocity, cross(body.rate, centre))
-    return Hub(h, k, up, centre, inward(axes, velocity), inward(axes, rate))
+    return Hub(axes.x, axes.y, axes.z, centre, inward(axes, velocity), inward(axes, rate))
 
 
 @kernel
