@@ -3,11 +3,12 @@
 import math
 
 from omnisim.base.kernel import kernel, outlined
-from omnisim.base.vector import dot
+from omnisim.base.vector import dot, minus
 from omnisim.contact.common_normal import ANY, room
 from omnisim.contact.common_normal import Roller as Solid
 from omnisim.contact.floor import pieces
-from omnisim.dynamics.spatial.pose import body_of, put
+from omnisim.dynamics.spatial.pose import body_of, put, vector
+from omnisim.dynamics.spatial.seen import standing_seen
 from omnisim.dynamics.spatial.touching import in_world, meetings, roller_on, shape_of, standing, touching
 
 MOST_MEETINGS = 1009  # of rollers and their lobes, a prime
@@ -31,24 +32,24 @@ def gap_of(parameters, y, w, i, meeting):
 
 @kernel
 def gap_at(parameters, w, stand, i, meeting):
-    """The same of its Standing; of a roller that is clearly apart, something less."""
-    away = room_around(parameters, w, stand, i, meeting)
-    if away > 0.0:
-        return away
+    """The same of its Standing; on uneven ground something less, of a roller that is clearly apart."""
+    if parameters.space.body.uneven:
+        away = room_around(parameters, w, stand, i, meeting)
+        if away > 0.0:
+            return away
     touched = touching(parameters, w, stand, meeting, ANY, i)
     return min(-min(touched.depth, touched.within), FAR)
 
 
 @kernel
 def room_around(parameters, w, stand, i, meeting):
-    """How far a roller is from a piece of the floor that it cannot touch at a meeting, m; <= 0 where it may: cheap."""
-    space, normal = parameters.space, stand.normal
-    shape, floor = shape_of(space, w, meeting), space.floor
+    """How far a roller is from a piece of the floor that it cannot touch at a meeting, m; <= 0 where it may: cheaper
+    than a search for the point where it does."""
+    space, floor = parameters.space, parameters.space.floor
+    shape = shape_of(space, w, meeting)
     roller = roller_on(parameters, w, i, stand)
-    height = stand.height + dot(roller.centre, normal)
-    lowest = height - shape.thickest - shape.half_length * abs(dot(roller.axis, normal))
-    if not space.body.uneven:
-        return lowest
+    height = stand.height + dot(roller.centre, stand.normal)
+    lowest = height - shape.thickest - shape.half_length * abs(dot(roller.axis, stand.normal))
     if lowest > floor.highest:
         return lowest - floor.highest
     centre, axis = in_world(stand, roller)
@@ -56,25 +57,26 @@ def room_around(parameters, w, stand, i, meeting):
 
 
 @kernel
-def least_gap(parameters, mode, w, stand):
-    """The least gap of wheel w between the ground and what does not touch it of its rollers, m; on a plane something
-    less, if it is clearly apart: no roller comes nearer than the wheel has moved since it was last looked at with these
-    contacts, whose points go as far as its centre does and its reach times what normal and spin turn by.
+def least_gap(parameters, mode, w, body):
+    """The least gap of wheel w between the ground and what does not touch it of its rollers, m, as its record STAND has
+    it; on a plane something less, if it is apart: no roller comes nearer than the wheel has moved since it was last
+    looked at with these contacts, whose points go as far as its centre does, its reach times what the normal turns by,
+    and its radius times what the spin turns by.
     """
     if parameters.space.body.uneven:
-        return least_gap_on_ground(parameters, mode, w, stand)
-    seen, normal = parameters.space.stands[w], stand.normal
-    turn = abs(normal.x - seen.clear_normal[0]) + abs(normal.y - seen.clear_normal[1])
-    turn += abs(normal.z - seen.clear_normal[2])
-    turn += abs(stand.cos - seen.clear_turn[0]) + abs(stand.sin - seen.clear_turn[1])
+        return least_gap_on_ground(parameters, mode, w, body)
+    seen, own = parameters.space.stands[w], parameters.space.hubs[w]
+    tilt = minus(vector(seen.normal, 0), vector(seen.clear_normal, 0))
+    cos, sin = seen.cos - seen.clear_turn[0], seen.sin - seen.clear_turn[1]
+    turned = own.reach * math.sqrt(dot(tilt, tilt)) + own.round * math.sqrt(cos * cos + sin * sin)
     contacts = contacts_of(parameters, mode, w)
-    left = seen.clear - (abs(stand.height - seen.clear_height) + parameters.space.hubs[w].reach * turn)
+    left = seen.clear - (abs(seen.height - seen.clear_height) + turned)
     if left > 0.0 and contacts == seen.clear_contacts:
         return left
-    seen.clear = least_gap_on_plane(parameters, mode, w, stand)
-    seen.clear_contacts, seen.clear_height = contacts, stand.height
-    put(seen.clear_normal, normal)
-    seen.clear_turn[0], seen.clear_turn[1] = stand.cos, stand.sin
+    seen.clear = least_gap_on_plane(parameters, mode, w, body)
+    seen.clear_contacts, seen.clear_height = contacts, seen.height
+    put(seen.clear_normal, vector(seen.normal, 0))
+    seen.clear_turn[0], seen.clear_turn[1] = seen.cos, seen.sin
     return seen.clear
 
 
@@ -89,9 +91,10 @@ def contacts_of(parameters, mode, w):
 
 
 @outlined
-def least_gap_on_plane(parameters, mode, w, stand):
+def least_gap_on_plane(parameters, mode, w, body):
     """The same on a plane. There a wheel is round enough: the next to touch is another lobe of a roller that does, its
     neighbour, or in the air that of the lowest place."""
+    stand = standing_seen(parameters.space.stands[w], body)
     wheel, rows, lobes = parameters.wheels[w], parameters.space.hubs[w].row_count, parameters.space.hubs[w].lobes
     least = math.inf
     if mode.contacts == 0:
@@ -113,8 +116,9 @@ def least_gap_on_plane(parameters, mode, w, stand):
 
 
 @outlined
-def least_gap_on_ground(parameters, mode, w, stand):
+def least_gap_on_ground(parameters, mode, w, body):
     """The same on uneven ground, of all rollers."""
+    stand = standing_seen(parameters.space.stands[w], body)
     least = math.inf
     for meeting in range(meetings(parameters.space, w)):
         for i in range(parameters.wheels[w].rollers):

@@ -206,7 +206,7 @@ def monitor_wheel(parameters, stage, w, body):
         monitors.margin[c] = 0.0
         load += seen.normal_force
     monitors.normal_force = parameters.workspace.parts[w].normal_force = load
-    monitors.gap = least_gap(parameters, mode, w, standing_seen(space.stands[w], body))
+    monitors.gap = least_gap(parameters, mode, w, body)
 
 
 @kernel
