@@ -101,8 +101,15 @@ def hub_of(parameters, body, w, y):
         j = hub.carrier
         s, s_rate = y[places(parameters).joint + j], y[places(parameters).joint_rate + j]
         return carried_hub(hub, space.carriers[j], body, s, s_rate)
-    axes = Rotation(vector(hub.h, 0), vector(hub.k, 0), Vec3(0.0, 0.0, 1.0))
-    return mounted_at(axes, vector(hub.centre, 0), body, body.velocity, body.rate)
+    h, k, centre = vector(hub.h, 0), vector(hub.k, 0), vector(hub.centre, 0)
+    velocity = level(h, k, plus(body.velocity, cross(body.rate, centre)))
+    return Hub(h, k, Vec3(0.0, 0.0, 1.0), centre, velocity, level(h, k, body.rate))
+
+
+@kernel
+def level(h, k, v):
+    """The components of v along axes of which h and k have no z and the third is z: `inward`, in half the products."""
+    return Vec3(h.x * v.x + h.y * v.y, k.x * v.x + k.y * v.y, v.z)
 
 
 @outlined

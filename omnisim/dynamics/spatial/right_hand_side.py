@@ -7,7 +7,7 @@ I, constant without carriers, leaves out J_k (wheel.py). A carrier j moves with 
 C) = s_j: see carriers.py.
 """
 
-from omnisim.base.kernel import kernel
+from omnisim.base.kernel import kernel, outlined
 from omnisim.base.vector import Vec3, combine, cross, dot, plus, times
 from omnisim.dynamics.actuation import rest_motors
 from omnisim.dynamics.parameters import FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE
@@ -125,17 +125,23 @@ def accelerate(body, push):
 def turning_of(parameters, stage, w, body):
     """Acceleration of what carries wheel w, about k, rad/s^2."""
     space = parameters.space
+    own = space.hubs[w]
     angular = vector(stage.dy, places(parameters).rate)
-    k = vector(space.hubs[w].k, 0)
-    if space.hubs[w].carrier >= 0:
-        j = space.hubs[w].carrier
-        carrier = space.carriers[j]
-        if carrier.turns:
-            at = places(parameters)
-            axis = vector(carrier.axis, 0)
-            k = turned(k, axis, space.motions[j].cos, space.motions[j].sin)
-            relative = combine(
-                stage.dy[at.joint_rate + j], axis, stage.y[at.joint_rate + j], cross(body.rate, axis), 1.0, angular
-            )
-            return dot(k, relative)
-    return dot(k, angular)
+    if own.carrier >= 0:
+        j = own.carrier
+        place = places(parameters).joint_rate + j
+        return carried_turning(
+            own, space.carriers[j], space.motions[j], body.rate, angular, stage.y[place], stage.dy[place]
+        )
+    return dot(vector(own.k, 0), angular)
+
+
+@outlined
+def carried_turning(own, carrier, motion, rate, angular, s_rate, s_bend):
+    """The same on a carrier that moves with s' and s''; rate and angular: of the chassis."""
+    k = vector(own.k, 0)
+    if not carrier.turns:
+        return dot(k, angular)
+    axis = vector(carrier.axis, 0)
+    relative = combine(s_bend, axis, s_rate, cross(rate, axis), 1.0, angular)
+    return dot(turned(k, axis, motion.cos, motion.sin), relative)
