@@ -151,8 +151,11 @@ MODE = np.dtype(
         ("past_rate", np.float64),  # and one sample before
         ("saturated", np.int64, (TOUCHING,)),  # branch of the saturated friction law at each contact
         ("grip", np.int64, (TOUCHING,)),  # coulomb.SLIP, STICK or CREEP
-        ("creep", np.float64, (TOUCHING, 2)),  # direction of creeping slip when it began; 0: not known yet
-        ("stopping", np.int64, (TOUCHING,)),  # 1: creeping slip is about to stop; 0: it has been released, or lasts
+        ("creep", np.float64, (TOUCHING, 2)),  # direction of creeping slip at the last step; 0: not known yet
+        ("veer", np.float64, (2,)),  # rate at which it turns: rad/s, and 1/s by the angle from `creep`
+        ("veering", np.float64),  # rate at which it turned at the end of the last step, rad/s
+        ("foreseen", np.int64),  # 1: it does so still, as no force has jumped since
+        ("stopping", np.int64, (TOUCHING,)),  # 1: it had a direction of its own; 0: it was released, or lasts
         ("stopped", np.int64, (TOUCHING,)),  # 1: slip has just come to its end at this contact
         ("freed", np.int64),  # how often creeping slip got a direction of its own in the grid step
         ("freed_step", np.int64),  # where it last did so

@@ -2,7 +2,7 @@
 
     SLIP   ---- slip below rest_speed, F inside the cone ---->  STICK
     SLIP   ---- slip below rest_speed, F outside ------------>  CREEP  (through zero without sticking)
-    SLIP   ---- slip about to stop, turning no more --------->  CREEP  (in space also slow slip that lasts)
+    SLIP   ---- slow slip, turning as the contact equation tells  CREEP  (or about to stop, see `stops`)
     STICK  ---- |F| reaches mu N ---------------------------->  CREEP
     CREEP  ---- slip no longer young ------------------------>  SLIP
     CREEP  ---- slip turns back ----------------------------->  STICK or CREEP again
@@ -10,7 +10,7 @@
 Near zero slip v / |v| turns ever faster towards a limit direction, so steps become ever shorter (substeps.py) and slip
 never crosses zero. The contact equation gives the limit direction in closed form. There a contact that lets go starts,
 until its slip is large enough; and one that has come so near to it that the difference is below the error of a step
-stops along it, at an instant that is located.
+goes on along it, and stops at an instant that is located. The direction itself turns: creeping.py.
 """
 
 import math
@@ -26,12 +26,12 @@ from omnisim.dynamics.indices import contact_count, rate_place
 from omnisim.dynamics.spatial.acceleration import slip_at, slip_change
 from omnisim.dynamics.spatial.mobility import contact_mobility
 from omnisim.dynamics.spatial.pose import body_of
-from omnisim.dynamics.spatial.records import SLOTS
 from omnisim.dynamics.spatial.touching import rate_of_roller, standing, touching_at
 from omnisim.dynamics.state import places
 from omnisim.dynamics.twist import acceleration_of, body_motion, wheel_motion
 from omnisim.dynamics.wheel import contact_state
-from omnisim.march.runge_kutta import refresh
+from omnisim.march.creeping import creep_of, forget_turning, hold_direction, keep_creep, turned_by
+from omnisim.march.runge_kutta import evaluate, refresh
 
 DRIFTED = 0.01  # of the square of slip that no longer matters: more drift of a sticking contact is taken away
 REST = 1e-11  # of 1 m/s and of the speeds that make up the slip, below which it no longer matters
@@ -39,6 +39,7 @@ CREEP_SPEED = 1e-7  # m/s: slip that has no direction of its own in any case
 # What a coarse step does not see of slip across its final direction:
 ALIGNED, FINE_ALIGNED = 3e-4, 1e-6  # m/s; the second for methods "auto" and "radau5"
 STOPPING = 2.4e-6  # m/s, twice the error in the speed of the machine; of slip that is about to stop, explicit methods
+MOMENT, ROUNDS = 1 / 32, 2  # of a step, after which it is seen how a direction turns, and how often
 STOPPED = 0.1  # of the slip that no longer matters, at which creeping slip has come to its end, or
 STOPPED_OF_STOPPING = 1e-3  # of that which may be taken away across its direction
 LEAST_ALIGNED = 1e-13  # m/s of slip, of the finest step: taking the last slip away at REST costs more
@@ -46,7 +47,7 @@ MOST_FREED = 20  # times in a step, after which slip is followed by sub-steps to
 LEAST_STIFF = 2.0  # relaxation of slip within a step, below which sub-steps cost nothing
 STILL_STIFF = 0.5 * LEAST_STIFF  # the same of slip that creeps already: less, lest it begin and end in turn
 AT_EASE = 0.5  # of what a step does not see, that slip which lasts may turn in it: less, for the same reason
-NOT, SOON, LASTING = range(3)  # how slip goes on in the direction of the contact equation
+NOT, NEAR, LASTING = range(3)  # how slip goes on in the direction of the contact equation
 CREEP_ROUNDING = 1e-3  # of the slip that no longer matters: what contacts that let go together may slip back
 CONE = 1e-12  # of mu times load and weight, by which a sticking force may pass the cone in rounding
 
@@ -125,16 +126,6 @@ def load_at(parameters, run, w, side):
 
 
 @kernel
-def creep_of(parameters, w, side):
-    """Direction of creeping slip at a contact of wheel w as the last right-hand side found it (Slip)."""
-    if parameters.space is not None:
-        touch = parameters.space.touches[w * SLOTS + side]
-        return Slip(touch.creep[0], touch.creep[1])
-    contact = parameters.workspace.contacts[parameters.wheels[w].contacts + side]
-    return Slip(contact.creep[0], contact.creep[1])
-
-
-@kernel
 def slip_of(parameters, mode, w, side, y):
     """Slip velocity (Slip, m/s) at a contact of wheel w in state y."""
     if parameters.space is not None:
@@ -151,12 +142,13 @@ def stopped_speed(parameters, run, w, side):
 
 @kernel
 def stops(parameters, run, w, side):
-    """SOON if a contact slips that will stop within a step in a direction that attracts, and is so near to it that the
-    error of a step hides what it slips across: by the turning of the slip, |v x v'|, and the rate of attraction.
+    """NEAR if a contact slips so near to the direction of the contact equation, which attracts, that the error of a
+    step hides what it slips across: by the turning of the slip, |v x v'|, and the rate of attraction. In space, and
+    where implicit steps follow it all the same, only if it will stop within a step.
 
     LASTING if, in space, it turns so little within a step that the error of the step hides it: a wheel on two rollers
     slips on one of them as slowly as their heights differ, for as long as it rolls over their ends, and friction turns
-    that slip a million times faster than anything moves. Implicit steps follow it all the same. Else NOT.
+    that slip a million times faster than anything moves. Else NOT.
     """
     mode, monitors = run.mode[w], run.monitors[w]
     if mode.shared or mode.grip[side] != SLIP or monitors.factor[side] == 0.0:
@@ -168,14 +160,37 @@ def stops(parameters, run, w, side):
     along = slip.h * rate.h + slip.k * rate.k
     turn = slip.h * rate.k - slip.k * rate.h
     square = monitors.slip_square[side]
-    attraction = monitors.factor[side] * across(mobility, slip.h, slip.k) + along
-    soon = square < -along * run.clock.dt and stiff
+    attracted = attraction(monitors, side, rate, slip, mobility)
+    followed = parameters.space is None and run.newton is None
     speed = math.sqrt(square)
-    if soon and abs(turn) * speed < attraction * unseen(run.clock, True, speed):
-        return SOON
+    if followed:
+        near = attracted * run.clock.dt > LEAST_STIFF * square
+    else:
+        near = stiff and square < -along * run.clock.dt
+    if near and abs(turn) * speed < attracted * unseen(run.clock, True, speed):
+        return NEAR
     if parameters.space is None or run.newton is not None or not stiff:
         return NOT
     return LASTING if abs(turn) * run.clock.dt < AT_EASE * run.clock.aligned * speed else NOT
+
+
+@kernel
+def slip_freely(parameters, run):
+    """Let creeping contacts slip whose slip friction no longer turns faster than a step can follow: in the direction
+    that it has."""
+    for w in range(len(run.mode)):
+        mode, monitors = run.mode[w], run.monitors[w]
+        if mode.grip[0] == CREEP and not mode.shared and monitors.slip_square[0] > CREEP_SPEED**2:
+            rate, slip, mobility = slip_rate(parameters, mode, w, 0, run.y, run.slopes[0])
+            if attraction(monitors, 0, rate, slip, mobility) * run.clock.dt < STILL_STIFF * monitors.slip_square[0]:
+                mode.grip[0] = SLIP
+
+
+@kernel
+def attraction(monitors, side, rate, slip, mobility):
+    """Rate at which friction turns slip into the direction of the contact equation, by the square of slip, m^2/s^3."""
+    along = slip.h * rate.h + slip.k * rate.k
+    return monitors.factor[side] * across(mobility, slip.h, slip.k) + along
 
 
 @kernel
@@ -241,6 +256,8 @@ def young_guard(parameters, run, w, side, at_end):
     monitors = run.monitors_end[w] if at_end else run.monitors[w]
     if mode.shared:
         return CREEP_SPEED - math.sqrt(monitors.slip_square[side])
+    if parameters.space is None and run.newton is None:
+        return 0.0
     return youth(parameters, run.clock, mode, monitors, side) if mode.grip[side] == CREEP else 0.0
 
 
@@ -260,6 +277,8 @@ def come_to_rest(parameters, run, w, side, others, t):
                 mode.grip[other] = STICK
                 if parameters.space is None and mode.shared:
                     change_slip(parameters, run, v, other, Slip(0.0, 0.0))
+    if parameters.space is None:
+        forget_turning(run)
     align_slip(parameters, run)
     refresh(parameters, run, t)
     for v in range(len(run.mode)):
@@ -277,8 +296,12 @@ def start_creep(parameters, run, w, side, t):
     mode = run.mode[w]
     mode.grip[side], mode.stopping[side] = CREEP, 0
     mode.creep[side, 0] = mode.creep[side, 1] = 0.0
+    if parameters.space is None:
+        mode.veer[0] = mode.veer[1] = 0.0
     refresh(parameters, run, t)
     keep_creep(parameters, run, w, side)
+    if parameters.space is None:
+        hold_direction(run, mode)
 
 
 @kernel
@@ -290,18 +313,60 @@ def begin_to_stop(parameters, run, t):
             how = stops(parameters, run, w, side)
             if how != NOT:
                 slip = slip_of(parameters, mode, w, side, run.y)
-                mode.grip[side], mode.stopping[side] = CREEP, how == SOON
+                mode.grip[side], mode.stopping[side] = CREEP, how == NEAR
+                if parameters.space is None:
+                    mode.foreseen, mode.veer[0], mode.veer[1] = 0, 0.0, 0.0
                 speed = math.sqrt(run.monitors[w].slip_square[side])
                 mode.creep[side, 0], mode.creep[side, 1] = slip.h / speed, slip.k / speed
     refresh(parameters, run, t)
+    if parameters.space is None and run.newton is None:
+        find_turning(parameters, run, t)
     if parameters.space is not None:
         slip_on(parameters, run, t)
     for w in range(len(run.mode)):
         for side in range(contact_count(run.mode[w])):
             if run.mode[w].grip[side] == CREEP and not run.mode[w].shared:
                 keep_creep(parameters, run, w, side)
+                if parameters.space is None:
+                    hold_direction(run, run.mode[w])
     align_slip(parameters, run)
     refresh(parameters, run, t)
+
+
+@outlined
+def find_turning(parameters, run, t):
+    """Find at which rates slips turn that begin to creep: by the directions a moment later, in rounds, as slip stays
+    behind the direction from rest by as much as that turns while friction turns the slip."""
+    moment = MOMENT * run.clock.dt
+    for _ in range(ROUNDS):
+        for m in range(len(run.y)):
+            run.trial[m] = run.y[m] + moment * run.slopes[0, m]
+        for w in range(len(run.mode)):
+            keep_begun(parameters, run, w)
+        evaluate(parameters, run.mode, run.clock.piece, t + moment, run.trial, run.slopes[-1], run.monitors_end)
+        run.clock.rhs += 1
+        for w in range(len(run.mode)):
+            mode = run.mode[w]
+            if begins(mode):
+                later = creep_of(parameters, w, 0)
+                mode.veering = turned_by(mode.creep[0], (later.h, later.k)) / moment
+                mode.veer[0] = mode.veering
+        refresh(parameters, run, t)
+    for w in range(len(run.mode)):
+        keep_begun(parameters, run, w)
+        run.mode[w].foreseen = run.mode[w].foreseen or begins(run.mode[w])
+
+
+@kernel
+def begins(mode):
+    """Whether a wheel has just begun to creep: its direction is not held yet."""
+    return mode.grip[0] == CREEP and not mode.shared and mode.veer[1] == 0.0
+
+
+@kernel
+def keep_begun(parameters, run, w):
+    if begins(run.mode[w]):
+        keep_creep(parameters, run, w, 0)
 
 
 @kernel
@@ -319,14 +384,6 @@ def slip_on(parameters, run, t):
                 changed = True
     if changed:
         refresh(parameters, run, t)
-
-
-@kernel
-def keep_creep(parameters, run, w, side):
-    """Remember the direction of creeping slip that the last right-hand side found."""
-    mode = run.mode[w]
-    creep = creep_of(parameters, w, side)
-    mode.creep[side, 0], mode.creep[side, 1] = creep.h, creep.k
 
 
 @kernel

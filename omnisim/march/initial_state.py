@@ -20,7 +20,8 @@ from omnisim.march.stiffness import resolve
 from omnisim.march.substeps import fineness
 from omnisim.scene.schema import Config, Time
 
-COARSE_STEP = 1e-2  # s: of an upright machine, and of methods that are there for their accuracy
+COARSE_STEP = 1e-2  # s: of methods that are there for their accuracy, and in space
+COARSEST_STEP = 2e-2  # s: of explicit methods with an upright machine
 
 
 def begin(config: Config, parameters: Parameters, ask: Ask[Config] = alone) -> Run:
@@ -54,7 +55,7 @@ def clock_at_start(time: Time, method: Method, choice: int, parameters: Paramete
     clock = np.frombuffer(bytearray(clock_of(time, method, choice)), recorded(CLOCK))[0]
     part = min(1.0, float(clock["dt"]) / coarse_step(parameters, choice))
     lightness = parameters.machine["mass"] * parameters.machine["slip_mobility"]
-    clock["fineness"] = fineness(part, choice, method.tableau.order)
+    clock["fineness"] = fineness(min(1.0, 2.0 * part), choice, method.tableau.order)
     clock["aligned"] = alignment(part, choice)
     clock["stopping"] = stopping_alignment(part, choice, lightness)
     return clock
@@ -81,8 +82,10 @@ def clock_of(time: Time, method: Method, choice: int) -> bytes:
 def coarse_step(parameters: Parameters, choice: int) -> float:
     """A grid step from which on sub-steps of slip are as coarse as is safe, s: of explicit ones in space one in which
     the machine swings by 1 rad on its rubber, as they err by powers of that."""
-    if parameters.space is None or choice != EXPLICIT:
+    if choice != EXPLICIT:
         return COARSE_STEP
+    if parameters.space is None:
+        return COARSEST_STEP
     return min(COARSE_STEP, 1.0 / fastest_swing(parameters))
 
 

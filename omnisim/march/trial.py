@@ -4,7 +4,8 @@ at both ends."""
 from omnisim.base.kernel import kernel, outlined
 from omnisim.contact.set_valued import CREEP
 from omnisim.dynamics.indices import contact_count
-from omnisim.march.friction_modes import creep_of, slip_of
+from omnisim.march.creeping import creep_of
+from omnisim.march.friction_modes import slip_of
 from omnisim.march.radau5 import implicit_step
 from omnisim.march.runge_kutta import explicit_step
 
