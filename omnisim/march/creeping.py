@@ -20,6 +20,7 @@ from omnisim.contact.frame import Slip
 from omnisim.contact.set_valued import CREEP
 from omnisim.dynamics.spatial.records import SLOTS
 
+CREEP_SPEED = 1e-7  # m/s: slip that has no direction of its own in any case
 HELD = 1e30  # 1/s: by the angle from where a direction began, holds it there
 
 
@@ -42,10 +43,11 @@ def keep_creep(parameters, run, w, side):
 
 
 @kernel
-def hold_direction(run, mode):
-    """Let a creeping contact keep the direction of its slip until a step turns it; of implicit steps it is as from
-    rest."""
-    mode.veer[0], mode.veer[1] = 0.0, HELD if run.newton is None else 0.0
+def hold_direction(run, mode, contact):
+    """Let a creeping contact keep the direction of its slip until a step turns it; young slip, and that of implicit
+    steps, has that from rest."""
+    young = contact.slip[0] * contact.slip[0] + contact.slip[1] * contact.slip[1] < CREEP_SPEED * CREEP_SPEED
+    mode.veer[0], mode.veer[1] = 0.0, 0.0 if young or run.newton is not None else HELD
 
 
 @kernel
@@ -110,7 +112,7 @@ def end_turning(parameters, run, h):
                 before = (angle[n - 1] - angle[n - 2]) / (node[n - 1] - node[n - 2])
                 rate += (rate - before) * (node[n] - node[n - 1]) / (node[n] - node[n - 2])
             contact.veering = rate / h
-            hold_direction(run, mode)
+            hold_direction(run, mode, contact)
 
 
 @kernel

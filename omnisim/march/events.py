@@ -35,7 +35,7 @@ from omnisim.dynamics.state import places
 from omnisim.dynamics.wheel import roller_end
 from omnisim.march.creeping import forget_turning
 from omnisim.march.event_log import record
-from omnisim.march.friction_modes import grip_guard, young_guard
+from omnisim.march.friction_modes import grip_guard, keep_young, young_guard
 from omnisim.march.grip_events import SLIPS, STUCK, change_grip
 from omnisim.march.roller_exchange import comes_to_rest_between, edge_rounding, leave_edge, release_rollers, stand_on
 from omnisim.march.runge_kutta import refresh
@@ -289,6 +289,7 @@ def restore_modes(parameters, run, log, time):
                     transition(parameters, run, log, Guard(kind, w, 0), time)
                     changed = kind
         if changed < 0 or run.clock.status != RUNNING:
+            keep_young(parameters, run)
             return
     # what else does not come to an end is found out by the step that tries to go on
     if changed == LOAD and not find_loads(parameters, run, log, time):

@@ -30,12 +30,11 @@ from omnisim.dynamics.spatial.touching import rate_of_roller, standing, touching
 from omnisim.dynamics.state import places
 from omnisim.dynamics.twist import acceleration_of, body_motion, wheel_motion
 from omnisim.dynamics.wheel import contact_state
-from omnisim.march.creeping import creep_of, forget_turning, hold_direction, keep_creep, turned_by
+from omnisim.march.creeping import CREEP_SPEED, creep_of, forget_turning, hold_direction, keep_creep, turned_by
 from omnisim.march.runge_kutta import evaluate, refresh
 
 DRIFTED = 0.01  # of the square of slip that no longer matters: more drift of a sticking contact is taken away
 REST = 1e-11  # of 1 m/s and of the speeds that make up the slip, below which it no longer matters
-CREEP_SPEED = 1e-7  # m/s: slip that has no direction of its own in any case
 # What a coarse step does not see of slip across its final direction:
 ALIGNED, FINE_ALIGNED = 3e-4, 1e-6  # m/s; the second for methods "auto" and "radau5"
 STOPPING = 2.4e-6  # m/s, twice the error in the speed of the machine; of slip that is about to stop, explicit methods
@@ -300,8 +299,6 @@ def start_creep(parameters, run, w, side, t):
         mode.veer[0] = mode.veer[1] = 0.0
     refresh(parameters, run, t)
     keep_creep(parameters, run, w, side)
-    if parameters.space is None:
-        hold_direction(run, mode)
 
 
 @kernel
@@ -328,7 +325,7 @@ def begin_to_stop(parameters, run, t):
             if run.mode[w].grip[side] == CREEP and not run.mode[w].shared:
                 keep_creep(parameters, run, w, side)
                 if parameters.space is None:
-                    hold_direction(run, run.mode[w])
+                    hold_direction(run, run.mode[w], parameters.workspace.contacts[parameters.wheels[w].contacts])
     align_slip(parameters, run)
     refresh(parameters, run, t)
 
@@ -367,6 +364,16 @@ def begins(mode):
 def keep_begun(parameters, run, w):
     if begins(run.mode[w]):
         keep_creep(parameters, run, w, 0)
+
+
+@kernel
+def keep_young(parameters, run):
+    """Slip that has no direction of its own yet begins in that which all forces of this instant give it."""
+    if parameters.workspace.resting is not None:
+        for w in range(len(run.mode)):
+            mode = run.mode[w]
+            if mode.grip[0] == CREEP and not mode.shared and run.monitors[w].slip_square[0] < CREEP_SPEED**2:
+                keep_creep(parameters, run, w, 0)
 
 
 @kernel

@@ -77,9 +77,7 @@ def march(parameters, method, run, rows, log):
         if clock.events + 2 * EVENTS_PER_STEP > len(log):
             return LOG_FULL
         grid_step(parameters, method, run, rows, log)
-        if clock.dt - clock.elapsed <= GRID_ROUNDING * clock.dt * (
-            clock.step + 1
-        ):  # it may have stopped at its very end
+        if not step_left(clock):  # it may have stopped at its very end
             clock.step += 1
             clock.elapsed = 0.0
             if parameters.machine.sampled and clock.status == RUNNING and sampled(parameters, run, False):
@@ -173,6 +171,12 @@ def release_all(parameters, run):
 
 
 @kernel
+def step_left(clock):
+    """Whether more is left of a grid step than rounding, as of a knot that ends it."""
+    return clock.dt - clock.elapsed > GRID_ROUNDING * clock.dt * (clock.step + 1)
+
+
+@kernel
 def grid_step(parameters, method, run, rows, log):
     """One dt, with all its events and knots; what it passes through enters the extremes of its interval."""
     clock = run.clock
@@ -182,7 +186,7 @@ def grid_step(parameters, method, run, rows, log):
     others = 0
     slips = 0
     clock.elapsed = 0.0
-    while clock.elapsed < clock.dt:
+    while step_left(clock):
         t = start + clock.elapsed
         h, knot = piece_length(parameters, clock, start)
         whole = h

@@ -18,7 +18,8 @@ from omnisim.dynamics.spatial import touching
 from omnisim.dynamics.spatial.pose import body_of
 from omnisim.dynamics.twist import body_motion
 from omnisim.dynamics.wheel import contact_state
-from omnisim.march.friction_modes import CREEP_SPEED, attraction, slip_rate
+from omnisim.march.creeping import CREEP_SPEED, creep_of
+from omnisim.march.friction_modes import attraction, slip_rate
 
 SLIP_FRACTION = 0.9  # of the time in which slip could stop, that one explicit sub-step may take at most
 FINE_FRACTION = 0.2  # the same for methods "auto" and "radau5", which are there for their accuracy
@@ -53,9 +54,9 @@ def step_length(parameters, run, t, h):
             if machine.rolling and grip != STICK:  # what sticks turns with the machine, which is heavier
                 relaxation = max(relaxation, run.monitors[w].relaxing[side])
             if parameters.workspace.resting is not None and grip == CREEP:  # it will stop soon, or go its own way
-                rate, slip, _ = slip_rate(parameters, run.mode[w], w, side, run.y, run.slopes[0])
+                rate, _, _ = slip_rate(parameters, run.mode[w], w, side, run.y, run.slopes[0])
                 speed = max(math.sqrt(run.monitors[w].slip_square[side]), LEAST_CREEPING)
-                h = min(h, creeping_time(run, slip, rate, speed))
+                h = min(h, creeping_time(run, creep_of(parameters, w, side), rate, speed))
             elif grip == SLIP and factor > 0.0:
                 rate, slip, a = slip_rate(parameters, run.mode[w], w, side, run.y, run.slopes[0])
                 mobility = largest(a)
@@ -85,11 +86,11 @@ def step_length(parameters, run, t, h):
 
 
 @kernel
-def creeping_time(run, slip, rate, speed):
+def creeping_time(run, u, rate, speed):
     """How long creeping slip may be stepped at once, s: a little beyond its end; where its direction does not turn as
     the stages say, only until it has doubled as well."""
     change = math.sqrt(rate.h * rate.h + rate.k * rate.k)
-    if run.newton is None and slip.h * rate.h + slip.k * rate.k >= 0.0:
+    if run.newton is None and u.h * rate.h + u.k * rate.k >= 0.0:
         return math.inf
     return CREEP_STEP * speed / max(change, TINY)
 
