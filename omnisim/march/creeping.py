@@ -43,6 +43,14 @@ def keep_creep(parameters, run, w, side):
 
 
 @kernel
+def search_anew(workspace):
+    """Let the next search for directions begin with those of the modes: a state alone, not what was evaluated before
+    it, tells its forces to the last bit."""
+    for contact in workspace.contacts:
+        contact.creep[0] = contact.creep[1] = 0.0
+
+
+@kernel
 def hold_direction(run, mode, contact):
     """Let a creeping contact keep the direction of its slip until a step turns it; young slip, and that of implicit
     steps, has that from rest."""
