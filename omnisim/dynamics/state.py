@@ -211,9 +211,10 @@ CLOCK = np.dtype(
         ("status", np.int64),
         ("wheel", np.int64),  # that caused the status, or -1
         ("dt", np.float64),  # s
-        ("fineness", np.float64),  # of sub-steps of slip: grip.fineness
-        ("aligned", np.float64),  # slip across its final direction that does not matter, m/s: grip.alignment
-        ("stopping", np.float64),  # twice the same along slip about to stop, m/s: grip.stopping_alignment
+        ("fineness", np.float64),  # of sub-steps of slip: march/substeps.py
+        ("aligned", np.float64),  # slip across its final direction that does not matter, m/s: march/slip_bounds.py
+        ("stopping", np.float64),  # twice the same along slip about to stop, m/s
+        ("lasting", np.float64),  # and of slip that will last, m/s
         ("elapsed", np.float64),  # in the grid step under way, s
         ("reach", np.float64),  # length of the last implicit step that converged, s
         ("rate", np.float64),  # relaxation rate of slip when found too stiff, 1/s

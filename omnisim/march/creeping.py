@@ -9,8 +9,9 @@ and p the polynomial without this stage,
     h omega(c) = p'(c) + (theta - p(c)) sum 1 / (c - c_i)
 
 which damps what the direction at the start is away from that of the contact equation, for every step and method. The
-step begins with the direction of the slip itself; nothing of the steps before enters. What slip then has across u at
-the end is taken away by an impulse across it, as friction would have done (impulses.py).
+step begins with the direction of the slip itself and, unless forces have jumped since, with the rate at which it turned
+at the end of the step before. What slip then has across u at the end is taken away by an impulse across it, as friction
+would have done (impulses.py).
 """
 
 import math
@@ -43,6 +44,16 @@ def keep_creep(parameters, run, w, side):
 
 
 @kernel
+def keep_young(parameters, run):
+    """Slip that has no direction of its own yet begins in that which all forces of this instant give it."""
+    if parameters.workspace.resting is not None:
+        for w in range(len(run.mode)):
+            mode = run.mode[w]
+            if mode.grip[0] == CREEP and not mode.shared and run.monitors[w].slip_square[0] < CREEP_SPEED**2:
+                keep_creep(parameters, run, w, 0)
+
+
+@kernel
 def search_anew(workspace):
     """Let the next search for directions begin with those of the modes: a state alone, not what was evaluated before
     it, tells its forces to the last bit."""
@@ -59,8 +70,8 @@ def hold_direction(run, mode, contact):
 
 
 @kernel
-def begin_turning(parameters, run, h):
-    """Begin a step in the directions that creeping slips have."""
+def begin_turning(parameters, run, c, h):
+    """Begin a step h in the directions that creeping slips have; its first stage is at the part c of it."""
     for w in range(len(run.mode)):
         if run.mode[w].grip[0] == CREEP and not run.mode[w].shared:
             contact = parameters.workspace.contacts[parameters.wheels[w].contacts]
@@ -70,6 +81,15 @@ def begin_turning(parameters, run, h):
                 contact.nodes = 2
                 contact.node[1] = contact.angle[1] = 0.0
                 contact.difference[1] = run.mode[w].veering * h
+    foresee_turning(parameters, run, c, h)
+
+
+@kernel
+def go_on_turning(parameters, run, c, following, h):
+    """The right-hand side has found the directions at the part c of a step h; the next stage is at the part
+    `following`."""
+    see_turning(parameters, run, c)
+    foresee_turning(parameters, run, following, h)
 
 
 @kernel
@@ -109,6 +129,7 @@ def see_turning(parameters, run, c):
 @kernel
 def end_turning(parameters, run, h):
     """Keep at which rate the directions turn at the end of a step h, by their last stages, and hold them there."""
+    see_turning(parameters, run, 1.0)
     for w in range(len(run.mode)):
         mode = run.mode[w]
         if mode.grip[0] == CREEP and not mode.shared:

@@ -28,7 +28,8 @@ from omnisim.march.events import (
     guard_kinds,
     resolution,
 )
-from omnisim.march.friction_modes import slip_rate, stopped_speed
+from omnisim.march.slip import slip_rate
+from omnisim.march.slip_bounds import stopped_speed
 from omnisim.march.spatial_events import of_state_alone
 from omnisim.march.spatial_location import cut_along, ends_anywhere, locate_in_space
 from omnisim.march.substeps import outrun

@@ -33,9 +33,9 @@ from omnisim.dynamics.normal_forces.rigid_plane import LEAST_REGULAR
 from omnisim.dynamics.parameters import CONTACTS
 from omnisim.dynamics.state import places
 from omnisim.dynamics.wheel import roller_end
-from omnisim.march.creeping import forget_turning
+from omnisim.march.creeping import forget_turning, keep_young
 from omnisim.march.event_log import record
-from omnisim.march.friction_modes import grip_guard, keep_young, young_guard
+from omnisim.march.friction_modes import grip_guard, young_guard
 from omnisim.march.grip_events import SLIPS, STUCK, change_grip
 from omnisim.march.roller_exchange import comes_to_rest_between, edge_rounding, leave_edge, release_rollers, stand_on
 from omnisim.march.runge_kutta import refresh

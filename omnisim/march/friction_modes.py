@@ -2,7 +2,7 @@
 
     SLIP   ---- slip below rest_speed, F inside the cone ---->  STICK
     SLIP   ---- slip below rest_speed, F outside ------------>  CREEP  (through zero without sticking)
-    SLIP   ---- slow slip, turning as the contact equation tells  CREEP  (or about to stop, see `stops`)
+    SLIP   ---- slow slip, turned by friction at once ------->  CREEP  (in space and by implicit steps only to stop)
     STICK  ---- |F| reaches mu N ---------------------------->  CREEP
     CREEP  ---- slip no longer young ------------------------>  SLIP
     CREEP  ---- slip turns back ----------------------------->  STICK or CREEP again
@@ -16,91 +16,31 @@ goes on along it, and stops at an instant that is located. The direction itself 
 import math
 
 from omnisim.base.kernel import kernel, outlined
-from omnisim.base.methods import EXPLICIT
 from omnisim.contact.frame import Slip
-from omnisim.contact.kinematics import slip_acceleration
-from omnisim.contact.mobility import across, inverse_mass
 from omnisim.contact.set_valued import CREEP, SLIP, STICK
 from omnisim.dynamics.impulses import align_slip, change_slip
-from omnisim.dynamics.indices import contact_count, rate_place
-from omnisim.dynamics.spatial.acceleration import slip_at, slip_change
-from omnisim.dynamics.spatial.mobility import contact_mobility
-from omnisim.dynamics.spatial.pose import body_of
-from omnisim.dynamics.spatial.touching import rate_of_roller, standing, touching_at
-from omnisim.dynamics.state import places
-from omnisim.dynamics.twist import acceleration_of, body_motion, wheel_motion
-from omnisim.dynamics.wheel import contact_state
-from omnisim.march.creeping import CREEP_SPEED, creep_of, forget_turning, hold_direction, keep_creep, turned_by
-from omnisim.march.runge_kutta import evaluate, refresh
+from omnisim.dynamics.indices import contact_count
+from omnisim.march.creeping import CREEP_SPEED, forget_turning, hold_direction, keep_creep
+from omnisim.march.runge_kutta import refresh
+from omnisim.march.slip import attraction, slip_of, slip_rate
+from omnisim.march.slip_bounds import (
+    LEAST_STIFF,
+    LEAST_TURNED,
+    STILL_TURNED,
+    rest_speed,
+    stiffness,
+    stopped_speed,
+    unseen,
+    youth,
+)
+from omnisim.march.veering import find_turning
 
 DRIFTED = 0.01  # of the square of slip that no longer matters: more drift of a sticking contact is taken away
-REST = 1e-11  # of 1 m/s and of the speeds that make up the slip, below which it no longer matters
-# What a coarse step does not see of slip across its final direction:
-ALIGNED, FINE_ALIGNED = 3e-4, 1e-6  # m/s; the second for methods "auto" and "radau5"
-STOPPING = 2.4e-6  # m/s, twice the error in the speed of the machine; of slip that is about to stop, explicit methods
-MOMENT, ROUNDS = 1 / 32, 2  # of a step, after which it is seen how a direction turns, and how often
-STOPPED = 0.1  # of the slip that no longer matters, at which creeping slip has come to its end, or
-STOPPED_OF_STOPPING = 1e-3  # of that which may be taken away across its direction
-LEAST_ALIGNED = 1e-13  # m/s of slip, of the finest step: taking the last slip away at REST costs more
 MOST_FREED = 20  # times in a step, after which slip is followed by sub-steps to its end
-LEAST_STIFF = 2.0  # relaxation of slip within a step, below which sub-steps cost nothing
-STILL_STIFF = 0.5 * LEAST_STIFF  # the same of slip that creeps already: less, lest it begin and end in turn
 AT_EASE = 0.5  # of what a step does not see, that slip which lasts may turn in it: less, for the same reason
-NOT, NEAR, LASTING = range(3)  # how slip goes on in the direction of the contact equation
+NOT, SOON, NEAR, LASTING = range(4)  # how slip goes on in the direction of the contact equation
 CREEP_ROUNDING = 1e-3  # of the slip that no longer matters: what contacts that let go together may slip back
 CONE = 1e-12  # of mu times load and weight, by which a sticking force may pass the cone in rounding
-
-
-@kernel
-def slip_rate(parameters, mode, w, side, y, slope):
-    """v' (Slip, m/s^2) at a contact of wheel w in a state y with this derivative, v (Slip, m/s), and A, 1/kg."""
-    if parameters.space is not None:
-        stand = standing(parameters, w, body_of(parameters, y), y)
-        mobility = contact_mobility(parameters, w, stand.hub, touching_at(parameters, mode, w, side, stand))
-        change = slip_change(parameters, mode, w, side, stand, y, slope)
-        return change, slip_at(parameters, mode, w, side, y), mobility
-    return upright_slip_rate(parameters, mode, w, side, y, slope)
-
-
-@kernel
-def upright_slip_rate(parameters, mode, w, side, y, slope):
-    """The same of a machine that is upright."""
-    wheel = parameters.wheels[w]
-    at = places(parameters)
-    body = body_motion(parameters, y)
-    state = contact_state(parameters, mode, w, side, body, y)
-    acceleration = acceleration_of(parameters, body, slope)
-    roller = slope[rate_place(parameters, mode, w, side)]
-    motion = wheel_motion(wheel, body.twist, acceleration, slope[at.spin_rate + w], roller)
-    mobility = inverse_mass(parameters.machine, wheel, state.axis, state.contact)
-    return slip_acceleration(wheel, state, motion), state.slip, mobility
-
-
-def alignment(part: float, choice: int) -> float:
-    """Slip across the direction of the contact equation that a step does not see, m/s: ~ dt^4, as its error.
-
-    part: the step by a coarse one, at most 1.
-    """
-    coarsest = ALIGNED if choice == EXPLICIT else FINE_ALIGNED
-    return max(coarsest * part**4, LEAST_ALIGNED)
-
-
-def stopping_alignment(part: float, choice: int, lightness: float) -> float:
-    """Twice the error in the speed of slip that is about to stop, which a step does not see, m/s.
-
-    Friction would have turned it soon in any case: what remains of slip v_n across slip v is a speed v_n^2 / 2 v along
-    it, and of that what the contact gives the machine; with dt^6 it stays behind the method's own error where slow slip
-    lasts. Implicit steps follow it at no cost.
-    part: the step by a coarse one, at most 1; lightness: mass of the machine by that with which a contact resists its
-    slip, 1.
-    """
-    return lightness * STOPPING * part**6 if choice == EXPLICIT else 0.0
-
-
-@kernel
-def unseen(clock, stopping, speed):
-    """Slip across the direction of the contact equation that a step does not see, m/s, of slip of this speed."""
-    return max(clock.aligned, math.sqrt(clock.stopping * speed)) if stopping else clock.aligned
 
 
 @kernel
@@ -122,21 +62,6 @@ def load_at(parameters, run, w, side):
     if parameters.space is not None:
         return run.monitors[w].load[side]
     return run.monitors[w].normal_force if run.mode[w].loaded else 0.0
-
-
-@kernel
-def slip_of(parameters, mode, w, side, y):
-    """Slip velocity (Slip, m/s) at a contact of wheel w in state y."""
-    if parameters.space is not None:
-        return slip_at(parameters, mode, w, side, y)
-    return contact_state(parameters, mode, w, side, body_motion(parameters, y), y).slip
-
-
-@kernel
-def stopped_speed(parameters, run, w, side):
-    """Slip that counts as the end of creeping slip, m/s."""
-    rest = rest_speed(parameters, run.mode[w], w, side, run.y)
-    return max(STOPPED * rest, STOPPED_OF_STOPPING * run.clock.stopping)
 
 
 @kernel
@@ -162,12 +87,11 @@ def stops(parameters, run, w, side):
     attracted = attraction(monitors, side, rate, slip, mobility)
     followed = parameters.space is None and run.newton is None
     speed = math.sqrt(square)
-    if followed:
-        near = attracted * run.clock.dt > LEAST_STIFF * square
-    else:
-        near = stiff and square < -along * run.clock.dt
-    if near and abs(turn) * speed < attracted * unseen(run.clock, True, speed):
-        return NEAR
+    soon = square < -along * run.clock.dt
+    near = attracted * run.clock.dt > LEAST_TURNED * square if followed else stiff and soon
+    hidden = unseen(run.clock, True, speed) if soon else math.sqrt(run.clock.lasting * speed)
+    if near and abs(turn) * speed < attracted * hidden:
+        return SOON if soon else NEAR
     if parameters.space is None or run.newton is not None or not stiff:
         return NOT
     return LASTING if abs(turn) * run.clock.dt < AT_EASE * run.clock.aligned * speed else NOT
@@ -181,54 +105,8 @@ def slip_freely(parameters, run):
         mode, monitors = run.mode[w], run.monitors[w]
         if mode.grip[0] == CREEP and not mode.shared and monitors.slip_square[0] > CREEP_SPEED**2:
             rate, slip, mobility = slip_rate(parameters, mode, w, 0, run.y, run.slopes[0])
-            if attraction(monitors, 0, rate, slip, mobility) * run.clock.dt < STILL_STIFF * monitors.slip_square[0]:
+            if attraction(monitors, 0, rate, slip, mobility) * run.clock.dt < STILL_TURNED * monitors.slip_square[0]:
                 mode.grip[0] = SLIP
-
-
-@kernel
-def attraction(monitors, side, rate, slip, mobility):
-    """Rate at which friction turns slip into the direction of the contact equation, by the square of slip, m^2/s^3."""
-    along = slip.h * rate.h + slip.k * rate.k
-    return monitors.factor[side] * across(mobility, slip.h, slip.k) + along
-
-
-@kernel
-def stiffness(parameters, clock, monitors, side):
-    """Relaxation of slip within a grid step, at most, 1."""
-    return monitors.factor[side] * parameters.machine.slip_mobility * clock.dt
-
-
-@kernel
-def slip_across(monitors, side):
-    """Slip of a creeping contact across the direction of the contact equation, m/s."""
-    return math.sqrt(max(monitors.slip_square[side] - monitors.margin[side] ** 2, 0.0))
-
-
-@kernel
-def youth(parameters, clock, mode, monitors, side):
-    """Positive while creeping slip is too young for a direction of its own: so slow, or else so little of it across
-    the direction of the contact equation that the error of a step hides it, while sub-steps would have to be short."""
-    speed = math.sqrt(monitors.slip_square[side])
-    hidden = min(
-        unseen(clock, mode.stopping[side], speed) - slip_across(monitors, side),
-        stiffness(parameters, clock, monitors, side) - STILL_STIFF,
-    )
-    return max(CREEP_SPEED - speed, hidden)
-
-
-@kernel
-def rest_speed(parameters, mode, w, side, y):
-    """Slip of a contact that no longer matters, m/s: it follows the speeds whose rounding the slip inherits."""
-    wheel = parameters.wheels[w]
-    at = places(parameters)
-    spin = wheel.radius * abs(y[at.spin_rate + w])
-    yaw = (abs(wheel.offset[0]) + abs(wheel.offset[1])) * abs(y[at.yaw_rate])
-    if parameters.space is not None:
-        rate = y[rate_of_roller(parameters, mode, w, side)]
-    else:
-        rate = y[rate_place(parameters, mode, w, side)]
-    roller = (wheel.radius - wheel.roller_distance) * abs(rate)
-    return REST * (1.0 + abs(y[at.velocity]) + abs(y[at.velocity + 1]) + spin + yaw + roller)
 
 
 @kernel
@@ -304,19 +182,21 @@ def start_creep(parameters, run, w, side, t):
 @kernel
 def begin_to_stop(parameters, run, t):
     """Let slips that are about to stop, or last, go on in the direction of the contact equation, in which they will."""
+    lasts = False
     for w in range(len(run.mode)):
         mode = run.mode[w]
         for side in range(contact_count(mode)):
             how = stops(parameters, run, w, side)
             if how != NOT:
                 slip = slip_of(parameters, mode, w, side, run.y)
-                mode.grip[side], mode.stopping[side] = CREEP, how == NEAR
+                mode.grip[side], mode.stopping[side] = CREEP, how != LASTING
+                lasts = lasts or how != SOON
                 if parameters.space is None:
                     mode.foreseen, mode.veer[0], mode.veer[1] = 0, 0.0, 0.0
                 speed = math.sqrt(run.monitors[w].slip_square[side])
                 mode.creep[side, 0], mode.creep[side, 1] = slip.h / speed, slip.k / speed
     refresh(parameters, run, t)
-    if parameters.space is None and run.newton is None:
+    if parameters.space is None and run.newton is None and lasts:
         find_turning(parameters, run, t)
     if parameters.space is not None:
         slip_on(parameters, run, t)
@@ -328,52 +208,6 @@ def begin_to_stop(parameters, run, t):
                     hold_direction(run, run.mode[w], parameters.workspace.contacts[parameters.wheels[w].contacts])
     align_slip(parameters, run)
     refresh(parameters, run, t)
-
-
-@outlined
-def find_turning(parameters, run, t):
-    """Find at which rates slips turn that begin to creep: by the directions a moment later, in rounds, as slip stays
-    behind the direction from rest by as much as that turns while friction turns the slip."""
-    moment = MOMENT * run.clock.dt
-    for _ in range(ROUNDS):
-        for m in range(len(run.y)):
-            run.trial[m] = run.y[m] + moment * run.slopes[0, m]
-        for w in range(len(run.mode)):
-            keep_begun(parameters, run, w)
-        evaluate(parameters, run.mode, run.clock.piece, t + moment, run.trial, run.slopes[-1], run.monitors_end)
-        run.clock.rhs += 1
-        for w in range(len(run.mode)):
-            mode = run.mode[w]
-            if begins(mode):
-                later = creep_of(parameters, w, 0)
-                mode.veering = turned_by(mode.creep[0], (later.h, later.k)) / moment
-                mode.veer[0] = mode.veering
-        refresh(parameters, run, t)
-    for w in range(len(run.mode)):
-        keep_begun(parameters, run, w)
-        run.mode[w].foreseen = run.mode[w].foreseen or begins(run.mode[w])
-
-
-@kernel
-def begins(mode):
-    """Whether a wheel has just begun to creep: its direction is not held yet."""
-    return mode.grip[0] == CREEP and not mode.shared and mode.veer[1] == 0.0
-
-
-@kernel
-def keep_begun(parameters, run, w):
-    if begins(run.mode[w]):
-        keep_creep(parameters, run, w, 0)
-
-
-@kernel
-def keep_young(parameters, run):
-    """Slip that has no direction of its own yet begins in that which all forces of this instant give it."""
-    if parameters.workspace.resting is not None:
-        for w in range(len(run.mode)):
-            mode = run.mode[w]
-            if mode.grip[0] == CREEP and not mode.shared and run.monitors[w].slip_square[0] < CREEP_SPEED**2:
-                keep_creep(parameters, run, w, 0)
 
 
 @kernel

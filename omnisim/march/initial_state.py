@@ -14,14 +14,13 @@ from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.spatial.records import SPATIAL_MODE, SPATIAL_MONITORS
 from omnisim.dynamics.spatial.swings import fastest_swing
 from omnisim.dynamics.state import CLOCK, EXTREME, MODE, MONITORS, YAW, Newton, Recording, Run, places_in
-from omnisim.march.friction_modes import alignment, stopping_alignment
+from omnisim.march.slip_bounds import alignment, lasting_alignment, stopping_alignment
 from omnisim.march.spatial_start import pose_at_start, state_in_space
 from omnisim.march.stiffness import resolve
 from omnisim.march.substeps import fineness
 from omnisim.scene.schema import Config, Time
 
-COARSE_STEP = 1e-2  # s: of methods that are there for their accuracy, and in space
-COARSEST_STEP = 2e-2  # s: of explicit methods with an upright machine
+COARSE_STEP = 1e-2  # s: of an upright machine, and of methods that are there for their accuracy
 
 
 def begin(config: Config, parameters: Parameters, ask: Ask[Config] = alone) -> Run:
@@ -55,9 +54,10 @@ def clock_at_start(time: Time, method: Method, choice: int, parameters: Paramete
     clock = np.frombuffer(bytearray(clock_of(time, method, choice)), recorded(CLOCK))[0]
     part = min(1.0, float(clock["dt"]) / coarse_step(parameters, choice))
     lightness = parameters.machine["mass"] * parameters.machine["slip_mobility"]
-    clock["fineness"] = fineness(min(1.0, 2.0 * part), choice, method.tableau.order)
-    clock["aligned"] = alignment(part, choice)
-    clock["stopping"] = stopping_alignment(part, choice, lightness)
+    clock["fineness"] = fineness(part, choice, method.tableau.order)
+    clock["aligned"] = alignment(part, choice, method.tableau.order)
+    clock["stopping"] = stopping_alignment(part, choice, method.tableau.order, lightness)
+    clock["lasting"] = lasting_alignment(part, choice, lightness)
     return clock
 
 
@@ -82,10 +82,8 @@ def clock_of(time: Time, method: Method, choice: int) -> bytes:
 def coarse_step(parameters: Parameters, choice: int) -> float:
     """A grid step from which on sub-steps of slip are as coarse as is safe, s: of explicit ones in space one in which
     the machine swings by 1 rad on its rubber, as they err by powers of that."""
-    if choice != EXPLICIT:
+    if parameters.space is None or choice != EXPLICIT:
         return COARSE_STEP
-    if parameters.space is None:
-        return COARSEST_STEP
     return min(COARSE_STEP, 1.0 / fastest_swing(parameters))
 
 

@@ -4,7 +4,7 @@ from omnisim.base.kernel import kernel, outlined
 from omnisim.dynamics.multibody.joint_kinematics import project_bodies
 from omnisim.dynamics.right_hand_side import rhs
 from omnisim.dynamics.state import Stage
-from omnisim.march.creeping import begin_turning, end_turning, foresee_turning, see_turning
+from omnisim.march.creeping import begin_turning, end_turning, go_on_turning
 
 
 @kernel
@@ -14,7 +14,7 @@ def explicit_step(parameters, method, run, t, h):
     y, trial, slopes, carry, increment = run.y, run.trial, run.slopes, run.carry, run.increment
     stages = len(b)
     if parameters.workspace.resting is not None and parameters.space is None and run.newton is None and h > 0.0:
-        begin_turning(parameters, run, h)
+        begin_turning(parameters, run, c[1], h)
     for i in range(1, stages + 1):
         last = i == stages
         if not last:
@@ -34,13 +34,12 @@ def explicit_step(parameters, method, run, t, h):
                 rate = increment[m] + (b[i - 2] * slopes[i - 2, m] + b[i - 1] * slopes[i - 1, m])
                 increment[m] = carry[m] + h * rate
                 trial[m] = y[m] + increment[m]
-        if parameters.workspace.resting is not None and parameters.space is None and run.newton is None and h > 0.0:
-            foresee_turning(parameters, run, part, h)
         rhs(parameters, Stage(run.mode, run.clock.piece, t + part * h, trial, slopes[i], run.monitors_end, last))
         if parameters.workspace.resting is not None and parameters.space is None and run.newton is None and h > 0.0:
-            see_turning(parameters, run, part)
-    if parameters.workspace.resting is not None and parameters.space is None and run.newton is None and h > 0.0:
-        end_turning(parameters, run, h)
+            if last:
+                end_turning(parameters, run, h)
+            else:
+                go_on_turning(parameters, run, part, c[i + 1] if i + 1 < stages else 1.0, h)
     run.clock.rhs += stages
 
 

@@ -2,7 +2,7 @@
 
 Near zero slip v / |v| turns ever faster towards a limit direction, so a slipping contact is stepped by a fraction of
 the time in which it could stop or turn: slip shrinks geometrically and never crosses zero. What happens when it is
-almost there is in friction_modes.py.
+almost there is in friction_modes.py and creeping.py.
 """
 
 import math
@@ -19,7 +19,7 @@ from omnisim.dynamics.spatial.pose import body_of
 from omnisim.dynamics.twist import body_motion
 from omnisim.dynamics.wheel import contact_state
 from omnisim.march.creeping import CREEP_SPEED, creep_of
-from omnisim.march.friction_modes import attraction, slip_rate
+from omnisim.march.slip import attraction, slip_rate
 
 SLIP_FRACTION = 0.9  # of the time in which slip could stop, that one explicit sub-step may take at most
 FINE_FRACTION = 0.2  # the same for methods "auto" and "radau5", which are there for their accuracy
