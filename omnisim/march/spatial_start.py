@@ -15,6 +15,7 @@ from omnisim.scene.rollers import thickest
 from omnisim.scene.schema import Config
 
 HEIGHT = ("initial", "height")
+FREE = ("scene", "upright")  # what asks for a pose
 TIPPED = math.radians(60.0)  # of pitch or roll: it may rest there, but does not stand
 
 
@@ -59,7 +60,7 @@ def standing_pose(config: Config, parameters: Parameters) -> tuple[Pose, np.ndar
             raise NoEquilibriumError("it tips over")
     except NoEquilibriumError as error:
         what = f"missing, and where the scene puts the machine it has no pose at rest to begin in: {error}"
-        raise ConfigError([Problem(HEIGHT, f"{what}; give a height, pitch_deg or roll_deg")]) from None
+        raise ConfigError([Problem(HEIGHT, f"{what}; give a height, pitch_deg or roll_deg", FREE)]) from None
     return Pose(x[0], x[1], x[2], x[3:]), loads
 
 

@@ -59,7 +59,7 @@ class Document:
             places[top] = (0, override.origin)
         lines = []
         for problem in problems:
-            line, place = _nearest(places, problem.path)
+            line, place = _nearest(places, problem.path, problem.asking)
             lines.append((line, f"{place}: {sentence(problem, self.data)}"))
         told = [message for _, message in sorted(lines, key=lambda entry: entry[0])]
         more = [f"{self.source}: and more of this"] if len(told) > MOST_PROBLEMS else []
@@ -96,11 +96,11 @@ def by_name(path: KeyPath, data: dict[str, Any]) -> KeyPath:
     return path
 
 
-def _nearest(places: dict[KeyPath, tuple[int, str]], path: KeyPath) -> tuple[int, str]:
-    """The place of a key; of its table when it is missing."""
+def _nearest(places: dict[KeyPath, tuple[int, str]], path: KeyPath, asking: KeyPath) -> tuple[int, str]:
+    """The place of a key; of its table when it is missing; of what asks for it when that is missing too."""
     while path not in places:
         path = path[:-1]
-    return places[path]
+    return places[path] if path or not asking else _nearest(places, asking, ())
 
 
 def sentence(problem: Problem, data: dict[str, Any]) -> str:

@@ -16,10 +16,12 @@ MOST = 200  # errors of pydantic that are looked at: a file of nonsense has as m
 
 
 class Problem(NamedTuple):
-    """One defect of a scene: the key it is about (wheels and entries by index), and what is allowed."""
+    """One defect of a scene: the key it is about (wheels and entries by index), what is allowed, and the key that asks
+    for it, which is shown where not even its table is there."""
 
     path: KeyPath
     message: str
+    asking: KeyPath = ()
 
 
 class ConfigError(ValueError):

@@ -88,6 +88,17 @@ def test_what_cannot_begin_is_one_line(folder, overrides, parts):
         omnisim.simulate(omnisim.load("cable_duct", overrides))
 
 
+@pytest.mark.parametrize(("before", "after", "line"), [
+    ("", "", 9),  # where it is said that it is free
+    ("", "\n[initial]\nyaw_deg = 10.0\n", 78),
+    ("\ninitial.yaw_deg = 10.0\n", "", 2),
+])  # fmt: skip
+def test_a_pose_that_is_missing_is_missed_where_the_scene_tells_of_the_start(folder, before, after, line):
+    text = omnisim.load("cable_duct", [OFF]).text
+    (folder / "off.toml").write_text(before + text + after)
+    refused(command("run", "off.toml"), f"off.toml:{line}: initial.height: missing")
+
+
 def test_info_of_a_machine_that_cannot_begin_says_so_too(folder):
     scene = tomllib.loads(omnisim.load("cable_duct", [OFF]).text)
     assert scene["chassis"]["center_of_mass"][0] == 0.6
