@@ -198,7 +198,8 @@ def grid_step(parameters, method, run, rows, log):
         if turns > TURNS_PER_STEP:
             clock.status, clock.wheel = ROCKING, w
         elif others > CUTS_PER_STEP and parameters.workspace.resting is None:
-            too_stiff(parameters, run, w)
+            clock.wheel = w
+            too_stiff(parameters, run, w, RESTLESS)
         elif slips > SLIPS_PER_STEP:
             clock.status = SLOW_SLIP
             clock.wheel = max(w, 0)
@@ -207,7 +208,7 @@ def grid_step(parameters, method, run, rows, log):
         elif clock.events - first_event > EVENTS_PER_STEP:
             clock.status, clock.wheel = CROWDED, w
             if too_fast(parameters, run, w):
-                too_stiff(parameters, run, w)
+                too_stiff(parameters, run, w, CROWDED)
         if clock.status != RUNNING:
             return
 

@@ -36,10 +36,10 @@ def check(parameters, run):
     """
     clock = run.clock
     if not finite(run.y, run.slopes[0]):
-        if clock.stiff > 0:
-            too_stiff(parameters, run, max(clock.wheel, 0))
-        else:
-            clock.status = NOT_FINITE if clock.row else NO_START
+        clock.status = NOT_FINITE if clock.row else NO_START
+        for w in range(len(run.mode)):
+            if clock.stiff > 0 and clock.status != TOO_STIFF:
+                too_stiff(parameters, run, w, clock.status)
         return
     stiff = -1
     for w in range(len(run.mode)):
@@ -52,7 +52,7 @@ def check(parameters, run):
             stiff = w
     clock.stiff = clock.stiff + 1 if stiff >= 0 else max(clock.stiff - 1, 0)
     if clock.stiff >= STIFF_STEPS:
-        too_stiff(parameters, run, stiff)
+        too_stiff(parameters, run, stiff, TOO_STIFF)
 
 
 @kernel
@@ -135,16 +135,19 @@ def mobility_at(parameters, mode, y, w, c):
 
 
 @outlined
-def too_stiff(parameters, run, w):
-    """Stop for friction at wheel w, with the largest rate at which it relaxes slip anywhere on a roller."""
+def too_stiff(parameters, run, w, otherwise):
+    """Stop for friction at wheel w, with the largest rate at which it relaxes slip anywhere on a roller; with the
+    status `otherwise` where steps could follow that, or where the load diverged and no rate is left."""
+    clock = run.clock
     machine = parameters.machine
-    still = Slip(0.0, 0.0)
-    at_rest = friction_factor(machine, 0, run.monitors[w].normal_force, still, still)
-    run.clock.rate = at_rest * roller_mobility(machine, parameters.wheels[w], parameters.roller_rows)
+    load, still = run.monitors[w].normal_force, Slip(0.0, 0.0)
+    at_rest = friction_factor(machine, 0, load, still, still)
+    clock.rate = at_rest * roller_mobility(machine, parameters.wheels[w], parameters.roller_rows)
     if machine.rolling:
-        rolling = rolling_relaxation(parameters.wheels[w], 0.0, 0.0)
-        run.clock.rate = max(run.clock.rate, run.monitors[w].normal_force * rolling)
-    run.clock.wheel, run.clock.status = w, TOO_STIFF
+        clock.rate = max(clock.rate, load * rolling_relaxation(parameters.wheels[w], 0.0, 0.0))
+    clock.status = otherwise
+    if clock.stability_limit < clock.rate * clock.dt < math.inf or otherwise == TOO_STIFF:
+        clock.status, clock.wheel = TOO_STIFF, w
 
 
 @kernel

@@ -99,6 +99,13 @@ def test_a_pose_that_is_missing_is_missed_where_the_scene_tells_of_the_start(fol
     refused(command("run", "off.toml"), f"off.toml:{line}: initial.height: missing")
 
 
+@pytest.mark.parametrize("start", ["initial.vertical_velocity=-1e5", "initial.roll_rate=1e6"])
+def test_a_start_too_fast_for_its_step_is_told_as_such(start):
+    """It is 5 m below the ground after a step: no friction is to blame."""
+    run = omnisim.simulate(omnisim.load("cable_duct", [start, "time.end=0.01"]))
+    assert run.attributes["status"].startswith("the motion diverged at t = 5e-05 s: a state is no longer finite; try")
+
+
 def test_info_of_a_machine_that_cannot_begin_says_so_too(folder):
     scene = tomllib.loads(omnisim.load("cable_duct", [OFF]).text)
     assert scene["chassis"]["center_of_mass"][0] == 0.6
