@@ -73,8 +73,9 @@ def above_ground(config: Config, parameters: Parameters, pose: Pose) -> None:
     for wheel, depth in zip(config.wheels, depths, strict=True):
         most = thickest(config.type_of(wheel))
         if depth > most:
-            what = f"wheel '{wheel.name}' begins below the ground: its rollers are {depth:.3g} m in it, added up"
-            raise ConfigError([Problem(HEIGHT, f"{what}; must be at most {most:.3g} m, the radius of one")])
+            what = f"wheel '{wheel.name}' begins below the ground: the depths of its rollers in it add up to"
+            sizes = f"{depth:.3g} m, more than the radius of one, {most:.3g} m"
+            raise ConfigError([Problem(HEIGHT, f"{what} {sizes}; give a greater height")])
 
 
 def positions(config: Config, parameters: Parameters, pose: Pose) -> np.ndarray:

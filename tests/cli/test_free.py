@@ -78,7 +78,8 @@ def test_info_tells_how_far_wheels_heave_whose_rollers_are_cut_short_and_which_h
 
 
 @pytest.mark.parametrize(("overrides", "parts"), [
-    (["initial.height=-0.02"], ["initial.height = -0.02", "wheel 'front_left' begins below the ground", "0.0115 m"]),
+    (["initial.height=-0.02"], ["initial.height = -0.02", "wheel 'front_left' begins below the ground",
+                                "rollers in it add up to 0.0483 m, more than the radius of one, 0.0115 m; give a"]),
     ([OFF], ["initial.height", "missing", "no pose at rest", "give a height"]),
 ])  # fmt: skip
 def test_what_cannot_begin_is_one_line(folder, overrides, parts):
