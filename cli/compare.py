@@ -21,6 +21,7 @@ KINDS = {
     "tracking": (("implicit", "explicit"), ("authors_testbench", "authors_sliding")),
     "formulation": (("reduced", "multibody"), ("coulomb_wheel", "kiwi", "youbot")),
 }
+OF_FREE = {"tracking": "explicit", "formulation": "reduced"}  # what machines free in space have
 CHOICE = click.Choice([name for names, _ in KINDS.values() for name in names])
 PAPER_RATIO = 1.5  # in the paper: time of the implicit tracking / time of the explicit one
 
@@ -40,11 +41,9 @@ def compare(a: str, b: str, scene: str | None) -> None:
     omnisim compare implicit explicit
     omnisim compare reduced multibody scene.toml
     """
-    from omnisim.scene.scene import load
-
     kind, scenes = kind_of(a, b)
     names = (scene,) if scene else scenes
-    pairs = [[load(name, [f"solver.{kind}={choice}"]) for choice in (a, b)] for name in names]
+    pairs = [scenes_of(name, kind, (a, b)) for name in names]
     stopped = []
     for name, pair in zip(names, pairs, strict=True):
         trajectories = compare_pair(pair, kind, (a, b))
@@ -61,6 +60,19 @@ def kind_of(a: str, b: str) -> tuple[str, tuple[str, ...]]:
             return kind, scenes
     pairs = ", or ".join(" and ".join(choices) for choices, _ in KINDS.values())
     raise click.BadParameter(f"{a} and {b} are not of one kind; compare {pairs}", param_hint="A B")
+
+
+def scenes_of(name: str, kind: str, choices: tuple[str, str]) -> list[Scene]:
+    """A scene with either choice. Raises SceneError, for one of a machine free in space in the words of its file."""
+    from omnisim.scene.problems import Problem
+    from omnisim.scene.scene import SceneError, load
+
+    scene = load(name)
+    if scene.config.upright == "free" and set(choices) != {OF_FREE[kind]}:
+        what = f"a machine free in space has one {kind}, {OF_FREE[kind]}: there is nothing to compare it with"
+        problem = Problem(("scene", "upright"), f"{what}; give the scene of a machine that is held upright")
+        raise SceneError(scene.document.told([problem]))
+    return [load(name, [f"solver.{kind}={choice}"]) for choice in choices]
 
 
 def compare_pair(pair: Sequence[Scene], kind: str, choices: tuple[str, str]) -> Sequence[Trajectory]:
