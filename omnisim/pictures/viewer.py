@@ -29,6 +29,7 @@ from omnisim.pictures.viewer_space import AXES, ground, motion_in_space, shape_o
 from omnisim.results.commanded import target_rates
 from omnisim.results.rollers import joint_angles
 from omnisim.results.trajectory import Trajectory
+from omnisim.scene.ground_schema import Rocker
 from omnisim.scene.scene import parse
 from omnisim.scene.schema import Config, Wheel
 
@@ -114,7 +115,7 @@ def _wheel(config: Config, wheel: Wheel) -> dict[str, Any]:
     psi = math.radians(config.type_of(wheel).roller_angle_deg)
     rocker = config.rocker_of(wheel)
     return {
-        **({"rocker": {"axis": AXES[rocker.about], "point": rocker.point}} if rocker is not None else {}),
+        **({} if rocker is None else {"rocker": _rocker(rocker)}),
         "name": wheel.name,
         "type": wheel.type,
         "position": wheel.position,
@@ -122,6 +123,10 @@ def _wheel(config: Config, wheel: Wheel) -> dict[str, Any]:
         "psi": -psi if wheel.mirrored else psi,
         "phase": math.radians(wheel.phase_deg),
     }
+
+
+def _rocker(rocker: Rocker) -> dict[str, Any]:
+    return {"name": rocker.name, "axis": AXES[rocker.about], "point": rocker.point}
 
 
 def _floor(config: Config) -> str:

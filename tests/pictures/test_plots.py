@@ -65,6 +65,14 @@ def test_a_ride_shows_height_roll_pitch_and_travel_as_recorded(runs):
     assert len(plots.ride(runs["kiwi_ramp"]).axes) == 4  # no springs
 
 
+def test_a_ride_shows_a_rocker_once_by_its_name(runs):
+    run = runs["rocker"]
+    angle = plots.ride(run).axes[2]
+    (line,) = angle.lines
+    assert (line.get_label(), angle.get_ylabel()) == ("front", "angle of rockers, deg")
+    assert np.array_equal(line.get_ydata(), np.degrees(run["wheels/front_right/rocker_angle"]))
+
+
 @pytest.mark.parametrize("name", either(["story", "path", "contact", "slip", "forces", "rollers", "energy"], ["story"]))
 @pytest.mark.parametrize("size", [{"rows": 1, "events": 0}, {"rows": 2, "events": 1}, {"rows": 30, "rollers": 64}])
 def test_small_and_large_files_are_drawn_without_a_warning(name, size, recwarn):

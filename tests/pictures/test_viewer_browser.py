@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from helpers.charts import CURVES
 from helpers.stages import either
 
 from omnisim.pictures.viewer import (
@@ -134,13 +135,6 @@ def test_ticks_are_round_whatever_the_duration(shown):
         (10.0, 0, [0]),
     ):  # fmt: skip
         assert shown("kiwi").evaluate(ask, [duration, pixels]) == list(expected)
-
-
-CURVES = """async () => {
-  const [{ Motion }, { quantities }] = await Promise.all([import("omnisim/motion"), import("omnisim/quantities")]);
-  const data = JSON.parse(document.getElementById("data").textContent);
-  return quantities(new Motion(data.motion), data.machine.wheels);
-}"""
 
 
 @pytest.mark.long

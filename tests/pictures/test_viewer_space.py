@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from helpers.charts import CURVES
 from helpers.stages import either
 
 from omnisim.pictures.viewer import kept_rows
@@ -44,6 +45,13 @@ def test_a_wheel_in_the_air_looks_so(runs, shown):
     for row in rows:
         told = [tab.evaluate(ask, [run.time[inside[row]], w]) for w in range(4)]
         assert told == flying[:, row].tolist()
+
+
+def test_the_chart_has_the_angle_of_a_rocker_once(runs, shown):
+    (curve,) = shown("rocker").evaluate(CURVES)["angle of the rocker, rad"]
+    run = runs["rocker"]
+    recorded = run["wheels/front_right/rocker_angle"][kept_rows(run.time)]
+    assert curve["label"] == "front" and np.array_equal(curve["values"], recorded.astype("float32"))
 
 
 def test_a_rocker_turns_as_its_wheels_stand(runs):

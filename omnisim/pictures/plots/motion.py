@@ -3,8 +3,9 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from omnisim.pictures.plots.asked import config_of
 from omnisim.pictures.plots.drive import TORQUE
-from omnisim.pictures.plots.panels import Bands, Panel, bands_of_wheels, extremes, of_wheels, over_time, size
+from omnisim.pictures.plots.panels import Bands, Curves, Panel, bands_of_wheels, extremes, of_wheels, over_time, size
 from omnisim.pictures.plots.style import PlotError, Runs, view
 from omnisim.results.spatial import attitude
 from omnisim.results.trajectory import Trajectory
@@ -64,10 +65,18 @@ def inclination(run: Trajectory) -> dict[str, np.ndarray]:
     return dict(zip(("roll", "pitch"), np.degrees(attitude(run["body/orientation"])), strict=True))
 
 
+def rocker_angles(run: Trajectory) -> Curves:
+    """By which each rocker is turned, deg, once for both of its wheels; by wheel where the scene cannot be read."""
+    config = config_of(run)
+    if config is None:
+        return of_wheels("rocker_angle", np.degrees)(run)
+    return {rocker.name: np.degrees(run[f"wheels/{rocker.wheels[0]}/rocker_angle"]) for rocker in config.axles}
+
+
 HEIGHT = Panel("height, mm", above_ground)
 INCLINATION = Panel("roll, pitch, deg", inclination)
 TRAVEL = Panel("travel of springs, mm", of_wheels("suspension_travel", lambda travel: 1e3 * travel))
-ROCKER = Panel("angle of rockers, deg", of_wheels("rocker_angle", np.degrees))
+ROCKER = Panel("angle of rockers, deg", rocker_angles)
 SPEED = Panel("speed, m/s", of_body("body/velocity", lambda velocity: size(velocity[:, :2])))
 YAW_RATE = Panel("yaw rate, rad/s", of_body("body/yaw_rate"))
 NORMAL_FORCE = Panel("normal force, N", of_wheels("normal_force"), bands_of_wheels("normal_force"))

@@ -26,6 +26,12 @@ export function quantities(motion, wheels) {
     });
   }
 
+  // Each once, for both of its wheels.
+  function rockers() {
+    const first = new Map(wheels.filter(({ rocker }) => rocker).map(({ rocker, name }) => [rocker.name, name]));
+    return [...first].flatMap(([label, wheel]) => body(label, `wheels/${wheel}/rocker_angle`));
+  }
+
   const all = {
     "speed, m/s": body("speed", "body/velocity", size("body/velocity")),
     "height, m": has("body/orientation") ? body("height", "body/position", motion.column("body/position", 2)) : [],
@@ -39,7 +45,7 @@ export function quantities(motion, wheels) {
     "electrical power, W": each("electrical_power"),
     "slip, m/s": each("slip_velocity", size),
     "suspension travel, m": each("suspension_travel"),
-    "angle of the rocker, rad": each("rocker_angle"),
+    "angle of the rocker, rad": rockers(),
     "normal force, N": each("normal_force"),
     "friction force, N": each("friction_force", size),
     "odometry error, m": has("odometry/position_error")
