@@ -37,8 +37,8 @@ ROWS_PER_SECOND = 60.0  # more than a screen shows; the page interpolates with t
 MOST_ROWS = 20_000  # of long runs: about 10 MB on four wheels of eighteen rollers
 ROUNDING = 1e-9  # of a row
 MODULES = (
-    "motion", "wheels", "chassis", "machine", "arrows", "shadow", "ground", "quality", "stage", "quantities", "timebar",
-    "chart", "main",
+    "motion", "wheels", "carriers", "chassis", "machine", "arrows", "shadow", "ground", "quality", "stage",
+    "quantities", "timebar", "chart", "main",
 )  # fmt: skip
 
 # What the page gets, by path in the file. Positions and angles grow with the run, so they keep all their digits.

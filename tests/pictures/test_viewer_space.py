@@ -47,6 +47,27 @@ def test_a_wheel_in_the_air_looks_so(runs, shown):
         assert told == flying[:, row].tolist()
 
 
+def test_springs_are_as_short_as_their_wheels_have_come_up(runs, shown):
+    run, tab = runs["cable_duct"], shown("cable_duct")
+    free = 0.0475 * (0.9 - 0.12)  # from the axle to what holds the spring above
+    for row in kept_rows(run.time)[::17]:
+        lengths = tab.evaluate("t => (omnisim.seek(t), omnisim.springLengths())", run.time[row])
+        travels = [run[f"wheels/{wheel}/suspension_travel"][row] for wheel in run.wheels]
+        assert np.ptp(travels) < 0.02 and np.abs(np.add(lengths, travels) - free).max() < 1e-8  # float32
+
+
+def test_the_bar_of_a_rocker_turns_with_it_about_its_pivot(runs, shown):
+    run, tab = runs["rocker"], shown("rocker")
+    for row in kept_rows(run.time)[::17]:
+        ((wheel, place),) = tab.evaluate("t => (omnisim.seek(t), omnisim.carried())", run.time[row])
+        assert wheel == "front_left"
+        place = np.reshape(place, (4, 4)).T
+        angle = run["wheels/front_right/rocker_angle"][row]
+        assert place[1:3, 1] == pytest.approx([np.cos(angle), np.sin(angle)], abs=1e-7)
+        pivot = np.array([0.235, 0.0, 0.0475, 1.0])
+        assert np.abs(place @ pivot - pivot).max() < 1e-9
+
+
 def test_the_chart_has_the_angle_of_a_rocker_once(runs, shown):
     (curve,) = shown("rocker").evaluate(CURVES)["angle of the rocker, rad"]
     run = runs["rocker"]

@@ -1,11 +1,12 @@
-// The chassis: a box between the inner faces of the wheels, with the axles, and a mark where front is.
+// The chassis: a box between the inner faces of the wheels, with the axles, and a mark where front is. It leaves room for
+// what carries wheels.
 
 import {
+  BoxGeometry,
   BufferAttribute,
   BufferGeometry,
   Color,
   ConvexGeometry,
-  CylinderGeometry,
   EdgesGeometry,
   Group,
   LineBasicMaterial,
@@ -15,19 +16,21 @@ import {
   Vector3,
   mergeGeometries,
 } from "vendor";
-import { halfWidth } from "omnisim/wheels";
+import { Carriers, axleGeometry, innerFace, insideGap, springTop } from "omnisim/carriers";
 
 const COLOURS = { box: 0x3f6f9f, mark: 0xf2f4f6, axle: 0x8b949c, edge: 0x1d3347 };
 const BEHIND_EDGES = { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
 const FROM_FLOOR = [0.6, 1.3]; // lower and upper face, in wheel radii
 const LEVEL = 1.003; // of the mark, just above the upper face
+const NOSE = 0.4; // half its width at a pivot, in wheel radii
+const [POST, PLATE] = [0.12, 0.2]; // thick; half as wide; in wheel radii
 
 export function chassisOf(wheels) {
   const centre = new Vector3();
   for (const { mount } of wheels) centre.add(new Vector3().setFromMatrixPosition(mount).divideScalar(wheels.length));
   const radius = Math.max(...wheels.map(({ type }) => type.radius));
   const [low, high] = FROM_FLOOR.map((radii) => radii * radius);
-  const points = wheels.flatMap((wheel) => innerCorners(wheel, centre));
+  const points = wheels.flatMap((wheel) => cornersAt(wheel, centre));
   for (const [x, y] of [
     [-0.3, -0.3],
     [-0.3, 0.3],
@@ -38,37 +41,40 @@ export function chassisOf(wheels) {
     points.push(new Vector3(centre.x + x * radius, centre.y + y * radius, 0));
   const box = new ConvexGeometry(points.flatMap(({ x, y }) => [new Vector3(x, y, low), new Vector3(x, y, high)]));
   const edges = new LineSegments(new EdgesGeometry(box, 20), new LineBasicMaterial({ color: COLOURS.edge }));
+  const sprung = wheels.filter((wheel) => wheel.sprung);
+  const fixed = wheels.filter((wheel) => !wheel.sprung && !wheel.wheel.rocker);
   const front = centre.x + 0.8 * (Math.max(...points.map(({ x }) => x)) - centre.x);
   const parts = [
     painted(box, COLOURS.box),
     painted(markGeometry(front, centre.y, LEVEL * high, radius), COLOURS.mark),
-    ...wheels.map((wheel) => painted(axleGeometry(wheel, centre).toNonIndexed(), COLOURS.axle)),
+    ...fixed.map((wheel) => painted(axleGeometry(wheel, centre).toNonIndexed(), COLOURS.axle)),
+    ...sprung.map((wheel) => painted(towerGeometry(wheel, centre).toNonIndexed(), COLOURS.box)),
   ];
   const material = new MeshLambertMaterial({ vertexColors: true, ...BEHIND_EDGES });
-  const group = new Group().add(new Mesh(mergeGeometries(parts), material), edges);
+  const carriers = new Carriers(wheels, centre);
+  const group = new Group().add(new Mesh(mergeGeometries(parts), material), edges, carriers.group);
   group.matrixAutoUpdate = false;
-  return group;
+  return { group, carriers };
 }
 
-// Where the chassis begins along the axle of a wheel, towards the centre.
-function innerFace({ wheel, type, mount }, centre) {
-  const inward = centre.clone().applyMatrix4(mount.clone().invert()).y < 0 ? -1 : 1;
-  return inward * (halfWidth(type, wheel) + 0.25 * type.radius);
-}
-
-function innerCorners(wheel, centre) {
+// Towards a wheel it ends where the wheel begins; towards one on a rocker across it, at the pivot.
+function cornersAt(wheel, centre) {
   const { type, mount } = wheel;
+  const { axis, point } = wheel.wheel.rocker ?? { axis: [0] };
+  if (axis[0]) return [-NOSE, NOSE].map((y) => new Vector3(point[0], point[1] + y * type.radius, 0));
   const inner = innerFace(wheel, centre);
   return [-0.7, 0.7].map((x) => new Vector3(x * type.radius, inner, 0).applyMatrix4(mount));
 }
 
-// From the outer face of the hub to the chassis.
-function axleGeometry(wheel, centre) {
-  const { type, mount } = wheel;
-  const [inner, outer] = [innerFace(wheel, centre), halfWidth(type, wheel.wheel)];
-  const thick = 0.12 * type.radius;
-  const geometry = new CylinderGeometry(thick, thick, Math.abs(inner) + outer, 24);
-  return geometry.translate(0, (inner - Math.sign(inner) * outer) / 2, 0).applyMatrix4(mount);
+// What holds a spring at its upper end: a post on the chassis, and a plate over the spring.
+function towerGeometry(wheel, centre) {
+  const { radius } = wheel.type;
+  const [face, top, thick] = [innerFace(wheel, centre), springTop(wheel), POST * radius];
+  const inward = Math.sign(face);
+  const [inner, outer] = [face + inward * thick, insideGap(wheel, centre) - inward * PLATE * radius];
+  const post = new BoxGeometry(2 * PLATE * radius, thick, top).translate(0, face + (inward * thick) / 2, top / 2);
+  const plate = new BoxGeometry(2 * PLATE * radius, Math.abs(inner - outer), thick / 2);
+  return mergeGeometries([post, plate.translate(0, (inner + outer) / 2, top)]).applyMatrix4(wheel.mount);
 }
 
 // A triangle that points forward.

@@ -27,8 +27,9 @@ export class Machine {
     );
     this.group.add(...this.wheels.map(({ hub }) => hub), ...this.rollers.map(({ mesh }) => mesh));
     if (chassis) {
-      this.chassis = chassisOf(this.wheels);
-      this.group.add(this.chassis);
+      const { group, carriers } = chassisOf(this.wheels);
+      Object.assign(this, { chassis: group, carriers });
+      this.group.add(group);
     }
     this.size = Math.max(...this.wheels.map(({ wheel, type }) => Math.hypot(...wheel.position) + 2 * type.radius));
     this.height = Math.max(...this.wheels.map(({ type }) => type.radius));
@@ -41,6 +42,7 @@ export class Machine {
     this.turn().setPosition(this.position);
     this.chassis?.matrix.copy(this.place);
     for (const wheel of this.wheels) wheel.update(this.place);
+    this.carriers?.update();
     for (const rollers of this.rollers) rollers.update();
   }
 
@@ -76,6 +78,7 @@ export class Machine {
 class Wheel {
   constructor(wheel, type, motion, free) {
     Object.assign(this, { wheel, type, motion, free, path: `wheels/${wheel.name}` });
+    this.sprung = motion.has(`${this.path}/suspension_travel`);
     this.hub = new Mesh(undefined, new MeshPhongMaterial({ color: METAL, specular: 0x666666, shininess: 40 }));
     this.geometryFor = perDetail((detail) => hubGeometry(type, wheel, detail));
     this.hub.matrixAutoUpdate = false;
@@ -86,7 +89,8 @@ class Wheel {
 
   update(place) {
     this.spin = this.motion.smooth(`${this.path}/spin_angle`, `${this.path}/spin_rate`);
-    this.frame.multiplyMatrices(place, this.carried()).multiply(this.mount);
+    this.carrier = this.carried();
+    this.frame.multiplyMatrices(place, this.carrier).multiply(this.mount);
     this.hub.matrix.copy(this.frame).multiply(new Matrix4().makeRotationAxis(AXLE, this.spin));
     this.touching = this.free ? this.motion.held(`${this.path}/contact_roller`) : this.contactRoller();
     this.inTheAir = this.touching < 0;
@@ -96,7 +100,7 @@ class Wheel {
   // How its suspension or its rocker has moved it in the chassis.
   carried() {
     const [travel, angle] = [`${this.path}/suspension_travel`, `${this.path}/rocker_angle`];
-    if (this.motion.has(travel))
+    if (this.sprung)
       return new Matrix4().setPosition(0, 0, this.motion.smooth(travel, `${this.path}/suspension_rate`));
     if (!this.motion.has(angle)) return new Matrix4();
     const [axis, point] = [this.wheel.rocker.axis, this.wheel.rocker.point].map((one) => new Vector3(...one));

@@ -196,4 +196,6 @@ window.omnisim = {
   rollerPosition: (w, i) => machine.rollerPosition(w, i).toArray(),
   inTheAir: (w) => machine.wheels[w].inTheAir,
   contactPoint: (w) => machine.wheels[w].contactPoint().toArray(),
+  springLengths: () => machine.carriers.springs.map(({ left }) => left),
+  carried: () => machine.carriers.moving.map(({ wheel, part }) => [wheel.wheel.name, part.matrix.toArray()]),
 };
