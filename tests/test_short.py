@@ -10,6 +10,8 @@ import pytest
 import scenes
 from scenes import REFERENCE_CASES, reference_data, simulate
 
+import omnisim
+
 pytestmark = pytest.mark.short
 LAWS = {
     "regularized": (),
@@ -42,6 +44,16 @@ def test_bodies_move_as_the_reduced_equations_say():
     for path in ("body/position", "body/velocity", "wheels/wheel/spin_rate", "wheels/wheel/normal_force"):
         assert np.abs(reduced[path] - multibody[path]).max() < 1e-9, path  # measured: 2e-11, the spin rate
     assert multibody["constraints/position"].max() < 1e-13  # measured: 3e-16
+
+
+@pytest.mark.parametrize("law", ["regularized", "coulomb"])
+def test_a_machine_free_in_space_stands_on_its_springs(law):
+    """For 2 ms, in which its drives have hardly begun."""
+    run = omnisim.simulate(omnisim.load("cable_duct", [
+        f"friction.law={law}", "time.step=1e-4", "time.end=0.002", "time.output_interval=1e-3",
+    ]))  # fmt: skip
+    assert run.complete and len(run.time) == 3
+    assert np.abs(run["body/position"] - run["body/position"][0]).max() < 1e-6
 
 
 @pytest.mark.parametrize("method", ["heun", "rk4", "dopri5"])

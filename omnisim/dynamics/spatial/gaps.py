@@ -68,7 +68,7 @@ def least_gap(parameters, mode, w, body):
     seen, own = parameters.space.stands[w], parameters.space.hubs[w]
     tilt = minus(vector(seen.normal, 0), vector(seen.clear_normal, 0))
     cos, sin = seen.cos - seen.clear_turn[0], seen.sin - seen.clear_turn[1]
-    turned = own.reach * math.sqrt(dot(tilt, tilt)) + own.round * math.sqrt(cos * cos + sin * sin)
+    turned = own.reach * math.sqrt(dot(tilt, tilt)) + own.girth * math.sqrt(cos * cos + sin * sin)
     contacts = contacts_of(parameters, mode, w)
     left = seen.clear - (abs(seen.height - seen.clear_height) + turned)
     if left > 0.0 and contacts == seen.clear_contacts:

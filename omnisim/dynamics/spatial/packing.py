@@ -79,7 +79,7 @@ def pack_space(config: Config, wheels: list[dict], machine: dict) -> Space:
             [
                 hub_values(*each, centre)
                 | {"carrier": carrier_of(standing, w), "first_lobe": first[w], "lobes": len(shapes[w])}
-                | {"reach": reach_of(types[w], shapes[w]), "round": round_of(types[w], shapes[w])}
+                | {"reach": reach_of(types[w], shapes[w]), "girth": girth_of(types[w], shapes[w])}
                 for w, each in enumerate(mounted)
             ],
         ),
@@ -221,7 +221,7 @@ def reach_of(kind: WheelType, shapes: list[dict]) -> float:
     return away + max(values["reach"] for values in shapes)
 
 
-def round_of(kind: WheelType, shapes: list[dict]) -> float:
+def girth_of(kind: WheelType, shapes: list[dict]) -> float:
     """Radius of a cylinder about the axle that holds them, m: of none is a point further from its line of centres,
     which leans by the roller angle, than it is thick."""
     cos = math.cos(math.radians(kind.roller_angle_deg))

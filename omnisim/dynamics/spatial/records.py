@@ -57,7 +57,7 @@ HUB = np.dtype(
         ("first_lobe", np.int64),  # of its rollers, among the shapes
         ("lobes", np.int64),
         ("reach", np.float64),  # of a sphere about O that holds its rollers, m
-        ("round", np.float64),  # of a cylinder about the axle that does, m
+        ("girth", np.float64),  # of a cylinder about the axle that does, m
     ],
     align=True,
 )
