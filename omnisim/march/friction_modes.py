@@ -105,10 +105,12 @@ def unseen(clock, stopping, speed):
 
 @kernel
 def rests(parameters, run, w, side):
-    """Whether a contact of wheel w slips so slowly that it is at rest; in the air nothing holds it there."""
+    """Whether a contact of wheel w slips so slowly that it is at rest; in the air nothing holds it there, and in space
+    one that begins has no load yet."""
     mode = run.mode[w]
     monitors = run.monitors[w]
-    if not parameters.machine.friction * load_at(parameters, run, w, side) > 0.0:
+    loaded = load_at(parameters, run, w, side) > 0.0 or (parameters.space is not None and mode.pressed[side])
+    if not (parameters.machine.friction > 0.0 and loaded):
         return False
     if mode.grip[side] == CREEP and mode.stopping[side]:  # together with another one whose end has been found
         return monitors.margin[side] <= stopped_speed(parameters, run, w, side)

@@ -6,11 +6,12 @@ Measured values stand beside the bounds.
 import numpy as np
 import pytest
 from free_machines import free
-from machines import machine, run
+from machines import TYPES, machine, run
 from scenes import of_wheels, simulate
 
 G = 9.81
 FRICTION = 0.6
+RADIUS = TYPES["mecanum"]["radius"]
 LOCKED = {"kind": "follow", "times": [0.0, 2000.0], "angle": [0.0, 0.0]}
 STEEPEST = {0.0: np.arctan(FRICTION / np.sqrt(2.0)), 45.0: np.arctan(FRICTION / 2.0)}  # by uphill_deg: of its wheels
 RHO = 0.999  # tan S / tan S*, just below
@@ -25,6 +26,22 @@ def locked(part: float, uphill_deg: float, end: float, **changed) -> dict:
     data["friction"] = {"law": "coulomb", "coefficient": FRICTION}
     data["time"] = {"end": end, "step": 2e-4, "output_interval": end / 10}
     return data
+
+
+@pytest.mark.parametrize("speed", [0.0, 0.5])
+def test_a_machine_put_down_where_it_just_touches_sticks_as_it_rolls(speed):
+    """No load yet and no slip: nothing has a direction there, and friction has nothing to do."""
+    data = free(machine("mecanum"), damping=150.0)
+    data["friction"] = {"law": "coulomb", "coefficient": FRICTION}
+    data["initial"] = {"height": 0.0, "velocity": [speed, 0.0]}
+    data["time"] = {"end": 0.02, "step": 1e-4, "output_interval": 0.01}
+    for wheel in data["wheels"]:
+        wheel["spin_rate"] = speed / RADIUS
+    motion = run(data)
+    assert motion.complete, motion.attributes["status"]
+    assert set(motion["events/kind"][motion["events/time"] < 1e-6]) == {"touch_down", "contact_begin", "stick"}
+    assert np.abs(motion["body/velocity"][:, 0] - speed).max() < 2e-3  # m/s, as it sags and rolls on less
+    assert motion["energy/friction_loss"][-1] < 1e-9  # J
 
 
 def moved(motion) -> float:
