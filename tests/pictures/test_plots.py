@@ -65,6 +65,19 @@ def test_a_ride_shows_height_roll_pitch_and_travel_as_recorded(runs):
     assert len(plots.ride(runs["kiwi_ramp"]).axes) == 4  # no springs
 
 
+def test_a_wheel_looks_the_same_in_every_panel(runs):
+    """Those that stand on springs alone, in the panel of their travel too."""
+    run = runs["cable_duct"]
+    data = {path: array for path, array in run.data.items() if "front_left/suspension" not in path}
+    _, _, travel, force, _ = plots.ride(Trajectory(run.attributes, data)).axes
+    of_travel, of_force, told = (
+        [(line.get_label(), line.get_color(), line.get_linestyle()) for line in lines]
+        for lines in (travel.lines, force.lines, travel.get_legend().get_lines())
+    )
+    assert [label for label, *_ in of_travel] == list(run.wheels[1:]) and set(of_travel) <= set(of_force)
+    assert [look for _, *look in told] == [look for _, *look in of_travel]
+
+
 def test_a_ride_shows_a_rocker_once_by_its_name(runs):
     run = runs["rocker"]
     angle = plots.ride(run).axes[2]

@@ -22,6 +22,7 @@ from omnisim.pictures.plots.style import (
     legend_of_parts,
     log_scale,
     look,
+    nth,
     widen,
 )
 from omnisim.results.trajectory import Trajectory
@@ -130,13 +131,14 @@ def draw(axes: Axes, panel: Panel, runs: Runs) -> tuple[list[str], dict[str, Art
     """The curves of all runs; the names of the parts, and what else is to be explained."""
     curves = [panel.curves(run) for run in runs.values()]
     parts = list(dict.fromkeys(part for each in curves for part in each))
+    numbers = nth(parts, runs)
     more: dict[str, Artist] = {}
     for number, (name, run, each) in enumerate(zip(runs, runs.values(), curves, strict=True)):
         style: dict[str, Any] = {
             "drawstyle": "steps-post" if panel.steps else "default",
             "marker": "." if len(run.time) == 1 else "",
         }
-        looks = {part: look(number, parts.index(part), len(runs)) for part in each}
+        looks = {part: look(number, numbers[part], len(runs)) for part in each}
         for part, values in panel.targets(run).items():
             axes.plot(run.time, values, **TARGET, color=looks[part]["color"], label=f"target of {part or name}")
             more["target"] = Line2D([], [], color=INK, **TARGET)

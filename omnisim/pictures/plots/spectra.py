@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from omnisim.pictures.plots.asked import rows_of
 from omnisim.pictures.plots.panels import WIDTH
-from omnisim.pictures.plots.style import PlotError, Runs, figure_of, finish, legend_of_parts, log_scale, look, view
+from omnisim.pictures.plots.style import PlotError, Runs, figure_of, finish, legend_of_parts, log_scale, look, nth, view
 from omnisim.results.ripple import RippleError, of_wheel
 from omnisim.results.trajectory import Trajectory
 
@@ -20,11 +20,12 @@ def ripple(runs: Runs) -> Figure:
     """
     spectra = {name: of_normal_forces(name, run) for name, run in runs.items()}
     wheels = list(dict.fromkeys(wheel for found in spectra.values() for wheel in found))
+    numbers = nth(wheels, runs)
     figure = figure_of(runs, WIDTH, 6.5)
     above, below = figure.subplots(2, 1, sharex=True)
     for number, (name, found) in enumerate(spectra.items()):
         for wheel, spectrum in found.items():
-            below.plot(*spectrum, label=wheel, **look(number, wheels.index(wheel), len(runs)))
+            below.plot(*spectrum, label=wheel, **look(number, numbers[wheel], len(runs)))
         run, wheel = runs[name], next(iter(found))
         speed = of_wheel(run, wheel, forward_speed(run), rows_of(run, wheel))
         above.plot(*speed, label=name, **look(number, 0, len(runs)))

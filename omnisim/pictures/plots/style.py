@@ -74,6 +74,13 @@ def look(run: int, part: int, runs: int) -> dict[str, Any]:
     return {"color": colour, "linestyle": style, "linewidth": width}
 
 
+def nth(parts: list[str], runs: Runs) -> dict[str, int]:
+    """What `look` calls each part: a wheel by its place among all wheels, so it looks the same in every panel."""
+    wheels = list(dict.fromkeys(wheel for run in runs.values() for wheel in run.wheels))
+    order = wheels if set(parts) <= set(wheels) else parts
+    return {part: order.index(part) for part in parts}
+
+
 def empty_figure(width: float, height: float) -> Figure:
     """A figure of pyplot, sizes in inches."""
     return plt.figure(figsize=(width, height), layout="constrained")
@@ -120,7 +127,7 @@ def legend_of_parts(axes: Axes, parts: list[str], runs: Runs, more: Mapping[str,
     Of several runs, whose colours the figure explains, parts are told by their lines.
     """
     ink = {"color": INK} if len(runs) > 1 else {}
-    lines = [Line2D([], [], **look(0, i, 1) | ink) for i in range(len(parts))]
+    lines = [Line2D([], [], **look(0, i, 1) | ink) for i in nth(parts, runs).values()]
     legend_beside(axes, [*lines, *more.values()], [*parts, *more])
 
 
