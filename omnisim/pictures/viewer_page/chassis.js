@@ -42,6 +42,7 @@ export function chassisOf(wheels) {
   const box = new ConvexGeometry(points.flatMap(({ x, y }) => [new Vector3(x, y, low), new Vector3(x, y, high)]));
   const edges = new LineSegments(new EdgesGeometry(box, 20), new LineBasicMaterial({ color: COLOURS.edge }));
   const sprung = wheels.filter((wheel) => wheel.sprung);
+  const rocking = wheels.filter(({ wheel }) => wheel.rocker);
   const fixed = wheels.filter((wheel) => !wheel.sprung && !wheel.wheel.rocker);
   const front = centre.x + 0.8 * (Math.max(...points.map(({ x }) => x)) - centre.x);
   const parts = [
@@ -49,6 +50,7 @@ export function chassisOf(wheels) {
     painted(markGeometry(front, centre.y, LEVEL * high, radius), COLOURS.mark),
     ...fixed.map((wheel) => painted(axleGeometry(wheel, centre).toNonIndexed(), COLOURS.axle)),
     ...sprung.map((wheel) => painted(towerGeometry(wheel, centre).toNonIndexed(), COLOURS.box)),
+    ...rocking.map((wheel) => painted(postGeometry(wheel, centre, (low + high) / 2).toNonIndexed(), COLOURS.box)),
   ];
   const material = new MeshLambertMaterial({ vertexColors: true, ...BEHIND_EDGES });
   const carriers = new Carriers(wheels, centre);
@@ -75,6 +77,16 @@ function towerGeometry(wheel, centre) {
   const post = new BoxGeometry(2 * PLATE * radius, thick, top).translate(0, face + (inward * thick) / 2, top / 2);
   const plate = new BoxGeometry(2 * PLATE * radius, Math.abs(inner - outer), thick / 2);
   return mergeGeometries([post, plate.translate(0, (inner + outer) / 2, top)]).applyMatrix4(wheel.mount);
+}
+
+// What holds the pin of a rocker: a post from the middle of the chassis, for pivots above or below it.
+function postGeometry(wheel, centre, middle) {
+  const { axis, point } = wheel.wheel.rocker;
+  const wide = 2 * POST * wheel.type.radius;
+  const inner = new Vector3(0, innerFace(wheel, centre), 0).applyMatrix4(wheel.mount).y;
+  const y = axis[0] ? point[1] : inner - Math.sign(inner - centre.y) * POST * wheel.type.radius;
+  const post = new BoxGeometry(wide, wide, Math.abs(point[2] - middle) + wide);
+  return post.translate(point[0], y, (point[2] + middle) / 2);
 }
 
 // A triangle that points forward.
