@@ -97,8 +97,8 @@ SENTENCES = {
     ),
     CHASSIS_DOWN: "the chassis touches the ground at t = {time:.9g} s",
     TOO_MANY_TOUCH: (
-        "wheel '{wheel}' touches the ground at more places at once than are followed at t = {time:.9g} s: a machine "
-        "that lies on its wheels is not modelled"
+        "wheel '{wheel}' touches the ground at more places at once than are followed at t = {time:.9g} s: it lies on "
+        "its side or is driven deep into the ground, and neither is modelled"
     ),
     LIFT_OFF: (
         "wheel '{wheel}' leaves the floor at t = {time:.9g} s: the vertical force lifts more than the weight; "

@@ -107,6 +107,13 @@ def test_a_start_too_fast_for_its_step_is_told_as_such(start):
     assert run.attributes["status"].startswith("the motion diverged at t = 5e-05 s: a state is no longer finite; try")
 
 
+def test_a_wheel_that_is_driven_into_the_ground_is_not_said_to_lie_on_its_side_alone():
+    """18 rollers fall 30 mm in 0.3 microseconds."""
+    run = omnisim.simulate(omnisim.load("kiwi_ramp", ["initial.vertical_velocity=-1e5", "time.end=0.01"]))
+    assert "at more places at once than are followed" in run.attributes["status"]
+    assert "lies on its side or is driven deep into the ground" in run.attributes["status"]
+
+
 def test_info_of_a_machine_that_cannot_begin_says_so_too(folder):
     scene = tomllib.loads(omnisim.load("cable_duct", [OFF]).text)
     assert scene["chassis"]["center_of_mass"][0] == 0.6
