@@ -13,7 +13,7 @@ import math
 from omnisim.base import methods
 from omnisim.base.kernel import kernel, outlined
 from omnisim.march.events import NO_GUARD, Guard, guard
-from omnisim.march.runge_kutta import evaluate
+from omnisim.march.runge_kutta import evaluate, lead
 from omnisim.march.spatial_events import APART, ARC, DOWN, MEET, OF_FORCES, PIECE, PRESS, guard_in, sides_of
 from omnisim.march.trial import IMPLICIT_REACH, advance_again, cubic, slide
 
@@ -192,22 +192,19 @@ def bend(parameters, method, run, t, h):
     """Write into `bent` what the extension of the trial step h has beside its cubic. What is monitored at the start is
     lost: it is found anew after an event."""
     y, slopes, bent, state = run.y, run.slopes, parameters.space.bent, parameters.space.shifted
-    stages = len(method.b)
+    known, more = len(method.b) + 1, 0.0  # derivatives of the step, the weight of one between
     if len(method.within) > 0:
+        lead(method.within, 0, known + 2, slopes, state)
         for m in range(len(state)):
-            rate = 0.0
-            for i in range(stages + 1):
-                rate += method.within[i] * slopes[i, m]
-            state[m] = y[m] + h * rate
+            state[m] = y[m] + h * state[m]
         evaluate(parameters, run.mode, run.clock.piece, t + BETWEEN * h, state, bent, run.monitors)
         run.clock.rhs += 1
+        more = method.bend[known]
+    else:
+        unbend(parameters)
+    lead(method.bend, 0, known + 2, slopes, state)
     for m in range(len(bent)):
-        rate = 0.0
-        if len(method.within) > 0:
-            rate = method.bend[stages + 1] * bent[m]
-        for i in range(stages + 1):
-            rate += method.bend[i] * slopes[i, m]
-        bent[m] = h * rate
+        bent[m] = h * (state[m] + more * bent[m])
 
 
 @outlined
