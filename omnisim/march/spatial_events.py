@@ -25,7 +25,7 @@ from omnisim.contact.friction import SATURATED
 from omnisim.contact.set_valued import SLIP, STICK
 from omnisim.contact.support import next_region, region_guard
 from omnisim.dynamics.actuation import limit_guard, next_limit
-from omnisim.dynamics.spatial.gaps import gap_of, in_contact
+from omnisim.dynamics.spatial.gaps import gap_of, in_contact, may_be_next
 from omnisim.dynamics.spatial.pose import body_of, outward, vector
 from omnisim.dynamics.spatial.records import SLOTS
 from omnisim.dynamics.spatial.touching import meetings, rate_of_roller, react, shape_of, standing, touching_at
@@ -52,9 +52,10 @@ def of_state_alone(kind):
 
 @kernel
 def sides_of(parameters, run, kind, w):
-    """How many guards of a kind wheel w has."""
+    """How many guards of a kind wheel w has at the end of a trial; of MEET none while it touches with nothing more."""
     if kind == MEET:
-        return parameters.wheels[w].rollers * meetings(parameters.space, w)
+        overlaps = run.monitors_end[w].gap < 0.0
+        return parameters.wheels[w].rollers * meetings(parameters.space, w) if overlaps else 0
     if kind in (DOWN, LIMIT):
         return 1
     return run.mode[w].contacts
@@ -98,7 +99,8 @@ def gap_in(parameters, mode, w, side, y):
     """Value of guard MEET of wheel w in state y."""
     rollers = parameters.wheels[w].rollers
     i, meeting = side % rollers, side // rollers
-    return 0.0 if in_contact(mode, i, meeting) else gap_of(parameters, y, w, i, meeting)
+    waits = not in_contact(mode, i, meeting) and may_be_next(parameters, mode, w, i)
+    return gap_of(parameters, y, w, i, meeting) if waits else 0.0
 
 
 @outlined

@@ -14,6 +14,7 @@ from omnisim.dynamics.state import places
 
 SCENES = ("spatial_kiwi_slope", "spatial_double_row")
 MOVES, ROUNDING = 400, 1e-12  # m
+POSES = 50
 
 
 def apart(parameters, stand, w, rollers):
@@ -54,3 +55,19 @@ def test_what_is_kept_of_an_earlier_look_is_never_more_than_the_gap(name, touche
         assert least_gap(parameters, mode, 0, body) <= max(apart(parameters, stand, 0, rollers), 0.0) + ROUNDING
         kept += float(parameters.space.stands[0].clear_height) == before
     assert MOVES / 10 < kept < MOVES * 9 / 10
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", SCENES)
+def test_the_next_roller_to_touch_a_plane_is_a_neighbour_of_one_that_does(name):
+    """However far the wheel sinks in, up to half of it, at any tilt: what others do is asked of these alone."""
+    parameters, run = packed(reference_scene(name))
+    at, rng = places(parameters), np.random.default_rng(5)
+    count, rows = int(parameters.wheels[0].rollers), int(parameters.space.hubs[0].row_count)
+    for _ in range(POSES):
+        y = moved(rng, at, run.y, len(parameters.wheels))
+        stand = standing(parameters, 0, body_of(parameters, y), y)
+        order = np.argsort([apart(parameters, stand, 0, [i]) for i in range(count)])
+        for touches in range(1, count // 2):
+            away = np.abs(order[:touches] - order[touches])
+            assert np.minimum(away, count - away).min() <= rows

@@ -24,6 +24,18 @@ def in_contact(mode, i, meeting):
     return found
 
 
+@kernel
+def may_be_next(parameters, mode, w, i):
+    """Whether roller i of wheel w may be the next to touch: on a plane, where a wheel is round enough, one that does or
+    a neighbour of it."""
+    rollers, rows = parameters.wheels[w].rollers, parameters.space.hubs[w].row_count
+    near = mode.rollers == 0 or parameters.space.body.uneven != 0
+    for slot in range(mode.rollers):
+        away = abs(i - mode.roller[slot])
+        near = near or min(away, rollers - away) <= rows
+    return near
+
+
 @outlined
 def gap_of(parameters, y, w, i, meeting):
     """How far roller i of wheel w is from touching at a meeting in state y, m; < 0: it overlaps."""
