@@ -5,7 +5,8 @@ callers. Here a kernel is a part, and only what Python calls becomes machine cod
 
     inlined     its own code alone; wherever it is called it becomes part of what is optimised there
     outlined    optimised once, with the inlined ones that it calls; what else it calls stays a call
-    entry       the same, and linked with all outlined kernels that it reaches: then it is translated, once
+    entry       the same, and linked with all outlined kernels that it reaches, which are given what they use and no
+                more: then it is translated, once
 """
 
 import hashlib
@@ -147,8 +148,25 @@ class Entry(JITCodeLibrary):
         for part in callers_first(calls):
             if not part.inlined:
                 self._final_module.link_in(part.module(), preserve=True)
+        hand_over_less(self)
         self._final_module.verify()
         self._finalize_final_module()
+
+
+def hand_over_less(library):
+    """Let outlined kernels be given what they use, and no more.
+
+    Every array and every number of a record is an argument by itself, some 400 of most kernels, which read a few.
+    """
+    module = library._final_module
+    for function in list(module.functions):
+        if not function.is_declaration and function.linkage != llvm.Linkage.external:
+            function.linkage = "internal"  # nobody else calls it, and who asks for it by its name gets the whole one
+            function.name += ".trimmed"
+    passes = llvm.create_new_module_pass_manager()
+    passes.add_dead_arg_elimination_pass()
+    passes.add_aggressive_dce_pass()
+    passes.run(module, library._codegen._pass_builder())
 
 
 def linked(library):

@@ -15,7 +15,7 @@ from numba.core import types
 from numba.core.codegen import JITCodeLibrary
 from numba.np.arrayobj import make_array, populate_array
 
-from omnisim.base.compiler import absorbed, linked, reached
+from omnisim.base.compiler import absorbed, hand_over_less, linked, reached
 from omnisim.native.memory import Memory
 
 POINTER, WORD = ir.IntType(8).as_pointer(), ir.IntType(64)
@@ -116,6 +116,7 @@ class NativeLibrary(JITCodeLibrary):
                 code = part.module().clone()
                 code.get_function(part.symbol).linkage = "weak_odr"  # else one that none calls yet would be left out
                 self._final_module.link_in(code)
+        hand_over_less(self)
         self._final_module.verify()
         self._finalized = True
 

@@ -243,5 +243,40 @@ def test_what_is_not_there_is_not_compiled_and_every_kind_is_on_disk_afterwards(
     assert lines("7.0") == ["6.0 0 0 0", "10.0 0 0", "3.5"]  # the older one is still there, and right
 
 
+LONG = "    x = math.sin(x) * places[1]\n" * 40  # so long that LLVM makes it part of nothing by itself
+GIVEN = f"""
+import math
+from omnisim.base.kernel import kernel, outlined
+@outlined
+def second(places, x):
+{LONG}    return x
+@kernel
+def outer(places, x, y):
+    return second(places, x) + y
+"""
+GIVEN_PROGRAM = """
+import numba
+import numpy as np
+from omnisim.given import outer, second
+found = outer(np.array([1.0, 2.0]), 3.0, 4.0)
+(result,) = outer.entry.overloads.values()
+print([len(list(one.arguments)) for one in result.library.get_defined_functions() if "second" in one.name])
+print(numba.njit(lambda places, x: second(places, x) + 4.0)(np.array([1.0, 2.0]), 3.0) == found)
+"""
+
+
+@pytest.mark.long
+def test_an_outlined_kernel_is_given_what_it_uses_and_no_more(package, tmp_path):
+    """Of an array the place of its numbers; and where to put the result: 3 arguments, of 10 as Numba has them, which
+    code that is no kernel goes on to hand over."""
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    (package / "given.py").write_text(GIVEN)
+    done = subprocess.run(
+        [sys.executable, "-B", "-c", GIVEN_PROGRAM], cwd=tmp_path, env=environment, capture_output=True, text=True,
+        check=True,
+    )  # fmt: skip
+    assert done.stdout.splitlines() == ["[3]", "True"]
+
+
 def test_other_packages_keep_their_own_cache_setting():
     assert os.environ.get("NUMBA_CACHE_DIR", "") == numba.config.CACHE_DIR
