@@ -77,11 +77,27 @@ def inverse_mass(machine, wheel, axis, contact, spin_held=False):
 
 @kernel
 def holding_mass(machine, wheel, axis, j):
-    """E (Symmetric, kg): F = -E v' is the force that takes the slip acceleration v' away by spin and roller alone.
+    """E (Symmetric, kg): F = -E v' is the force that takes the slip acceleration v' away by spin and roller alone."""
+    given, determinant = own_mobility(machine, wheel, axis, j)
+    return inverse(given, determinant)
 
-    The inverse of what they give way, spin spin^T / J + arm arm^T / Ia. A pointed tip has no arm, and its force along
-    the roller's path is the body's to choose; an arm is taken as at least that at which the roller's inertia
-    appears LIGHT times the body's mass. A spin that follows angles gives no way, and is taken as HEAVY times it.
+
+@kernel
+def turning_mass(machine, wheel, axis, j, u_h, u_k):
+    """The same of a force that takes away what is across the unit vector u, and is across it."""
+    given, _ = own_mobility(machine, wheel, axis, j)
+    e = 1.0 / across(given, u_h, u_k)
+    return Symmetric(e * u_k * u_k, -e * u_h * u_k, e * u_h * u_h)
+
+
+@kernel
+def own_mobility(machine, wheel, axis, j):
+    """How a contact gives way by spin and roller, spin spin^T / J + arm arm^T / Ia (Symmetric, 1/kg), and the
+    determinant of that.
+
+    A pointed tip has no arm, and its force along the roller's path is the body's to choose; an arm is taken as at
+    least that at which the roller's inertia appears LIGHT times the body's mass. A spin that follows angles gives no
+    way, and is taken as HEAVY times it.
     """
     arm_h, arm_k = j.roller_h, j.roller_k
     shortest = wheel.axial_inertia / (LIGHT * machine.mass)
@@ -91,4 +107,4 @@ def holding_mass(machine, wheel, axis, j):
     spin, roller = wheel.holding_mobility, wheel.axial_mobility
     cross = j.spin_h * arm_k - j.spin_k * arm_h
     given = yielding_along(yielding_along(isotropic(0.0), spin, j.spin_h, j.spin_k), roller, arm_h, arm_k)
-    return inverse(given, spin * roller * cross * cross)
+    return given, spin * roller * cross * cross

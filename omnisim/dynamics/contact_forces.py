@@ -3,8 +3,12 @@
 Every other force is linear in the unknowns of normal_forces/rigid_plane.py; these are found by solving that system
 again and again.
 
-A creeping contact slips so slowly that its slip has the direction u of its slip acceleration, v' = kappa u under
-F = -mu N u. It is linear like any sliding friction once u is known, and u is found by Newton's method.
+A creeping contact slips so slowly that friction turns its slip at once: it has the direction u = v / |v| in which
+
+    v' = kappa u + omega |v| n        n = (-u_k, u_h), omega = u' . n        under F = -mu N u
+
+omega, the rate at which u itself turns, comes with the mode (march/creeping.py); from rest it counts for nothing. The
+force is linear like that of any sliding friction once u is known, and u is found by Newton's method.
 
 A wheel at a common edge of two rollers rests on both if each of them alone would turn it back: phi' = 0, and the load
 N is split into sigma N on the roller ahead (q = +alpha) and (1 - sigma) N on the one behind such that phi'' = 0. It is
@@ -23,7 +27,7 @@ from omnisim.base.kernel import kernel, outlined
 from omnisim.contact.frame import Axis, Slip
 from omnisim.contact.kinematics import Jacobian
 from omnisim.contact.mobility import Symmetric, across, yielding_along
-from omnisim.contact.set_valued import TINY, contact_forces, slip_direction, turned
+from omnisim.contact.set_valued import CREEP, TINY, contact_forces, slip_direction, turned
 from omnisim.dynamics.normal_forces.solution import loads_known, solve
 from omnisim.dynamics.normal_forces.tilt import TILT_X, TILT_Y, place_load
 from omnisim.dynamics.planar_body import (
@@ -47,6 +51,17 @@ STEADY = 1e-12  # correction of a direction by Newton's method: the next would b
 LOST = 1e-12  # of the load times the radius, a torque that is lost in rounding
 MOST_FIRM = 40  # rounds until spins that give no way are held
 ROUNDING = 1e-11  # a change below which, if it no longer falls, is rounding
+
+
+@kernel
+def seek(workspace, part, mode):
+    """Whether the forces of a wheel are sought, into its part of the workspace; the direction in which it creeps turns
+    as its mode says."""
+    part.sought = mode.loaded and (mode.shared or mode.grip[0] == CREEP)
+    if part.sought:
+        contact, begun, veer = workspace.contacts[part.first], mode.creep[0], mode.veer
+        contact.begun[0], contact.begun[1] = begun[0], begun[1]
+        contact.veer[0], contact.veer[1] = veer[0], veer[1]
 
 
 @kernel
@@ -263,6 +278,10 @@ def turn_creep(machine, wheel, workspace, w, mobility, acceleration):
         rate_k -= contact.spin[1] * spin + contact.arm[1] * roller
         resisting = limit * across(a, u_h, u_k)
         along = rate_h * u_h + rate_k * u_k
+        begun, speed = contact.begun, contact.slip[0] * u_h + contact.slip[1] * u_k
+        angle = math.atan2(begun[0] * u_k - begun[1] * u_h, begun[0] * u_h + begun[1] * u_k)
+        turning = speed * (contact.veer[0] + contact.veer[1] * angle)  # omega |v|
+        rate_h, rate_k, resisting = rate_h + turning * u_k, rate_k - turning * u_h, resisting + speed * contact.veer[1]
         u_h, u_k, correction = turned(u_h, u_k, rate_h, rate_k, resisting, along, contact.turned)
         contact.turned = correction
     contact.creep[0], contact.creep[1] = u_h, u_k

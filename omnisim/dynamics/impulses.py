@@ -3,16 +3,16 @@
 from omnisim.base.kernel import kernel, outlined
 from omnisim.contact.frame import Slip, outward
 from omnisim.contact.kinematics import slip_jacobian
-from omnisim.contact.mobility import inverse_mass, solution
+from omnisim.contact.mobility import holding_mass, inverse_mass, solution, turning_mass
 from omnisim.contact.set_valued import CREEP, SLIP
 from omnisim.dynamics.indices import rate_place
 from omnisim.dynamics.planar_body import (
     free_equations,
     held_equations,
+    hold_by,
     holding_force,
     inverse,
     set_contact,
-    set_holding,
     set_lever,
     yielding,
 )
@@ -27,7 +27,10 @@ FIRM_ROUNDS = 6  # where spins that follow angles are taken to turn as easily as
 @outlined
 def align_slip(parameters, run):
     """Change the speeds by the impulses that leave no slip to sticking contacts, and none across their direction to
-    creeping ones, all at once; next to none in so many rounds where spins follow angles."""
+    creeping ones, all at once; next to none in so many rounds where spins follow angles.
+
+    Friction turns creeping slip by forces across it, and so do these impulses.
+    """
     if parameters.space is not None:
         align_in_space(parameters, run.mode, run.y)
     else:
@@ -51,13 +54,16 @@ def align_slip_once(parameters, run):
         if mode.grip[0] != SLIP and not mode.shared:
             state = contact_state(parameters, mode, w, 0, body, y)
             slip, u = state.slip, mode.creep[0]
-            along = slip.h * u[0] + slip.k * u[1] if mode.grip[0] == CREEP else 0.0
             j = slip_jacobian(wheel, state.axis, state.contact)
             set_contact(contact, state, j, False)
             set_lever(wheel, contact, state.axis, j)
+            if mode.grip[0] == CREEP:
+                along, e = slip.h * u[0] + slip.k * u[1], turning_mass(machine, wheel, state.axis, j, u[0], u[1])
+            else:
+                along, e = 0.0, holding_mass(machine, wheel, state.axis, j)
             rest = Slip(slip.h - along * u[0], slip.k - along * u[1])
             contact.bias[0], contact.bias[1] = rest.h, rest.k
-            set_holding(machine, wheel, contact, state.axis, j, rest)
+            hold_by(e, contact, rest)
             equations = held_equations(contact, equations)
     change = yielding(inverse(machine, equations), equations.x, equations.y, equations.yaw)
     for w in range(len(run.mode)):

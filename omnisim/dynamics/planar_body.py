@@ -69,8 +69,13 @@ def set_lever(wheel, contact, axis, j):
 @kernel
 def set_holding(machine, wheel, contact, axis, j, bias):
     """The force of a sticking contact, from its levers; bias (Slip): its slip acceleration without it, or its slip."""
+    hold_by(holding_mass(machine, wheel, axis, j), contact, bias)
+
+
+@kernel
+def hold_by(e, contact, bias):
+    """The same by its E (Symmetric, kg)."""
     lever, holding = contact.lever, contact.holding
-    e = holding_mass(machine, wheel, axis, j)
     for i in range(3):
         holding[0, i] = -e.hh * lever[i, 0] - e.hk * lever[i, 1]
         holding[1, i] = -e.hk * lever[i, 0] - e.kk * lever[i, 1]

@@ -151,8 +151,13 @@ MODE = np.dtype(
         ("past_rate", np.float64),  # and one sample before
         ("saturated", np.int64, (TOUCHING,)),  # branch of the saturated friction law at each contact
         ("grip", np.int64, (TOUCHING,)),  # coulomb.SLIP, STICK or CREEP
-        ("creep", np.float64, (TOUCHING, 2)),  # direction of creeping slip when it began; 0: not known yet
-        ("stopping", np.int64, (TOUCHING,)),  # 1: creeping slip is about to stop; 0: it has been released, or lasts
+        ("creep", np.float64, (TOUCHING, 2)),  # direction of creeping slip at the last step; 0: not known yet
+        ("veer", np.float64, (2,)),  # rate at which it turns: rad/s, and 1/s by the angle from `creep`
+        ("veering", np.float64),  # rate at which it turned at the end of the last step, rad/s
+        ("foreseen", np.int64),  # 1: it does so still, as no force has jumped since
+        ("pull", np.float64),  # rate at which friction turns slip into the direction of the contact equation, 1/s
+        ("settled", np.float64),  # how often it has done so since forces have jumped, 1
+        ("stopping", np.int64, (TOUCHING,)),  # 1: it had a direction of its own; 0: it was released, or lasts
         ("stopped", np.int64, (TOUCHING,)),  # 1: slip has just come to its end at this contact
         ("freed", np.int64),  # how often creeping slip got a direction of its own in the grid step
         ("freed_step", np.int64),  # where it last did so
@@ -208,9 +213,9 @@ CLOCK = np.dtype(
         ("status", np.int64),
         ("wheel", np.int64),  # that caused the status, or -1
         ("dt", np.float64),  # s
-        ("fineness", np.float64),  # of sub-steps of slip: grip.fineness
-        ("aligned", np.float64),  # slip across its final direction that does not matter, m/s: grip.alignment
-        ("stopping", np.float64),  # twice the same along slip about to stop, m/s: grip.stopping_alignment
+        ("fineness", np.float64),  # of sub-steps of slip: march/substeps.py
+        ("aligned", np.float64),  # slip across its final direction that does not matter, m/s: march/slip_bounds.py
+        ("stopping", np.float64),  # twice the same along slip about to stop, m/s
         ("elapsed", np.float64),  # in the grid step under way, s
         ("reach", np.float64),  # length of the last implicit step that converged, s
         ("rate", np.float64),  # relaxation rate of slip when found too stiff, 1/s

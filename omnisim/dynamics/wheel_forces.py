@@ -10,9 +10,10 @@ from omnisim.contact.frame import Axis, Slip
 from omnisim.contact.friction import BRUSH, VISCOUS, friction
 from omnisim.contact.kinematics import Jacobian, joint_rate, slip_acceleration, slip_jacobian, streaming
 from omnisim.contact.rolling_resistance import rolling_moment, rolling_relaxation
-from omnisim.contact.set_valued import CREEP, SLIP, STICK
+from omnisim.contact.set_valued import SLIP, STICK
 from omnisim.contact.tracking import roller_axis
 from omnisim.dynamics.actuation import actuate, follow_angles, followed
+from omnisim.dynamics.contact_forces import seek
 from omnisim.dynamics.indices import contact_count, rate_place, roller_of, sector_of
 from omnisim.dynamics.normal_forces.solution import held_body, loads_known
 from omnisim.dynamics.normal_forces.tilt import place_load, rotor_part, set_tilt, tilt_rows
@@ -102,7 +103,7 @@ def observe_wheel(parameters, stage, w, body, load, equations):
     set_part(parameters, stage, w, free, body, load)
     if stage.monitoring:
         monitor_wheel(free, load, stage.monitors[w])
-    part.sought = mode.loaded and (mode.shared or mode.grip[0] == CREEP)
+    seek(parameters.workspace, part, mode)
     observe_contact(parameters, mode, w, 0, body, free.state)
     if mode.shared:
         observe_contact(parameters, mode, w, 1, body, contact_state(parameters, mode, w, 1, body, stage.y))

@@ -15,6 +15,7 @@ from omnisim.base.status import (
 )
 from omnisim.contact.set_valued import CREEP
 from omnisim.dynamics.state import places
+from omnisim.march.creeping import creep_of
 from omnisim.march.events import (
     EXIT,
     GRIP,
@@ -27,7 +28,8 @@ from omnisim.march.events import (
     guard_kinds,
     resolution,
 )
-from omnisim.march.friction_modes import creep_of, slip_rate, stopped_speed
+from omnisim.march.slip import slip_rate
+from omnisim.march.slip_bounds import stopped_speed
 from omnisim.march.spatial_events import of_state_alone
 from omnisim.march.spatial_location import cut_along, ends_anywhere, locate_in_space
 from omnisim.march.substeps import outrun

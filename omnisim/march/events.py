@@ -33,6 +33,7 @@ from omnisim.dynamics.normal_forces.rigid_plane import LEAST_REGULAR
 from omnisim.dynamics.parameters import CONTACTS
 from omnisim.dynamics.state import places
 from omnisim.dynamics.wheel import roller_end
+from omnisim.march.creeping import forget_turning, keep_young
 from omnisim.march.event_log import record
 from omnisim.march.friction_modes import grip_guard, young_guard
 from omnisim.march.grip_events import SLIPS, STUCK, change_grip
@@ -169,6 +170,7 @@ def transition(parameters, run, log, fired, time):
     if parameters.space is not None:
         change_in_space(parameters, run, log, fired.kind, fired.wheel, fired.side, time)
     else:
+        forget_turning(run)
         change_mode(parameters, run, log, fired, time)
 
 
@@ -287,6 +289,7 @@ def restore_modes(parameters, run, log, time):
                     transition(parameters, run, log, Guard(kind, w, 0), time)
                     changed = kind
         if changed < 0 or run.clock.status != RUNNING:
+            keep_young(parameters, run)
             return
     # what else does not come to an end is found out by the step that tries to go on
     if changed == LOAD and not find_loads(parameters, run, log, time):

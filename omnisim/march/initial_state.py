@@ -14,7 +14,7 @@ from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.spatial.records import SPATIAL_MODE, SPATIAL_MONITORS
 from omnisim.dynamics.spatial.swings import fastest_swing
 from omnisim.dynamics.state import CLOCK, EXTREME, MODE, MONITORS, YAW, Newton, Recording, Run, places_in
-from omnisim.march.friction_modes import alignment, stopping_alignment
+from omnisim.march.slip_bounds import alignment, stopping_alignment
 from omnisim.march.spatial_start import pose_at_start, state_in_space
 from omnisim.march.stiffness import resolve
 from omnisim.march.substeps import fineness
@@ -55,8 +55,8 @@ def clock_at_start(time: Time, method: Method, choice: int, parameters: Paramete
     part = min(1.0, float(clock["dt"]) / coarse_step(parameters, choice))
     lightness = parameters.machine["mass"] * parameters.machine["slip_mobility"]
     clock["fineness"] = fineness(part, choice, method.tableau.order)
-    clock["aligned"] = alignment(part, choice)
-    clock["stopping"] = stopping_alignment(part, choice, lightness)
+    clock["aligned"] = alignment(part, choice, method.tableau.order)
+    clock["stopping"] = stopping_alignment(part, choice, method.tableau.order, lightness)
     return clock
 
 

@@ -23,6 +23,7 @@ from omnisim.base.status import (
 from omnisim.dynamics.actuation import sample
 from omnisim.dynamics.indices import contact_count
 from omnisim.dynamics.multibody.joint_kinematics import project_bodies
+from omnisim.march.creeping import forget_turning, keep_turning, settle
 from omnisim.march.event_location import GRID_ROUNDING, step_to_event
 from omnisim.march.events import (
     EXIT,
@@ -31,7 +32,7 @@ from omnisim.march.events import (
     transition,
 )
 from omnisim.march.extremes import begin_interval, follow, follow_again
-from omnisim.march.friction_modes import NOT, begin_to_stop, rests, stops, take_drift_away
+from omnisim.march.friction_modes import NOT, begin_to_stop, rests, slip_freely, stops, take_drift_away
 from omnisim.march.grip_events import end_slips
 from omnisim.march.onset import stand
 from omnisim.march.roller_exchange import release_rollers
@@ -43,6 +44,8 @@ from omnisim.march.validity import check, check_energy, too_fast, too_stiff
 
 TURNS_PER_STEP = 1000  # reversals of spin, swings about an edge that never come to rest on both rollers
 CUTS_PER_STEP = 1000  # changes of friction, in a step that no branch of the law survives
+TOLD = 1e-9  # of a step: a shorter one, which rounding left over at a knot, tells of no rate
+UNBENT = 1e-9  # of inputs and their slopes, by which rounding may change them at a knot
 SLIPS_PER_STEP = 10**6  # sub-steps of slow slip in one step
 
 
@@ -74,9 +77,7 @@ def march(parameters, method, run, rows, log):
         if clock.events + 2 * EVENTS_PER_STEP > len(log):
             return LOG_FULL
         grid_step(parameters, method, run, rows, log)
-        if clock.dt - clock.elapsed <= GRID_ROUNDING * clock.dt * (
-            clock.step + 1
-        ):  # it may have stopped at its very end
+        if not step_left(clock):  # it may have stopped at its very end
             clock.step += 1
             clock.elapsed = 0.0
             if parameters.machine.sampled and clock.status == RUNNING and sampled(parameters, run, False):
@@ -104,6 +105,8 @@ def sampled(parameters, run, again):
         if steps > 0 and clock.step % steps == 0:
             sample(parameters, run.mode[w], clock.piece, clock.step * clock.dt, w, run.y, again)
             due = True
+    if due and parameters.space is None:
+        forget_turning(run)
     return due
 
 
@@ -113,7 +116,7 @@ def enter_piece(parameters, run, rows, log):
     clock = run.clock
     here = clock.step * clock.dt
     if parameters.starts[clock.piece + 1] <= here:
-        clock.piece += 1
+        next_piece(parameters, run, here)
         sampled(parameters, run, True)
         refresh(parameters, run, here)
         restore_consistency(parameters, run, log, here)
@@ -125,6 +128,22 @@ def enter_piece(parameters, run, rows, log):
             follow_again(parameters, run, rows, clock.row)
         if on_row:
             write_row(parameters, run, rows)
+
+
+@kernel
+def next_piece(parameters, run, t):
+    """The next piece of the tables begins at the time t; what jumps or bends there turns creeping slips otherwise."""
+    clock = run.clock
+    ends, begins = parameters.inputs[clock.piece], parameters.inputs[clock.piece + 1]
+    span, step = t - parameters.starts[clock.piece], t - parameters.starts[clock.piece + 1]
+    goes_on = True
+    for i in range(len(ends)):
+        last, first = ends[i, 0] + span * ends[i, 1], begins[i, 0] + step * begins[i, 1]
+        goes_on = goes_on and abs(first - last) <= UNBENT * (abs(first) + abs(last))
+        goes_on = goes_on and abs(begins[i, 1] - ends[i, 1]) <= UNBENT * (abs(begins[i, 1]) + abs(ends[i, 1]))
+    clock.piece += 1
+    if parameters.space is None and not goes_on:
+        forget_turning(run)
 
 
 @outlined
@@ -152,6 +171,12 @@ def release_all(parameters, run):
 
 
 @kernel
+def step_left(clock):
+    """Whether more is left of a grid step than rounding, as of a knot that ends it."""
+    return clock.dt - clock.elapsed > GRID_ROUNDING * clock.dt * (clock.step + 1)
+
+
+@kernel
 def grid_step(parameters, method, run, rows, log):
     """One dt, with all its events and knots; what it passes through enters the extremes of its interval."""
     clock = run.clock
@@ -161,7 +186,7 @@ def grid_step(parameters, method, run, rows, log):
     others = 0
     slips = 0
     clock.elapsed = 0.0
-    while clock.elapsed < clock.dt:
+    while step_left(clock):
         t = start + clock.elapsed
         h, knot = piece_length(parameters, clock, start)
         whole = h
@@ -177,6 +202,9 @@ def grid_step(parameters, method, run, rows, log):
         if parameters.workspace.articulated is not None:
             project_bodies(parameters, run, True)
         clock.elapsed += h
+        if parameters.space is None and run.newton is None and h > TOLD * clock.dt:
+            keep_turning(parameters, run)
+            settle(run, h)
         if parameters.workspace.resting is not None:
             take_drift_away(parameters, run, start + clock.elapsed, kind >= 0 and kind != TURN)
         if kind >= 0:
@@ -189,7 +217,7 @@ def grid_step(parameters, method, run, rows, log):
         elif h < whole:
             slips += 1
         elif knot:
-            clock.piece += 1
+            next_piece(parameters, run, start + clock.elapsed)
             refresh(parameters, run, start + clock.elapsed)
             restore_consistency(parameters, run, log, start + clock.elapsed)
             follow_again(parameters, run, rows, clock.row)
@@ -223,6 +251,8 @@ def end_old_slips(parameters, run, rows, log, t):
     if resting:
         end_slips(parameters, run, log, -1, 0, t)
         follow_again(parameters, run, rows, run.clock.row)
+    if parameters.space is None and run.newton is None:
+        slip_freely(parameters, run)
     for w in range(len(run.mode)):
         for side in range(contact_count(run.mode[w])):
             stopping = stopping or stops(parameters, run, w, side) != NOT

@@ -25,6 +25,7 @@ from omnisim.dynamics.wheel import (
     external_wrench,
     rho_of,
 )
+from omnisim.march.creeping import search_anew
 from omnisim.march.runge_kutta import evaluate
 from omnisim.march.spatial_observation import observe_in_space
 
@@ -73,6 +74,7 @@ def observe(parameters, rows, times, monitors, observed):
     workspace = parameters.workspace
     for row in range(len(times)):
         y, mode, slopes = rows.y[row], rows.mode[row], observed.slopes[row]
+        search_anew(workspace)
         evaluate(parameters, mode, rows.piece[row], times[row], y, slopes, monitors)
         body = body_motion(parameters, y)
         wrench = external_wrench(parameters, rows.piece[row], times[row], body)

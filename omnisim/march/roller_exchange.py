@@ -10,8 +10,9 @@ from omnisim.dynamics.contact_forces import LOST
 from omnisim.dynamics.indices import carries, contact_count, rate_place, roller_index, roller_of, row_index, sector_of
 from omnisim.dynamics.state import TOUCHING, places
 from omnisim.dynamics.wheel import azimuth_of, rho_of, roller_end
-from omnisim.march.friction_modes import come_to_rest, rest_speed, rests
+from omnisim.march.friction_modes import come_to_rest, rests
 from omnisim.march.runge_kutta import copy, evaluate, refresh
+from omnisim.march.slip_bounds import rest_speed
 
 ON_EDGE = 1e-14  # of a radian and of the spin angle: so near to the edge is on it
 SWING = 1 / 200  # of a step: a swing about an edge and back that is shorter is none

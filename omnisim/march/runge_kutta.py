@@ -4,6 +4,7 @@ from omnisim.base.kernel import kernel, outlined
 from omnisim.dynamics.multibody.joint_kinematics import project_bodies
 from omnisim.dynamics.right_hand_side import rhs
 from omnisim.dynamics.state import Stage
+from omnisim.march.creeping import begin_turning, end_turning, go_on_turning
 
 
 @kernel
@@ -12,10 +13,12 @@ def explicit_step(parameters, method, run, t, h):
     a, b, c, first = method.a, method.b, method.c, method.first
     y, trial, slopes, carry, increment = run.y, run.trial, run.slopes, run.carry, run.increment
     stages = len(b)
+    if parameters.workspace.resting is not None and parameters.space is None and run.newton is None and h > 0.0:
+        begin_turning(parameters, run, c[1], h)
     for i in range(1, stages + 1):
         last = i == stages
         if not last:
-            time = t + c[i] * h
+            part = c[i]
             if first[i] == i - 1:
                 for m in range(len(y)):
                     trial[m] = y[m] + h * (a[i, i - 1] * slopes[i - 1, m])
@@ -25,13 +28,18 @@ def explicit_step(parameters, method, run, t, h):
                     rate = trial[m] + (a[i, i - 2] * slopes[i - 2, m] + a[i, i - 1] * slopes[i - 1, m])
                     trial[m] = y[m] + h * rate
         else:
-            time = t + h
+            part = 1.0
             lead(b, 0, stages, slopes, increment)
             for m in range(len(y)):
                 rate = increment[m] + (b[i - 2] * slopes[i - 2, m] + b[i - 1] * slopes[i - 1, m])
                 increment[m] = carry[m] + h * rate
                 trial[m] = y[m] + increment[m]
-        rhs(parameters, Stage(run.mode, run.clock.piece, time, trial, slopes[i], run.monitors_end, last))
+        rhs(parameters, Stage(run.mode, run.clock.piece, t + part * h, trial, slopes[i], run.monitors_end, last))
+        if parameters.workspace.resting is not None and parameters.space is None and run.newton is None and h > 0.0:
+            if last:
+                end_turning(parameters, run, h)
+            else:
+                go_on_turning(parameters, run, part, c[i + 1] if i + 1 < stages else 1.0, h)
     run.clock.rhs += stages
 
 

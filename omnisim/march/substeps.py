@@ -2,7 +2,7 @@
 
 Near zero slip v / |v| turns ever faster towards a limit direction, so a slipping contact is stepped by a fraction of
 the time in which it could stop or turn: slip shrinks geometrically and never crosses zero. What happens when it is
-almost there is in friction_modes.py.
+almost there is in friction_modes.py and creeping.py.
 """
 
 import math
@@ -18,7 +18,8 @@ from omnisim.dynamics.spatial import touching
 from omnisim.dynamics.spatial.pose import body_of
 from omnisim.dynamics.twist import body_motion
 from omnisim.dynamics.wheel import contact_state
-from omnisim.march.friction_modes import CREEP_SPEED, slip_rate
+from omnisim.march.creeping import CREEP_SPEED, creep_of
+from omnisim.march.slip import attraction, slip_rate
 
 SLIP_FRACTION = 0.9  # of the time in which slip could stop, that one explicit sub-step may take at most
 FINE_FRACTION = 0.2  # the same for methods "auto" and "radau5", which are there for their accuracy
@@ -50,12 +51,14 @@ def step_length(parameters, run, t, h):
     for w in range(len(run.mode)):
         for side in range(contact_count(run.mode[w])):
             factor, grip = run.monitors[w].factor[side], run.mode[w].grip[side]
+            if parameters.space is None:
+                run.mode[w].pull = 0.0
             if machine.rolling and grip != STICK:  # what sticks turns with the machine, which is heavier
                 relaxation = max(relaxation, run.monitors[w].relaxing[side])
             if parameters.workspace.resting is not None and grip == CREEP:  # it will stop soon, or go its own way
                 rate, _, _ = slip_rate(parameters, run.mode[w], w, side, run.y, run.slopes[0])
                 speed = max(math.sqrt(run.monitors[w].slip_square[side]), LEAST_CREEPING)
-                h = min(h, CREEP_STEP * speed / max(math.sqrt(rate.h * rate.h + rate.k * rate.k), TINY))
+                h = min(h, creeping_time(run, creep_of(parameters, w, side), rate, speed))
             elif grip == SLIP and factor > 0.0:
                 rate, slip, a = slip_rate(parameters, run.mode[w], w, side, run.y, run.slopes[0])
                 mobility = largest(a)
@@ -65,7 +68,11 @@ def step_length(parameters, run, t, h):
                 size = math.sqrt((rate.h * rate.h + rate.k * rate.k) * scale)
                 sine = abs(slip.h * rate.k - slip.k * rate.h) / max(size, TINY)
                 pace, relaxation = max(pace, size / scale), max(relaxation, factor * mobility)
-                turning = max(turning, sine * factor * mobility)
+                attracted = attraction(run.monitors[w], side, rate, slip, a)
+                if parameters.space is None:
+                    run.mode[w].pull = attracted / scale
+                angle = sine * size / max(attracted, TINY)
+                turning = max(turning, min(sine, angle**0.2) * factor * mobility)
     if run.newton is None:
         clock.implicit = False
         fraction = slip_fraction(SLIP_FRACTION, pace, clock)
@@ -81,6 +88,16 @@ def step_length(parameters, run, t, h):
         stiffness = h_explicit * relaxation
     clock.implicit = clock.choice == IMPLICIT or stiffness > AUTO_STIFF
     return min(h, fraction / pace) if clock.implicit else min(h_explicit, AUTO_ACCURATE / relaxation)
+
+
+@kernel
+def creeping_time(run, u, rate, speed):
+    """How long creeping slip may be stepped at once, s: a little beyond its end; where its direction does not turn as
+    the stages say, only until it has doubled as well."""
+    change = math.sqrt(rate.h * rate.h + rate.k * rate.k)
+    if run.newton is None and u.h * rate.h + u.k * rate.k >= 0.0:
+        return math.inf
+    return CREEP_STEP * speed / max(change, TINY)
 
 
 @outlined

@@ -4,9 +4,10 @@ at both ends."""
 from omnisim.base.kernel import kernel, outlined
 from omnisim.contact.set_valued import CREEP
 from omnisim.dynamics.indices import contact_count
-from omnisim.march.friction_modes import creep_of, slip_of
+from omnisim.march.creeping import creep_of
 from omnisim.march.radau5 import implicit_step
 from omnisim.march.runge_kutta import explicit_step
+from omnisim.march.slip import slip_of
 
 REACH = 0.02  # of a step, by which its end may be moved along a cubic; of an implicit one, whose states may have
 IMPLICIT_REACH = 1e-6  # changed much faster than any cubic does, so little that its square is lost in rounding

@@ -12,10 +12,10 @@ from omnisim.dynamics.state import places
 from omnisim.dynamics.twist import body_motion
 from omnisim.dynamics.wheel import contact_state
 from omnisim.march.event_log import EVENT
-from omnisim.march.friction_modes import slip_rate
 from omnisim.march.initial_state import blank_rows
 from omnisim.march.march import march
 from omnisim.march.runge_kutta import evaluate
+from omnisim.march.slip import slip_rate
 from omnisim.results.comparison import distance
 
 CASE = "coulomb_wheel"

@@ -13,10 +13,9 @@ from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
 from omnisim.contact.frame import Axis, Slip, WheelTwist, frame_along
 from omnisim.contact.friction import VISCOUS
 from omnisim.contact.kinematics import Jacobian
-from omnisim.contact.set_valued import CREEP
 from omnisim.contact.tracking import explicit_contact, implicit_contact
 from omnisim.dynamics.actuation import actuate, follow_angles, followed, rest_motors
-from omnisim.dynamics.contact_forces import find_forces
+from omnisim.dynamics.contact_forces import find_forces, seek
 from omnisim.dynamics.indices import body_place, carries, contact_count, roller_index, roller_of
 from omnisim.dynamics.multibody.chassis import (
     Balance,
@@ -172,7 +171,7 @@ def join_wheel(parameters, stage, w, carrier):
     part.slides = 0
     part.contacts = contact_count(mode)
     part.loaded = mode.loaded
-    part.sought = mode.loaded and (mode.shared or mode.grip[0] == CREEP)
+    seek(workspace, part, mode)
     part.demand = demand
     part.drive_torque = drive
     part.free_spin = drive - dot(art.axle, needed.moment)

@@ -1,0 +1,175 @@
+"""The direction of creeping slip, and how it turns.
+
+Friction turns slow slip at the rate mu N A / |v|, faster than anything else moves: to follow that would take ever
+shorter steps. So an explicit step takes the direction u at each of its stages from the contact equation, in which the
+rate omega = u' . n at which u itself turns stands with the small factor |v|. It is that of the polynomial through the
+directions at the stages so far and at this one: with c_i their nodes, theta the angle from the direction at the start,
+and p the polynomial without this stage,
+
+    h omega(c) = p'(c) + (theta - p(c)) sum 1 / (c - c_i)
+
+which damps what the direction at the start is away from that of the contact equation, for every step and method. The
+step begins with the direction of the slip itself and, unless forces have jumped since, with the rate at which it turned
+at the end of the step before. What slip then has across u at the end is taken away by an impulse across it, as friction
+would have done (impulses.py).
+"""
+
+import math
+
+from omnisim.base.kernel import kernel
+from omnisim.contact.frame import Slip
+from omnisim.contact.set_valued import CREEP
+from omnisim.dynamics.spatial.records import SLOTS
+
+CREEP_SPEED = 1e-7  # m/s: slip that has no direction of its own in any case
+HELD = 1e30  # 1/s: by the angle from where a direction began, holds it there
+
+
+@kernel
+def creep_of(parameters, w, side):
+    """Direction of creeping slip at a contact of wheel w as the last right-hand side found it (Slip)."""
+    if parameters.space is not None:
+        touch = parameters.space.touches[w * SLOTS + side]
+        return Slip(touch.creep[0], touch.creep[1])
+    contact = parameters.workspace.contacts[parameters.wheels[w].contacts + side]
+    return Slip(contact.creep[0], contact.creep[1])
+
+
+@kernel
+def keep_creep(parameters, run, w, side):
+    """Remember the direction of creeping slip that the last right-hand side found."""
+    mode = run.mode[w]
+    creep = creep_of(parameters, w, side)
+    mode.creep[side, 0], mode.creep[side, 1] = creep.h, creep.k
+
+
+@kernel
+def keep_young(parameters, run):
+    """Slip that has no direction of its own yet begins in that which all forces of this instant give it."""
+    if parameters.workspace.resting is not None:
+        for w in range(len(run.mode)):
+            mode = run.mode[w]
+            if mode.grip[0] == CREEP and not mode.shared and run.monitors[w].slip_square[0] < CREEP_SPEED**2:
+                keep_creep(parameters, run, w, 0)
+
+
+@kernel
+def search_anew(workspace):
+    """Let the next search for directions begin with those of the modes: a state alone, not what was evaluated before
+    it, tells its forces to the last bit."""
+    for contact in workspace.contacts:
+        contact.creep[0] = contact.creep[1] = 0.0
+
+
+@kernel
+def hold_direction(run, mode, contact):
+    """Let a creeping contact keep the direction of its slip until a step turns it; young slip, and that of implicit
+    steps, has that from rest."""
+    young = contact.slip[0] * contact.slip[0] + contact.slip[1] * contact.slip[1] < CREEP_SPEED * CREEP_SPEED
+    mode.veer[0], mode.veer[1] = 0.0, 0.0 if young or run.newton is not None else HELD
+
+
+@kernel
+def begin_turning(parameters, run, c, h):
+    """Begin a step h in the directions that creeping slips have; its first stage is at the part c of it."""
+    for w in range(len(run.mode)):
+        if run.mode[w].grip[0] == CREEP and not run.mode[w].shared:
+            contact = parameters.workspace.contacts[parameters.wheels[w].contacts]
+            contact.nodes = 1
+            contact.node[0] = contact.angle[0] = contact.difference[0] = 0.0
+            if run.mode[w].foreseen:
+                contact.nodes = 2
+                contact.node[1] = contact.angle[1] = 0.0
+                contact.difference[1] = run.mode[w].veering * h
+    foresee_turning(parameters, run, c, h)
+
+
+@kernel
+def go_on_turning(parameters, run, c, following, h):
+    """The right-hand side has found the directions at the part c of a step h; the next stage is at the part
+    `following`."""
+    see_turning(parameters, run, c)
+    foresee_turning(parameters, run, following, h)
+
+
+@kernel
+def foresee_turning(parameters, run, c, h):
+    """At which rate the directions of creeping slips turn at the part c of a step h, by the directions there."""
+    for w in range(len(run.mode)):
+        mode = run.mode[w]
+        if mode.grip[0] == CREEP and not mode.shared:
+            contact = parameters.workspace.contacts[parameters.wheels[w].contacts]
+            if contact.node[contact.nodes - 1] == c:  # two stages at one time: the later one knows better
+                contact.nodes -= 1
+            value, slope, product, change = 0.0, 0.0, 1.0, 0.0
+            for i in range(contact.nodes):
+                value, slope = value + contact.difference[i] * product, slope + contact.difference[i] * change
+                change, product = change * (c - contact.node[i]) + product, product * (c - contact.node[i])
+            mode.veer[1] = change / (product * h)
+            mode.veer[0] = slope / h - value * mode.veer[1]
+
+
+@kernel
+def see_turning(parameters, run, c):
+    """Enter the directions that the right-hand side found there."""
+    for w in range(len(run.mode)):
+        mode = run.mode[w]
+        if mode.grip[0] == CREEP and not mode.shared:
+            contact = parameters.workspace.contacts[parameters.wheels[w].contacts]
+            angle = turned_by(mode.creep[0], contact.creep)
+            value, product = 0.0, 1.0
+            for i in range(contact.nodes):
+                value, product = value + contact.difference[i] * product, product * (c - contact.node[i])
+            contact.node[contact.nodes] = c
+            contact.angle[contact.nodes] = angle
+            contact.difference[contact.nodes] = (angle - value) / product
+            contact.nodes += 1
+
+
+@kernel
+def end_turning(parameters, run, h):
+    """Keep at which rate the directions turn at the end of a step h, by their last stages, and hold them there."""
+    see_turning(parameters, run, 1.0)
+    for w in range(len(run.mode)):
+        mode = run.mode[w]
+        if mode.grip[0] == CREEP and not mode.shared:
+            contact = parameters.workspace.contacts[parameters.wheels[w].contacts]
+            n = contact.nodes - 1
+            node, angle = contact.node, contact.angle
+            rate = (angle[n] - angle[n - 1]) / (node[n] - node[n - 1])
+            if n > 1 and node[n - 1] > node[n - 2]:
+                before = (angle[n - 1] - angle[n - 2]) / (node[n - 1] - node[n - 2])
+                rate += (rate - before) * (node[n] - node[n - 1]) / (node[n] - node[n - 2])
+            contact.veering = rate / h
+            hold_direction(run, mode, contact)
+
+
+@kernel
+def keep_turning(parameters, run):
+    """Remember the rates at which creeping slips turned at the end of a step."""
+    for w in range(len(run.mode)):
+        mode = run.mode[w]
+        mode.foreseen = mode.grip[0] == CREEP and not mode.shared
+        if mode.foreseen:
+            mode.veering = parameters.workspace.contacts[parameters.wheels[w].contacts].veering
+
+
+@kernel
+def settle(run, h):
+    """Slips have been drawn towards the directions of the contact equation for a time h."""
+    for w in range(len(run.mode)):
+        run.mode[w].settled += h * run.mode[w].pull
+
+
+@kernel
+def forget_turning(run):
+    """Forces have jumped: nothing tells any more how creeping slips turn."""
+    for w in range(len(run.mode)):
+        run.mode[w].foreseen = 0
+        run.mode[w].settled = 0.0
+
+
+@kernel
+def turned_by(first, then):
+    """Angle from one unit vector to another, rad."""
+    return math.atan2(first[0] * then[1] - first[1] * then[0], first[0] * then[0] + first[1] * then[1])

@@ -1,0 +1,80 @@
+"""Slip at the contacts of a state: its velocity, its rate, and how strongly friction draws it into one direction."""
+
+import math
+from typing import NamedTuple
+
+from omnisim.base.kernel import kernel
+from omnisim.contact.kinematics import slip_acceleration
+from omnisim.contact.mobility import across, inverse_mass
+from omnisim.dynamics.indices import rate_place
+from omnisim.dynamics.spatial.acceleration import slip_at, slip_change
+from omnisim.dynamics.spatial.mobility import contact_mobility
+from omnisim.dynamics.spatial.pose import body_of
+from omnisim.dynamics.spatial.touching import standing, touching_at
+from omnisim.dynamics.state import places
+from omnisim.dynamics.twist import acceleration_of, body_motion, wheel_motion
+from omnisim.dynamics.wheel import contact_state
+
+
+class Course(NamedTuple):
+    """How slip v goes on: v / |v|, |v| (m/s), its growth v . v' / |v| (m/s^2), the rate at which it turns (rad/s) and
+    that at which friction draws it into the direction of the contact equation (1/s)."""
+
+    h: float
+    k: float
+    speed: float
+    growth: float
+    turning: float
+    attraction: float
+
+
+@kernel
+def slip_of(parameters, mode, w, side, y):
+    """Slip velocity (Slip, m/s) at a contact of wheel w in state y."""
+    if parameters.space is not None:
+        return slip_at(parameters, mode, w, side, y)
+    return contact_state(parameters, mode, w, side, body_motion(parameters, y), y).slip
+
+
+@kernel
+def slip_rate(parameters, mode, w, side, y, slope):
+    """v' (Slip, m/s^2) at a contact of wheel w in a state y with this derivative, v (Slip, m/s), and A, 1/kg."""
+    if parameters.space is not None:
+        stand = standing(parameters, w, body_of(parameters, y), y)
+        mobility = contact_mobility(parameters, w, stand.hub, touching_at(parameters, mode, w, side, stand))
+        change = slip_change(parameters, mode, w, side, stand, y, slope)
+        return change, slip_at(parameters, mode, w, side, y), mobility
+    return upright_slip_rate(parameters, mode, w, side, y, slope)
+
+
+@kernel
+def upright_slip_rate(parameters, mode, w, side, y, slope):
+    """The same of a machine that is upright."""
+    wheel = parameters.wheels[w]
+    at = places(parameters)
+    body = body_motion(parameters, y)
+    state = contact_state(parameters, mode, w, side, body, y)
+    acceleration = acceleration_of(parameters, body, slope)
+    roller = slope[rate_place(parameters, mode, w, side)]
+    motion = wheel_motion(wheel, body.twist, acceleration, slope[at.spin_rate + w], roller)
+    mobility = inverse_mass(parameters.machine, wheel, state.axis, state.contact)
+    return slip_acceleration(wheel, state, motion), state.slip, mobility
+
+
+@kernel
+def attraction(monitors, side, rate, slip, mobility):
+    """Rate at which friction turns slip into the direction of the contact equation, by the square of slip, m^2/s^3."""
+    along = slip.h * rate.h + slip.k * rate.k
+    return monitors.factor[side] * across(mobility, slip.h, slip.k) + along
+
+
+@kernel
+def course_of(parameters, run, w, side):
+    """The Course of the slip at a contact of wheel w."""
+    monitors = run.monitors[w]
+    rate, slip, mobility = slip_rate(parameters, run.mode[w], w, side, run.y, run.slopes[0])
+    square = slip.h * slip.h + slip.k * slip.k
+    speed = math.sqrt(square)
+    along, turn = slip.h * rate.h + slip.k * rate.k, slip.h * rate.k - slip.k * rate.h
+    attracted = attraction(monitors, side, rate, slip, mobility)
+    return Course(slip.h / speed, slip.k / speed, speed, along / speed, turn / square, attracted / square)
