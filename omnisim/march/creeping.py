@@ -156,9 +156,11 @@ def keep_turning(parameters, run):
 
 @kernel
 def settle(run, h):
-    """Slips have been drawn towards the directions of the contact equation for a time h."""
+    """Slips have been drawn towards the directions of the contact equation for a time h, or away from them: then all
+    begins anew."""
     for w in range(len(run.mode)):
-        run.mode[w].settled += h * run.mode[w].pull
+        mode = run.mode[w]
+        mode.settled = mode.settled + h * mode.pull if mode.pull >= 0.0 else 0.0
 
 
 @kernel

@@ -36,6 +36,7 @@ from omnisim.march.slip_bounds import (
 
 DRIFTED = 0.01  # of the square of slip that no longer matters: more drift of a sticking contact is taken away
 MOST_FREED = 20  # times in a step, after which slip is followed by sub-steps to its end
+FEW_STEPS = 8.0  # that slip must last at least, to be turned by stages
 AT_EASE = 0.5  # of what a step does not see, that slip which lasts may turn in it: less, for the same reason
 NOT, SOON, NEAR, LASTING = range(4)  # how slip goes on in the direction of the contact equation
 CREEP_ROUNDING = 1e-3  # of the slip that no longer matters: what contacts that let go together may slip back
@@ -70,10 +71,10 @@ def stops(parameters, run, w, side):
     """How a contact that slips goes on along the direction of the contact equation, which attracts its slip.
 
     NEAR: of its own accord, as it turns: friction turns slip many times within a step, and has done so for so long
-    that the error of the step hides what else turns it. SOON: its end is near, and the error hides what the slip is
-    across that direction. LASTING: in space, a wheel on two rollers slips on one of them as slowly as their heights
-    differ, for as long as it rolls over their ends; friction turns that slip a million times faster than anything
-    moves. Else NOT.
+    that the error of the step hides what else turns it; and the slip lasts. SOON: its end is near, and the error hides
+    what the slip is across that direction. LASTING: in space, a wheel on two rollers slips on one of them as slowly as
+    their heights differ, for as long as it rolls over their ends; friction turns that slip a million times faster than
+    anything moves. Else NOT.
     """
     mode, monitors = run.mode[w], run.monitors[w]
     if mode.shared or mode.grip[side] != SLIP or monitors.factor[side] == 0.0:
@@ -85,13 +86,20 @@ def stops(parameters, run, w, side):
     stiff = stiffness(parameters, run.clock, monitors, side) > LEAST_STIFF
     followed = parameters.space is None and run.newton is None
     turned = course.attraction * dt > LEAST_TURNED
-    if followed and turned and astray(mode, course) * course.attraction * dt < hidden:
+    lasts = not fleeting(run.clock, course)
+    if followed and turned and lasts and astray(mode, course) * course.attraction * dt < hidden:
         return NEAR
     if (turned if followed else stiff) and -course.growth * dt > course.speed and across(course) < hidden:
         return SOON
     if parameters.space is None or run.newton is not None or not stiff:
         return NOT
     return LASTING if abs(course.turning) * course.speed * dt < AT_EASE * run.clock.aligned else NOT
+
+
+@kernel
+def fleeting(clock, course):
+    """Whether slip will be gone, or have doubled, within a few steps: then it turns otherwise than stages can tell."""
+    return FEW_STEPS * abs(course.growth) * clock.dt > course.speed
 
 
 @kernel
@@ -109,13 +117,14 @@ def astray(mode, course):
 
 @kernel
 def slip_freely(parameters, run):
-    """Let creeping contacts slip whose slip friction no longer turns faster than a step can follow, or that forces
-    which have jumped turn so far that the step would err: in the direction that they have."""
+    """Let creeping contacts slip in the direction that they have: where friction no longer turns slip faster than a
+    step can follow, or where the step would err, as forces have jumped or the slip will not last."""
     for w in range(len(run.mode)):
         mode = run.mode[w]
         if mode.grip[0] == CREEP and not mode.shared and run.monitors[w].slip_square[0] > CREEP_SPEED**2:
             course = course_of(parameters, run, w, 0)
-            lost = not mode.foreseen and across(course) > unseen(run.clock, True, course.speed)
+            untold = not mode.foreseen or fleeting(run.clock, course)
+            lost = untold and across(course) > unseen(run.clock, True, course.speed)
             if lost or course.attraction * run.clock.dt < STILL_TURNED:
                 mode.grip[0] = SLIP
 
