@@ -71,17 +71,22 @@ def hold_direction(run, mode, contact):
 
 @kernel
 def begin_turning(parameters, run, c, h):
-    """Begin a step h in the directions that creeping slips have; its first stage is at the part c of it."""
+    """Begin a step h in the directions that creeping slips have; its first stage is at the part c of it. Whether there
+    are any."""
+    turning = False
     for w in range(len(run.mode)):
         if run.mode[w].grip[0] == CREEP and not run.mode[w].shared:
             contact = parameters.workspace.contacts[parameters.wheels[w].contacts]
+            turning = True
             contact.nodes = 1
             contact.node[0] = contact.angle[0] = contact.difference[0] = 0.0
             if run.mode[w].foreseen:
                 contact.nodes = 2
                 contact.node[1] = contact.angle[1] = 0.0
                 contact.difference[1] = run.mode[w].veering * h
-    foresee_turning(parameters, run, c, h)
+    if turning:
+        foresee_turning(parameters, run, c, h)
+    return turning
 
 
 @kernel
@@ -145,21 +150,14 @@ def end_turning(parameters, run, h):
 
 
 @kernel
-def keep_turning(parameters, run):
-    """Remember the rates at which creeping slips turned at the end of a step."""
+def keep_turning(parameters, run, h):
+    """Remember the rates at which creeping slips turned at the end of a step h, and for how long friction has drawn
+    others towards the direction of the contact equation; or away from it: then that begins anew."""
     for w in range(len(run.mode)):
         mode = run.mode[w]
         mode.foreseen = mode.grip[0] == CREEP and not mode.shared
         if mode.foreseen:
             mode.veering = parameters.workspace.contacts[parameters.wheels[w].contacts].veering
-
-
-@kernel
-def settle(run, h):
-    """Slips have been drawn towards the directions of the contact equation for a time h, or away from them: then all
-    begins anew."""
-    for w in range(len(run.mode)):
-        mode = run.mode[w]
         mode.settled = mode.settled + h * mode.pull if mode.pull >= 0.0 else 0.0
 
 

@@ -81,17 +81,18 @@ def stops(parameters, run, w, side):
         return NOT
     if mode.freed_step == run.clock.step and mode.freed >= MOST_FREED:
         return NOT
+    if stiffness(parameters, run.clock, monitors, side) <= LEAST_STIFF:  # as nearly always
+        return NOT
     dt, course = run.clock.dt, course_of(parameters, run, w, side)
     hidden = unseen(run.clock, True, course.speed)
-    stiff = stiffness(parameters, run.clock, monitors, side) > LEAST_STIFF
     followed = parameters.space is None and run.newton is None
     turned = course.attraction * dt > LEAST_TURNED
     lasts = not fleeting(run.clock, course)
     if followed and turned and lasts and astray(mode, course) * course.attraction * dt < hidden:
         return NEAR
-    if (turned if followed else stiff) and -course.growth * dt > course.speed and across(course) < hidden:
+    if (turned or not followed) and -course.growth * dt > course.speed and across(course) < hidden:
         return SOON
-    if parameters.space is None or run.newton is not None or not stiff:
+    if parameters.space is None or run.newton is not None:
         return NOT
     return LASTING if abs(course.turning) * course.speed * dt < AT_EASE * run.clock.aligned else NOT
 

@@ -23,7 +23,7 @@ from omnisim.base.status import (
 from omnisim.dynamics.actuation import sample
 from omnisim.dynamics.indices import contact_count
 from omnisim.dynamics.multibody.joint_kinematics import project_bodies
-from omnisim.march.creeping import forget_turning, keep_turning, settle
+from omnisim.march.creeping import forget_turning, keep_turning
 from omnisim.march.event_location import GRID_ROUNDING, step_to_event
 from omnisim.march.events import (
     EXIT,
@@ -203,8 +203,7 @@ def grid_step(parameters, method, run, rows, log):
             project_bodies(parameters, run, True)
         clock.elapsed += h
         if parameters.space is None and run.newton is None and h > TOLD * clock.dt:
-            keep_turning(parameters, run)
-            settle(run, h)
+            keep_turning(parameters, run, h)
         if parameters.workspace.resting is not None:
             take_drift_away(parameters, run, start + clock.elapsed, kind >= 0 and kind != TURN)
         if kind >= 0:

@@ -12,9 +12,9 @@ def explicit_step(parameters, method, run, t, h):
     """One Runge-Kutta step of length h from run.y into run.trial, with the derivative and `monitors` at its end."""
     a, b, c, first = method.a, method.b, method.c, method.first
     y, trial, slopes, carry, increment = run.y, run.trial, run.slopes, run.carry, run.increment
-    stages = len(b)
-    if parameters.workspace.resting is not None and parameters.space is None and run.newton is None and h > 0.0:
-        begin_turning(parameters, run, c[1], h)
+    stages, turning = len(b), h > 0.0
+    if parameters.workspace.resting is not None and parameters.space is None and run.newton is None and turning:
+        turning = begin_turning(parameters, run, c[1], h)
     for i in range(1, stages + 1):
         last = i == stages
         if not last:
@@ -35,7 +35,7 @@ def explicit_step(parameters, method, run, t, h):
                 increment[m] = carry[m] + h * rate
                 trial[m] = y[m] + increment[m]
         rhs(parameters, Stage(run.mode, run.clock.piece, t + part * h, trial, slopes[i], run.monitors_end, last))
-        if parameters.workspace.resting is not None and parameters.space is None and run.newton is None and h > 0.0:
+        if parameters.workspace.resting is not None and parameters.space is None and run.newton is None and turning:
             if last:
                 end_turning(parameters, run, h)
             else:
