@@ -16,7 +16,7 @@ would have done (impulses.py).
 
 import math
 
-from omnisim.base.kernel import kernel
+from omnisim.base.kernel import kernel, outlined
 from omnisim.contact.frame import Slip
 from omnisim.contact.set_valued import CREEP
 from omnisim.dynamics.spatial.records import SLOTS
@@ -70,26 +70,31 @@ def hold_direction(run, mode, contact):
 
 
 @kernel
+def creeps(run):
+    """Whether slip of any upright wheel creeps in a direction that turns."""
+    for w in range(len(run.mode)):
+        mode = run.mode[w]
+        if mode.grip[0] == CREEP and not mode.shared:
+            return True
+    return False
+
+
+@outlined
 def begin_turning(parameters, run, c, h):
-    """Begin a step h in the directions that creeping slips have; its first stage is at the part c of it. Whether there
-    are any."""
-    turning = False
+    """Begin a step h in the directions that creeping slips have; its first stage is at the part c of it."""
     for w in range(len(run.mode)):
         if run.mode[w].grip[0] == CREEP and not run.mode[w].shared:
             contact = parameters.workspace.contacts[parameters.wheels[w].contacts]
-            turning = True
             contact.nodes = 1
             contact.node[0] = contact.angle[0] = contact.difference[0] = 0.0
             if run.mode[w].foreseen:
                 contact.nodes = 2
                 contact.node[1] = contact.angle[1] = 0.0
                 contact.difference[1] = run.mode[w].veering * h
-    if turning:
-        foresee_turning(parameters, run, c, h)
-    return turning
+    foresee_turning(parameters, run, c, h)
 
 
-@kernel
+@outlined
 def go_on_turning(parameters, run, c, following, h):
     """The right-hand side has found the directions at the part c of a step h; the next stage is at the part
     `following`."""
@@ -131,7 +136,7 @@ def see_turning(parameters, run, c):
             contact.nodes += 1
 
 
-@kernel
+@outlined
 def end_turning(parameters, run, h):
     """Keep at which rate the directions turn at the end of a step h, by their last stages, and hold them there."""
     see_turning(parameters, run, 1.0)

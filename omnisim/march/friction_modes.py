@@ -90,7 +90,7 @@ def stops(parameters, run, w, side):
     lasts = not fleeting(run.clock, course)
     if followed and turned and lasts and astray(mode, course) * course.attraction * dt < hidden:
         return NEAR
-    if (turned or not followed) and -course.growth * dt > course.speed and across(course) < hidden:
+    if (turned or not followed) and -course.growth * dt > course.speed and course.across < hidden:
         return SOON
     if parameters.space is None or run.newton is not None:
         return NOT
@@ -104,16 +104,10 @@ def fleeting(clock, course):
 
 
 @kernel
-def across(course):
-    """Slip across the direction of the contact equation, m/s, by its turning; infinite where that does not attract."""
-    return abs(course.turning) * course.speed / course.attraction if course.attraction > 0.0 else math.inf
-
-
-@kernel
 def astray(mode, course):
     """At most that of it, m/s, which does not belong to the turning of that direction itself: from forces that have
     jumped, by as much as friction has had time for since."""
-    return min(across(course), course.speed * math.exp(-mode.settled))
+    return min(course.across, course.speed * math.exp(-mode.settled))
 
 
 @kernel
@@ -125,7 +119,7 @@ def slip_freely(parameters, run):
         if mode.grip[0] == CREEP and not mode.shared and run.monitors[w].slip_square[0] > CREEP_SPEED**2:
             course = course_of(parameters, run, w, 0)
             untold = not mode.foreseen or fleeting(run.clock, course)
-            lost = untold and across(course) > unseen(run.clock, True, course.speed)
+            lost = untold and course.across > unseen(run.clock, True, course.speed)
             if lost or course.attraction * run.clock.dt < STILL_TURNED:
                 mode.grip[0] = SLIP
 

@@ -4,7 +4,7 @@ from omnisim.base.kernel import kernel, outlined
 from omnisim.dynamics.multibody.joint_kinematics import project_bodies
 from omnisim.dynamics.right_hand_side import rhs
 from omnisim.dynamics.state import Stage
-from omnisim.march.creeping import begin_turning, end_turning, go_on_turning
+from omnisim.march.creeping import begin_turning, creeps, end_turning, go_on_turning
 
 
 @kernel
@@ -12,9 +12,11 @@ def explicit_step(parameters, method, run, t, h):
     """One Runge-Kutta step of length h from run.y into run.trial, with the derivative and `monitors` at its end."""
     a, b, c, first = method.a, method.b, method.c, method.first
     y, trial, slopes, carry, increment = run.y, run.trial, run.slopes, run.carry, run.increment
-    stages, turning = len(b), h > 0.0
-    if parameters.workspace.resting is not None and parameters.space is None and run.newton is None and turning:
-        turning = begin_turning(parameters, run, c[1], h)
+    stages, turning = len(b), False
+    if parameters.workspace.resting is not None and parameters.space is None and run.newton is None:
+        turning = h > 0.0 and creeps(run)
+        if turning:
+            begin_turning(parameters, run, c[1], h)
     for i in range(1, stages + 1):
         last = i == stages
         if not last:

@@ -17,8 +17,9 @@ from omnisim.dynamics.wheel import contact_state
 
 
 class Course(NamedTuple):
-    """How slip v goes on: v / |v|, |v| (m/s), its growth v . v' / |v| (m/s^2), the rate at which it turns (rad/s) and
-    that at which friction draws it into the direction of the contact equation (1/s)."""
+    """How slip v goes on: v / |v|, |v| (m/s), its growth v . v' / |v| (m/s^2), the rate at which it turns (rad/s), that
+    at which friction draws it into the direction of the contact equation (1/s), and what it is across that direction by
+    its turning (m/s; infinite where that does not attract)."""
 
     h: float
     k: float
@@ -26,6 +27,7 @@ class Course(NamedTuple):
     growth: float
     turning: float
     attraction: float
+    across: float
 
 
 @kernel
@@ -77,4 +79,5 @@ def course_of(parameters, run, w, side):
     speed = math.sqrt(square)
     along, turn = slip.h * rate.h + slip.k * rate.k, slip.h * rate.k - slip.k * rate.h
     attracted = attraction(monitors, side, rate, slip, mobility)
-    return Course(slip.h / speed, slip.k / speed, speed, along / speed, turn / square, attracted / square)
+    off = abs(turn) * speed / attracted if attracted > 0.0 else math.inf
+    return Course(slip.h / speed, slip.k / speed, speed, along / speed, turn / square, attracted / square, off)

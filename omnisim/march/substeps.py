@@ -72,7 +72,8 @@ def step_length(parameters, run, t, h):
                 if parameters.space is None:
                     run.mode[w].pull = attracted / scale
                 angle = sine * size / max(attracted, TINY)
-                turning = max(turning, min(sine, angle**0.2) * factor * mobility)
+                share = sine if angle >= sine**5 else angle**0.2  # the lesser of both: a root takes as long as a stage
+                turning = max(turning, share * factor * mobility)
     if run.newton is None:
         clock.implicit = False
         fraction = slip_fraction(SLIP_FRACTION, pace, clock)
