@@ -58,7 +58,7 @@ def step_length(parameters, run, t, h):
             if parameters.workspace.resting is not None and grip == CREEP:  # it will stop soon, or go its own way
                 rate, _, _ = slip_rate(parameters, run.mode[w], w, side, run.y, run.slopes[0])
                 speed = max(math.sqrt(run.monitors[w].slip_square[side]), LEAST_CREEPING)
-                h = min(h, creeping_time(run, creep_of(parameters, w, side), rate, speed))
+                h = min(h, creeping_time(parameters, run, creep_of(parameters, w, side), rate, speed))
             elif grip == SLIP and factor > 0.0:
                 rate, slip, a = slip_rate(parameters, run.mode[w], w, side, run.y, run.slopes[0])
                 mobility = largest(a)
@@ -92,11 +92,11 @@ def step_length(parameters, run, t, h):
 
 
 @kernel
-def creeping_time(run, u, rate, speed):
+def creeping_time(parameters, run, u, rate, speed):
     """How long creeping slip may be stepped at once, s: a little beyond its end; where its direction does not turn as
     the stages say, only until it has doubled as well."""
     change = math.sqrt(rate.h * rate.h + rate.k * rate.k)
-    if run.newton is None and u.h * rate.h + u.k * rate.k >= 0.0:
+    if parameters.space is None and run.newton is None and u.h * rate.h + u.k * rate.k >= 0.0:
         return math.inf
     return CREEP_STEP * speed / max(change, TINY)
 
