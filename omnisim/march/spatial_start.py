@@ -10,6 +10,7 @@ from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.spatial.equilibrium import NoEquilibriumError, find_equilibrium, weigh
 from omnisim.dynamics.spatial.records import ORIENTATION, POSITION
 from omnisim.dynamics.state import places_in
+from omnisim.march.spatial_events import clearance
 from omnisim.scene.problems import ConfigError, Problem
 from omnisim.scene.rollers import thickest
 from omnisim.scene.schema import Config
@@ -58,6 +59,8 @@ def standing_pose(config: Config, parameters: Parameters) -> tuple[Pose, np.ndar
         x, loads = find_equilibrium(parameters, state_at, count)
         if max(abs(x[1]), abs(x[2])) > TIPPED:
             raise NoEquilibriumError("it tips over")
+        if direct(clearance, parameters, state_at(x)) < 0.0:
+            raise NoEquilibriumError("its chassis would be in the ground")
     except NoEquilibriumError as error:
         what = f"missing, and where the scene puts the machine it has no pose at rest to begin in: {error}"
         raise ConfigError([Problem(HEIGHT, f"{what}; give a height, pitch_deg or roll_deg", FREE)]) from None

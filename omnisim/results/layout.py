@@ -58,7 +58,7 @@ LABELS = {
     PART: ("w", "x", "y", "z"),
 }  # the other two, ROLLER and EVENT_NUMBER, count from 0
 
-BODY = "wheel centre (bare wheel) or chassis origin on the floor (vehicle)"
+BODY = "wheel centre (bare wheel) or chassis origin (vehicle; on the floor while it is kept upright)"
 WHEELS, ROLLERS = "wheels/{wheel}", "wheels/{wheel}/rollers"
 T, E = (TIME,), (EVENT_NUMBER,)
 

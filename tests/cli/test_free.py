@@ -15,6 +15,7 @@ from omnisim.scene.rollers import end_radius, half_length
 pytestmark = pytest.mark.usefixtures("folder")
 
 SHORT = settings("time.end=0.8")
+LIMP = "wheels.front_left.suspension.stiffness=0.0"  # the others let the front down by more than its clearance
 OFF = "chassis.center_of_mass=[0.6, 0.0, 0.0575]"  # beyond the front wheels
 
 
@@ -81,6 +82,7 @@ def test_info_tells_how_far_wheels_heave_whose_rollers_are_cut_short_and_which_h
     (["initial.height=-0.02"], ["initial.height = -0.02", "wheel 'front_left' begins below the ground",
                                 "rollers in it add up to 0.0483 m, more than the radius of one, 0.0115 m; give a"]),
     ([OFF], ["initial.height", "missing", "no pose at rest", "give a height"]),
+    ([LIMP], ["initial.height", "no pose at rest", "its chassis would be in the ground"]),
 ])  # fmt: skip
 def test_what_cannot_begin_is_one_line(folder, overrides, parts):
     line = refused(command("run", "cable_duct", *SHORT, *settings(*overrides)), *parts)
