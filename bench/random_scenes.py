@@ -35,7 +35,9 @@ from omnisim.studies.workers import cores, on_cores
 HUNDRED = 100  # scenes of a round
 ERROR, TIGHT = 1e-6, 1e-8  # m, rad: what is asked of a scene and of its reference
 LONGEST = 60.0  # s of wall time for one run
-END, INTERVAL = 0.4, 0.05  # s
+END, INTERVAL = 0.4, 0.05  # s, of upright machines
+END_FREE, INTERVAL_FREE = 0.1, 0.0125  # s, of machines free in space, which take so much longer
+FREE, EVERY_BODY = 0.25, 0.2  # shares of machines that are free; of all others, that go by the multibody formulation
 EXPLICIT, IMPLICIT = ("heun", "rk4", "dopri5"), ("radau5", "auto")
 RIGHT, STOPPED, LESS, LONG, UNSURE, WRONG, RAISED, IMPOSSIBLE = VERDICTS = (
     "right", "stopped", "less", "long", "unsure", "wrong", "raised", "impossible",
@@ -61,14 +63,15 @@ def random_scene(number: int) -> dict[str, Any]:
     """What the scene of this number says."""
     rng = np.random.default_rng([20, number])
     machine = str(rng.choice(["wheel", "omni", "mecanum"]))
-    free = machine != "wheel" and rng.random() < 0.4
-    multibody = not free and rng.random() < 0.2
+    free = machine != "wheel" and rng.random() < FREE
+    multibody = not free and rng.random() < EVERY_BODY
+    end, interval = (END_FREE, INTERVAL_FREE) if free else (END, INTERVAL)
     rollers = int(rng.integers(4, 13))
     angle = {"wheel": float(rng.choice([0.0, 30.0, 45.0])), "omni": 0.0, "mecanum": 45.0}[machine]
     law = str(rng.choice(["coulomb", "regularized", "saturated", "viscous"], p=[0.4, 0.3, 0.2, 0.1]))
     scene = {
         "schema": 1,
-        "time": {"end": END, "output_interval": INTERVAL},
+        "time": {"end": end, "output_interval": interval},
         "solver": {
             "method": str(rng.choice(EXPLICIT if multibody else EXPLICIT + IMPLICIT)),
             "tracking": "explicit" if free or multibody else str(rng.choice(["explicit", "implicit"])),
@@ -77,7 +80,7 @@ def random_scene(number: int) -> dict[str, Any]:
         },
         "friction": friction(rng, law),
         "wheel_types": {"type": wheel_type(rng, rollers, angle, free)},
-        "wheels": list(wheels(rng, machine)),
+        "wheels": list(wheels(rng, machine, end)),
         "initial": {
             "velocity": rng.uniform(-1.0, 1.0, 2).tolist(),
             "yaw_deg": rng.uniform(-180.0, 180.0),
@@ -122,7 +125,7 @@ def wheel_type(rng: np.random.Generator, rollers: int, angle: float, free: bool)
     return found
 
 
-def wheels(rng: np.random.Generator, machine: str) -> Iterator[dict[str, Any]]:
+def wheels(rng: np.random.Generator, machine: str, end: float) -> Iterator[dict[str, Any]]:
     """The wheels of a machine, with any spin rates and drives of one kind."""
     places: list[dict[str, Any]] = [{}]
     if machine == "omni":
@@ -141,7 +144,7 @@ def wheels(rng: np.random.Generator, machine: str) -> Iterator[dict[str, Any]]:
         found["phase_deg" if machine != "wheel" else "spin_angle_deg"] = rng.uniform(0.0, 360.0)
         if kind == "torque":
             torques = rng.uniform(-1.0, 1.0, 2).tolist()
-            found["drive"] = {"kind": "torque", "times": [0.0, END], "torque": torques}
+            found["drive"] = {"kind": "torque", "times": [0.0, end], "torque": torques}
         elif kind == "rate":
             found["drive"] = {"kind": "rate", "rate": rng.uniform(-20.0, 20.0), "proportional": rng.uniform(0.02, 0.2)}
         yield found
@@ -217,8 +220,12 @@ class Search:
 def measure(rounds: int) -> dict:
     """Outcomes of so many hundred scenes: how many of each verdict, and all faults."""
     numbers = list(range(rounds * HUNDRED))
-    found = [one for rows in on_cores(Search(), numbers, cores(), lambda: False) for one in rows]
-    found.sort()
+    return summary([one for rows in on_cores(Search(), numbers, cores(), lambda: False) for one in rows])
+
+
+def summary(outcomes: list[Outcome]) -> dict:
+    """What they come to."""
+    found = sorted(outcomes)
     shares = [one.error / one.allowed for one in found if one.verdict == RIGHT]
     slowest = max((one for one in found if one.seconds == one.seconds), key=lambda one: one.seconds)
     return {

@@ -10,7 +10,7 @@ from scenes import final_reference, final_state, reference_scene
 
 import omnisim
 from omnisim.results.comparison import distance
-from omnisim.run.step_search import LEAST, SLOWEST, candidates, estimate
+from omnisim.run.step_search import LEAST, candidates, estimate
 from omnisim.scene.scene import parse
 
 LIFTED = ("wrench.times=[0, 1]", "wrench.force=[[0, 0, 0], [0, 0, 20]]")
@@ -34,10 +34,15 @@ def picked():
 
 @pytest.mark.parametrize("order", [2, 4, 5])
 def test_of_a_regular_sequence_the_estimate_is_the_error_of_the_run_before(order):
-    errors = [2.0 ** -(order * k) for k in range(4)]
+    errors = [2.0 ** -(order * k) for k in range(5)]
     gaps = [a - b for a, b in pairwise(errors)]
-    assert estimate(gaps, order) == pytest.approx(errors[2] - errors[3])
-    assert estimate(gaps[1:], order) == pytest.approx(SLOWEST / (1.0 - SLOWEST) * (errors[2] - errors[3]))
+    assert estimate(gaps, order) == pytest.approx(gaps[-1])
+
+
+def test_few_differences_tell_less():
+    assert estimate([1e-5, 1e-6], 4) == pytest.approx(9e-6)
+    assert estimate([1e-4, 1e-5, 1e-6], 4) == pytest.approx(3e-6)
+    assert estimate([1e-3, 1e-4, 1e-5, 1e-6], 4) == pytest.approx(1e-6)
 
 
 def test_one_difference_tells_no_error():
@@ -45,7 +50,7 @@ def test_one_difference_tells_no_error():
 
 
 def test_a_lucky_difference_counts_as_one_that_fell_by_the_order():
-    assert estimate([1e-3, 1e-4, 1e-13], 4) == pytest.approx(1e-4 / 16)
+    assert estimate([1e-2, 1e-3, 1e-4, 1e-13], 4) == pytest.approx(1e-4 / 16)
 
 
 def test_differences_that_do_not_fall_count_more_than_themselves():
