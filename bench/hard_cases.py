@@ -48,11 +48,11 @@ from bench.hard_claims import (
     wrench,
 )
 from bench.hard_rows import ROW_CASES
+from bench.hard_slip import NEAR_LIMIT, SLIP_CASES, opposed
 from bench.hard_spatial import SPATIAL_CASES
 from omnisim.results.comparison import energy_error
 
 PSI30 = str(Path(__file__).parents[1] / "tests/reference/testbench_psi30.toml")
-NEAR_LIMIT = str(Path(__file__).parent / "scenes/near_limit.toml")
 BALANCED = 1e-9  # |energy/balance| in the energy of the scene, at most
 VISCOUS = ("friction.law=viscous", "friction.viscosity=8.5e5")
 NOTES = """Errors are the largest in any row, of position (m), yaw and spin angle (rad) against another run, or of what
@@ -68,12 +68,6 @@ PRESSED = (
     "disk={mass=0.9, inertia_axle=0.0028, inertia_diameter=0.0026}, "
     "roller={mass=0.1, inertia_axial=7.343212068562253e-06, inertia_transverse=8e-5}}",
 )  # fmt: skip
-
-
-def opposed(share: float) -> tuple[str, ...]:
-    """A wheel at rest under a torque and a force that friction holds together up to share = 1 of its limit."""
-    force = share * WHEEL.limit
-    return *STILL, torque(force * WHEEL.radius), wrench((-force, 0, 0))
 
 
 CASES = (
@@ -216,6 +210,7 @@ CASES = (
         "too stiff for rk4", "relaxes 3000 times in a step", "authors_sliding",
         (*VISCOUS, "time.end=0.01", "time.output_interval=0.01"), names_the_step, stops="use time.step <",
     ),
+    *SLIP_CASES,
     *ROW_CASES,
     *SPATIAL_CASES,
 )  # fmt: skip

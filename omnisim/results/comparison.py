@@ -8,6 +8,7 @@ from omnisim.results.layout import EVENT_NUMBER, TIME, Quantity
 from omnisim.results.trajectory import Trajectory
 
 STANDING = 1e-8  # m/s or rad/s: what moves more slowly than that stands
+BARELY = 1e-6  # of the energy turned over: less than that at the start measures nothing
 # Largest differences of two contact trackings that the paper reports for the height of a roller's centre, SI units
 PAPER = {"acceleration": 1e-8, "velocity": 1e-7, "position": 1e-6}
 
@@ -16,7 +17,8 @@ PAPER = {"acceleration": 1e-8, "velocity": 1e-7, "position": 1e-6}
 class EnergyError:
     """Largest |balance| (J), and the energy that it is measured by.
 
-    That is the initial kinetic energy, or else what friction, drives, wrench and gravity turn over (0: nothing moves).
+    That is the initial kinetic energy, or else, and of what barely moves at the start, what friction, drives, wrench
+    and gravity turn over (0: nothing moves).
     """
 
     absolute: float
@@ -32,13 +34,11 @@ def energy_error(trajectory: Trajectory) -> EnergyError:
     """The numerical error of a run, as its energies tell it."""
     kinetic = trajectory["energy/kinetic"]
     error = float(np.abs(trajectory["energy/balance"]).max(initial=0.0))
-    if len(kinetic) and kinetic[0] > 0.0:
-        return EnergyError(error, float(kinetic[0]), "the initial kinetic energy")
-    if stands(trajectory):
-        return EnergyError(error, 0.0, "the energy turned over")
     turned = [trajectory["energy/friction_loss"], *works(trajectory)]
-    turned_over = sum(np.abs(work).max(initial=0.0) for work in turned)
-    return EnergyError(error, float(turned_over), "the energy turned over")
+    turned_over = float(sum(np.abs(work).max(initial=0.0) for work in turned))
+    if len(kinetic) and kinetic[0] > BARELY * turned_over:
+        return EnergyError(error, float(kinetic[0]), "the initial kinetic energy")
+    return EnergyError(error, 0.0 if stands(trajectory) else turned_over, "the energy turned over")
 
 
 def works(trajectory: Trajectory) -> list[np.ndarray]:

@@ -102,6 +102,8 @@ def test_energy_from_rest_is_measured_by_what_was_turned_over():
              {"friction_loss": 1.0, "drive_work": 3.0, "wrench_work": -4.0, "balance": 0.8}.items()}  # fmt: skip
     error = energy_error(trajectory(energy__kinetic=kinetic, **works))
     assert (error.absolute, error.scale, error.relative) == (0.8, 8.0, 0.1)
+    barely = energy_error(trajectory(energy__kinetic=kinetic + 1e-9, **works))
+    assert (barely.scale, barely.scale_name) == (8.0, "the energy turned over")
 
 
 def test_nothing_that_moves_has_no_relative_error():
