@@ -59,7 +59,7 @@ def seek(workspace, part, mode):
     as its mode says."""
     part.sought = mode.loaded and (mode.shared or mode.grip[0] == CREEP)
     if part.sought:
-        contact, begun, veer = workspace.contacts[part.first], mode.creep[0], mode.veer
+        contact, begun, veer = workspace.contacts[part.first], mode.creep[0], mode.veer[0]
         contact.begun[0], contact.begun[1] = begun[0], begun[1]
         contact.veer[0], contact.veer[1] = veer[0], veer[1]
 

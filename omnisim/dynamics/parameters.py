@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from omnisim.dynamics.spatial.records import Space
-from omnisim.dynamics.state import PLACES, TOUCHING
+from omnisim.dynamics.state import PLACES, TOUCHING, TURNING
 
 MACHINE = np.dtype(
     [
@@ -112,7 +112,6 @@ ROLLER_ROW = np.dtype(
         ("offset", np.float64),  # of the row from the wheel's centre along k, m
     ]
 )
-NODES = 8  # of the stages of an explicit step, at most
 FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE, DRIVE_INPUT = range(5)  # channels of the inputs; the last is of wheel 0
 SERVO, CONTACTS, FREE = 0, 1, 2
 
@@ -138,14 +137,9 @@ CONTACT = np.dtype(
         ("unit", np.float64, (2,)),  # friction of its slip by the normal force, 1
         ("unit_torque", np.float64),  # contact torque by the normal force, m
         ("constant", np.float64, (2,)),  # friction that does not depend on the normal force, N
-        ("creep", np.float64, (2,)),  # direction of creeping slip
-        ("begun", np.float64, (2,)),  # that of the mode, and rate at which it turns: rad/s, and
+        *TURNING,
+        ("begun", np.float64, (2,)),  # that direction as the mode has it, and the rate at which it turns: rad/s, and
         ("veer", np.float64, (2,)),  # 1/s by the angle from there
-        ("nodes", np.int64),  # of the stages of the step so far, and
-        ("node", np.float64, (NODES,)),  # the part of the step at each, 1
-        ("angle", np.float64, (NODES,)),  # of the direction there from that at the start, rad, and
-        ("difference", np.float64, (NODES,)),  # divided differences of these, rad
-        ("veering", np.float64),  # rate at which it turns at the end of a step, rad/s
         ("turned", np.float64),  # by the last correction in the search for it, rad
         ("force", np.float64, (2,)),  # of the floor on the roller, N
         ("torque", np.float64),  # about the normal, N m

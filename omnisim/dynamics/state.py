@@ -135,6 +135,16 @@ def places_in_space(contents):
     return Places(7, velocity, velocity + 5, spin_rate, rollers, *drives, pose, end, end, end, *own)
 
 
+NODES = 8  # of the stages of an explicit step, at most
+# How the direction of creeping slip turns at a contact in a step: march/creeping.py.
+TURNING = [
+    ("creep", np.float64, (2,)),  # direction of creeping slip
+    ("nodes", np.int64),  # of the stages of the step so far, and
+    ("node", np.float64, (NODES,)),  # the part of the step at each, 1
+    ("angle", np.float64, (NODES,)),  # of the direction there from that at the start, rad, and
+    ("difference", np.float64, (NODES,)),  # divided differences of these, rad
+    ("veering", np.float64),  # rate at which it turns at the end of a step, rad/s
+]
 MODE = np.dtype(
     [
         ("roller", np.int64),  # of contact 0, counted on through every turn of its axle: see indices.py
@@ -152,12 +162,12 @@ MODE = np.dtype(
         ("saturated", np.int64, (TOUCHING,)),  # branch of the saturated friction law at each contact
         ("grip", np.int64, (TOUCHING,)),  # coulomb.SLIP, STICK or CREEP
         ("creep", np.float64, (TOUCHING, 2)),  # direction of creeping slip at the last step; 0: not known yet
-        ("veer", np.float64, (2,)),  # rate at which it turns: rad/s, and 1/s by the angle from `creep`
-        ("veering", np.float64),  # rate at which it turned at the end of the last step, rad/s
-        ("foreseen", np.int64),  # 1: it does so still, as no force has jumped since
-        ("pull", np.float64),  # rate at which friction turns slip into the direction of the contact equation, 1/s
-        ("settled", np.float64),  # how often it has done so since forces have jumped, 1
-        ("stopping", np.int64, (TOUCHING,)),  # 1: it had a direction of its own; 0: it was released, or lasts
+        ("veer", np.float64, (TOUCHING, 2)),  # rate at which it turns: rad/s, and 1/s by the angle from `creep`
+        ("veering", np.float64, (TOUCHING,)),  # rate at which it turned at the end of the last step, rad/s
+        ("foreseen", np.int64, (TOUCHING,)),  # 1: it does so still, as no force has jumped since
+        ("pull", np.float64, (TOUCHING,)),  # rate at which friction turns slip as the contact equation says, 1/s
+        ("settled", np.float64, (TOUCHING,)),  # how often it has done so since forces have jumped, 1
+        ("stopping", np.int64, (TOUCHING,)),  # 1: it had a direction of its own; 0: it was released
         ("stopped", np.int64, (TOUCHING,)),  # 1: slip has just come to its end at this contact
         ("freed", np.int64),  # how often creeping slip got a direction of its own in the grid step
         ("freed_step", np.int64),  # where it last did so

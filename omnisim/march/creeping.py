@@ -19,6 +19,7 @@ import math
 from omnisim.base.kernel import kernel, outlined
 from omnisim.contact.frame import Slip
 from omnisim.contact.set_valued import CREEP
+from omnisim.dynamics.indices import contact_count
 from omnisim.dynamics.spatial.records import SLOTS
 
 CREEP_SPEED = 1e-7  # m/s: slip that has no direction of its own in any case
@@ -26,13 +27,24 @@ HELD = 1e30  # 1/s: by the angle from where a direction began, holds it there
 
 
 @kernel
+def turning_of(parameters, w, side):
+    """The record, with the fields TURNING, of how creeping slip turns at a contact of wheel w."""
+    if parameters.space is not None:
+        return parameters.space.touches[w * SLOTS + side]
+    return parameters.workspace.contacts[parameters.wheels[w].contacts + side]
+
+
+@kernel
 def creep_of(parameters, w, side):
     """Direction of creeping slip at a contact of wheel w as the last right-hand side found it (Slip)."""
-    if parameters.space is not None:
-        touch = parameters.space.touches[w * SLOTS + side]
-        return Slip(touch.creep[0], touch.creep[1])
-    contact = parameters.workspace.contacts[parameters.wheels[w].contacts + side]
-    return Slip(contact.creep[0], contact.creep[1])
+    creep = turning_of(parameters, w, side).creep
+    return Slip(creep[0], creep[1])
+
+
+@kernel
+def creeping(mode, side):
+    """Whether slip creeps at a contact in a direction that turns: not while two rollers share the load of a wheel."""
+    return mode.grip[side] == CREEP and not mode.shared
 
 
 @kernel
@@ -48,9 +60,10 @@ def keep_young(parameters, run):
     """Slip that has no direction of its own yet begins in that which all forces of this instant give it."""
     if parameters.workspace.resting is not None:
         for w in range(len(run.mode)):
-            mode = run.mode[w]
-            if mode.grip[0] == CREEP and not mode.shared and run.monitors[w].slip_square[0] < CREEP_SPEED**2:
-                keep_creep(parameters, run, w, 0)
+            for side in range(contact_count(run.mode[w])):
+                young = run.monitors[w].slip_square[side] < CREEP_SPEED**2
+                if creeping(run.mode[w], side) and young:
+                    keep_creep(parameters, run, w, side)
 
 
 @kernel
@@ -62,20 +75,21 @@ def search_anew(workspace):
 
 
 @kernel
-def hold_direction(run, mode, contact):
-    """Let a creeping contact keep the direction of its slip until a step turns it; young slip, and that of implicit
-    steps, has that from rest."""
-    young = contact.slip[0] * contact.slip[0] + contact.slip[1] * contact.slip[1] < CREEP_SPEED * CREEP_SPEED
-    mode.veer[0], mode.veer[1] = 0.0, 0.0 if young or run.newton is not None else HELD
+def hold_direction(run, w, side, slip):
+    """Let a creeping contact of this slip (2,) keep its direction until a step turns it; young slip, and that of
+    implicit steps, has that from rest."""
+    young = slip[0] * slip[0] + slip[1] * slip[1] < CREEP_SPEED * CREEP_SPEED
+    veer = run.mode[w].veer[side]
+    veer[0], veer[1] = 0.0, 0.0 if young or run.newton is not None else HELD
 
 
 @kernel
-def creeps(run):
-    """Whether slip of any upright wheel creeps in a direction that turns."""
+def any_creeps(run):
+    """Whether slip creeps at any contact in a direction that turns."""
     for w in range(len(run.mode)):
-        mode = run.mode[w]
-        if mode.grip[0] == CREEP and not mode.shared:
-            return True
+        for side in range(contact_count(run.mode[w])):
+            if creeping(run.mode[w], side):
+                return True
     return False
 
 
@@ -83,14 +97,16 @@ def creeps(run):
 def begin_turning(parameters, run, c, h):
     """Begin a step h in the directions that creeping slips have; its first stage is at the part c of it."""
     for w in range(len(run.mode)):
-        if run.mode[w].grip[0] == CREEP and not run.mode[w].shared:
-            contact = parameters.workspace.contacts[parameters.wheels[w].contacts]
-            contact.nodes = 1
-            contact.node[0] = contact.angle[0] = contact.difference[0] = 0.0
-            if run.mode[w].foreseen:
-                contact.nodes = 2
-                contact.node[1] = contact.angle[1] = 0.0
-                contact.difference[1] = run.mode[w].veering * h
+        mode = run.mode[w]
+        for side in range(contact_count(mode)):
+            if creeping(mode, side):
+                course = turning_of(parameters, w, side)
+                course.nodes = 1
+                course.node[0] = course.angle[0] = course.difference[0] = 0.0
+                if mode.foreseen[side]:
+                    course.nodes = 2
+                    course.node[1] = course.angle[1] = 0.0
+                    course.difference[1] = mode.veering[side] * h
     foresee_turning(parameters, run, c, h)
 
 
@@ -106,34 +122,34 @@ def go_on_turning(parameters, run, c, following, h):
 def foresee_turning(parameters, run, c, h):
     """At which rate the directions of creeping slips turn at the part c of a step h, by the directions there."""
     for w in range(len(run.mode)):
-        mode = run.mode[w]
-        if mode.grip[0] == CREEP and not mode.shared:
-            contact = parameters.workspace.contacts[parameters.wheels[w].contacts]
-            if contact.node[contact.nodes - 1] == c:  # two stages at one time: the later one knows better
-                contact.nodes -= 1
-            value, slope, product, change = 0.0, 0.0, 1.0, 0.0
-            for i in range(contact.nodes):
-                value, slope = value + contact.difference[i] * product, slope + contact.difference[i] * change
-                change, product = change * (c - contact.node[i]) + product, product * (c - contact.node[i])
-            mode.veer[1] = change / (product * h)
-            mode.veer[0] = slope / h - value * mode.veer[1]
+        for side in range(contact_count(run.mode[w])):
+            if creeping(run.mode[w], side):
+                course, veer = turning_of(parameters, w, side), run.mode[w].veer[side]
+                if course.node[course.nodes - 1] == c:  # two stages at one time: the later one knows better
+                    course.nodes -= 1
+                value, slope, product, change = 0.0, 0.0, 1.0, 0.0
+                for i in range(course.nodes):
+                    value, slope = value + course.difference[i] * product, slope + course.difference[i] * change
+                    change, product = change * (c - course.node[i]) + product, product * (c - course.node[i])
+                veer[1] = change / (product * h)
+                veer[0] = slope / h - value * veer[1]
 
 
 @kernel
 def see_turning(parameters, run, c):
     """Enter the directions that the right-hand side found there."""
     for w in range(len(run.mode)):
-        mode = run.mode[w]
-        if mode.grip[0] == CREEP and not mode.shared:
-            contact = parameters.workspace.contacts[parameters.wheels[w].contacts]
-            angle = turned_by(mode.creep[0], contact.creep)
-            value, product = 0.0, 1.0
-            for i in range(contact.nodes):
-                value, product = value + contact.difference[i] * product, product * (c - contact.node[i])
-            contact.node[contact.nodes] = c
-            contact.angle[contact.nodes] = angle
-            contact.difference[contact.nodes] = (angle - value) / product
-            contact.nodes += 1
+        for side in range(contact_count(run.mode[w])):
+            if creeping(run.mode[w], side):
+                course = turning_of(parameters, w, side)
+                angle = turned_by(run.mode[w].creep[side], course.creep)
+                value, product = 0.0, 1.0
+                for i in range(course.nodes):
+                    value, product = value + course.difference[i] * product, product * (c - course.node[i])
+                course.node[course.nodes] = c
+                course.angle[course.nodes] = angle
+                course.difference[course.nodes] = (angle - value) / product
+                course.nodes += 1
 
 
 @outlined
@@ -141,17 +157,17 @@ def end_turning(parameters, run, h):
     """Keep at which rate the directions turn at the end of a step h, by their last stages, and hold them there."""
     see_turning(parameters, run, 1.0)
     for w in range(len(run.mode)):
-        mode = run.mode[w]
-        if mode.grip[0] == CREEP and not mode.shared:
-            contact = parameters.workspace.contacts[parameters.wheels[w].contacts]
-            n = contact.nodes - 1
-            node, angle = contact.node, contact.angle
-            rate = (angle[n] - angle[n - 1]) / (node[n] - node[n - 1])
-            if n > 1 and node[n - 1] > node[n - 2]:
-                before = (angle[n - 1] - angle[n - 2]) / (node[n - 1] - node[n - 2])
-                rate += (rate - before) * (node[n] - node[n - 1]) / (node[n] - node[n - 2])
-            contact.veering = rate / h
-            hold_direction(run, mode, contact)
+        for side in range(contact_count(run.mode[w])):
+            if creeping(run.mode[w], side):
+                course = turning_of(parameters, w, side)
+                n = course.nodes - 1
+                node, angle = course.node, course.angle
+                rate = (angle[n] - angle[n - 1]) / (node[n] - node[n - 1])
+                if n > 1 and node[n - 1] > node[n - 2]:
+                    before = (angle[n - 1] - angle[n - 2]) / (node[n - 1] - node[n - 2])
+                    rate += (rate - before) * (node[n] - node[n - 1]) / (node[n] - node[n - 2])
+                course.veering = rate / h
+                hold_direction(run, w, side, course.slip)
 
 
 @kernel
@@ -160,18 +176,21 @@ def keep_turning(parameters, run, h):
     others towards the direction of the contact equation; or away from it: then that begins anew."""
     for w in range(len(run.mode)):
         mode = run.mode[w]
-        mode.foreseen = mode.grip[0] == CREEP and not mode.shared
-        if mode.foreseen:
-            mode.veering = parameters.workspace.contacts[parameters.wheels[w].contacts].veering
-        mode.settled = mode.settled + h * mode.pull if mode.pull >= 0.0 else 0.0
+        for side in range(contact_count(mode)):
+            mode.foreseen[side] = creeping(mode, side)
+            if mode.foreseen[side]:
+                mode.veering[side] = turning_of(parameters, w, side).veering
+            pull = mode.pull[side]
+            mode.settled[side] = mode.settled[side] + h * pull if pull >= 0.0 else 0.0
 
 
 @kernel
 def forget_turning(run):
     """Forces have jumped: nothing tells any more how creeping slips turn."""
     for w in range(len(run.mode)):
-        run.mode[w].foreseen = 0
-        run.mode[w].settled = 0.0
+        for side in range(contact_count(run.mode[w])):
+            run.mode[w].foreseen[side] = 0
+            run.mode[w].settled[side] = 0.0
 
 
 @kernel

@@ -2,7 +2,7 @@
 
     SLIP   ---- slip below rest_speed, F inside the cone ---->  STICK
     SLIP   ---- slip below rest_speed, F outside ------------>  CREEP  (through zero without sticking)
-    SLIP   ---- slow slip, turned by friction at once ------->  CREEP  (in space and by implicit steps only to stop)
+    SLIP   ---- slow slip, turned by friction at once ------->  CREEP  (by implicit steps only to stop)
     STICK  ---- |F| reaches mu N ---------------------------->  CREEP
     CREEP  ---- slip no longer young ------------------------>  SLIP
     CREEP  ---- slip turns back ----------------------------->  STICK or CREEP again
@@ -20,7 +20,15 @@ from omnisim.contact.frame import Slip
 from omnisim.contact.set_valued import CREEP, SLIP, STICK
 from omnisim.dynamics.impulses import align_slip, change_slip
 from omnisim.dynamics.indices import contact_count
-from omnisim.march.creeping import CREEP_SPEED, HELD, forget_turning, hold_direction, keep_creep
+from omnisim.march.creeping import (
+    CREEP_SPEED,
+    HELD,
+    creeping,
+    forget_turning,
+    hold_direction,
+    keep_creep,
+    turning_of,
+)
 from omnisim.march.runge_kutta import refresh
 from omnisim.march.slip import course_of
 from omnisim.march.slip_bounds import (
@@ -36,9 +44,9 @@ from omnisim.march.slip_bounds import (
 
 DRIFTED = 0.01  # of the square of slip that no longer matters: more drift of a sticking contact is taken away
 MOST_FREED = 20  # times in a step, after which slip is followed by sub-steps to its end
-FEW_STEPS = 8.0  # that slip must last at least, to be turned by stages
-AT_EASE = 0.5  # of what a step does not see, that slip which lasts may turn in it: less, for the same reason
-NOT, SOON, NEAR, LASTING = range(4)  # how slip goes on in the direction of the contact equation
+FEW_STEPS = 8.0  # that slip must last at least, to be turned by stages, or
+AT_EASE = 1000.0  # of the times in which friction turns it
+NOT, SOON, NEAR = range(3)  # how slip goes on in the direction of the contact equation
 CREEP_ROUNDING = 1e-3  # of the slip that no longer matters: what contacts that let go together may slip back
 CONE = 1e-12  # of mu times load and weight, by which a sticking force may pass the cone in rounding
 
@@ -72,9 +80,7 @@ def stops(parameters, run, w, side):
 
     NEAR: of its own accord, as it turns: friction turns slip many times within a step, and has done so for so long
     that the error of the step hides what else turns it; and the slip lasts. SOON: its end is near, and the error hides
-    what the slip is across that direction. LASTING: in space, a wheel on two rollers slips on one of them as slowly as
-    their heights differ, for as long as it rolls over their ends; friction turns that slip a million times faster than
-    anything moves. Else NOT.
+    what the slip is across that direction. Else NOT.
     """
     mode, monitors = run.mode[w], run.monitors[w]
     if mode.shared or mode.grip[side] != SLIP or monitors.factor[side] == 0.0:
@@ -85,29 +91,29 @@ def stops(parameters, run, w, side):
         return NOT
     dt, course = run.clock.dt, course_of(parameters, run, w, side)
     hidden = unseen(run.clock, True, course.speed)
-    followed = parameters.space is None and run.newton is None
+    followed = run.newton is None
     turned = course.attraction * dt > LEAST_TURNED
     lasts = not fleeting(run.clock, course)
-    if followed and turned and lasts and astray(mode, course) * course.attraction * dt < hidden:
+    if followed and turned and lasts and astray(mode, side, course) * course.attraction * dt < hidden:
         return NEAR
     if (turned or not followed) and -course.growth * dt > course.speed and course.across < hidden:
         return SOON
-    if parameters.space is None or run.newton is not None:
-        return NOT
-    return LASTING if abs(course.turning) * course.speed * dt < AT_EASE * run.clock.aligned else NOT
+    return NOT
 
 
 @kernel
 def fleeting(clock, course):
-    """Whether slip will be gone, or have doubled, within a few steps: then it turns otherwise than stages can tell."""
-    return FEW_STEPS * abs(course.growth) * clock.dt > course.speed
+    """Whether slip will be gone, or have doubled, within a few steps, and so fast that friction does not turn it as it
+    goes: then it turns otherwise than stages can tell."""
+    pace = abs(course.growth)
+    return FEW_STEPS * pace * clock.dt > course.speed and AT_EASE * pace > course.attraction * course.speed
 
 
 @kernel
-def astray(mode, course):
+def astray(mode, side, course):
     """At most that of it, m/s, which does not belong to the turning of that direction itself: from forces that have
     jumped, by as much as friction has had time for since."""
-    return min(course.across, course.speed * math.exp(-mode.settled))
+    return min(course.across, course.speed * math.exp(-mode.settled[side]))
 
 
 @kernel
@@ -116,12 +122,13 @@ def slip_freely(parameters, run):
     step can follow, or where the step would err, as forces have jumped or the slip will not last."""
     for w in range(len(run.mode)):
         mode = run.mode[w]
-        if mode.grip[0] == CREEP and not mode.shared and run.monitors[w].slip_square[0] > CREEP_SPEED**2:
-            course = course_of(parameters, run, w, 0)
-            untold = not mode.foreseen or fleeting(run.clock, course)
-            lost = untold and course.across > unseen(run.clock, True, course.speed)
-            if lost or course.attraction * run.clock.dt < STILL_TURNED:
-                mode.grip[0] = SLIP
+        for side in range(contact_count(mode)):
+            if creeping(mode, side) and run.monitors[w].slip_square[side] > CREEP_SPEED**2:
+                course = course_of(parameters, run, w, side)
+                untold = not mode.foreseen[side] or fleeting(run.clock, course)
+                lost = untold and course.across > unseen(run.clock, True, course.speed)
+                if lost or course.attraction * run.clock.dt < STILL_TURNED:
+                    mode.grip[side] = SLIP
 
 
 @kernel
@@ -148,7 +155,7 @@ def young_guard(parameters, run, w, side, at_end):
     monitors = run.monitors_end[w] if at_end else run.monitors[w]
     if mode.shared:
         return CREEP_SPEED - math.sqrt(monitors.slip_square[side])
-    if parameters.space is None and run.newton is None:
+    if run.newton is None:
         return 0.0
     return youth(parameters, run.clock, mode, monitors, side) if mode.grip[side] == CREEP else 0.0
 
@@ -169,8 +176,7 @@ def come_to_rest(parameters, run, w, side, others, t):
                 mode.grip[other] = STICK
                 if parameters.space is None and mode.shared:
                     change_slip(parameters, run, v, other, Slip(0.0, 0.0))
-    if parameters.space is None:
-        forget_turning(run)
+    forget_turning(run)
     align_slip(parameters, run)
     refresh(parameters, run, t)
     for v in range(len(run.mode)):
@@ -188,8 +194,7 @@ def start_creep(parameters, run, w, side, t):
     mode = run.mode[w]
     mode.grip[side], mode.stopping[side] = CREEP, 0
     mode.creep[side, 0] = mode.creep[side, 1] = 0.0
-    if parameters.space is None:
-        mode.veer[0] = mode.veer[1] = 0.0
+    mode.veer[side, 0] = mode.veer[side, 1] = 0.0
     refresh(parameters, run, t)
     keep_creep(parameters, run, w, side)
 
@@ -203,39 +208,18 @@ def begin_to_stop(parameters, run, t):
             how = stops(parameters, run, w, side)
             if how != NOT:
                 course = course_of(parameters, run, w, side)
-                mode.grip[side], mode.stopping[side] = CREEP, how != LASTING
+                mode.grip[side], mode.stopping[side] = CREEP, 1
                 mode.creep[side, 0], mode.creep[side, 1] = course.h, course.k
-                if parameters.space is None:
-                    mode.foreseen, mode.veering = how == NEAR, course.turning
-                    mode.veer[0], mode.veer[1] = 0.0, HELD if how == NEAR else 0.0
+                mode.foreseen[side], mode.veering[side] = how == NEAR, course.turning
+                mode.veer[side, 0], mode.veer[side, 1] = 0.0, HELD if how == NEAR else 0.0
     refresh(parameters, run, t)
-    if parameters.space is not None:
-        slip_on(parameters, run, t)
     for w in range(len(run.mode)):
         for side in range(contact_count(run.mode[w])):
-            if run.mode[w].grip[side] == CREEP and not run.mode[w].shared:
+            if creeping(run.mode[w], side):
                 keep_creep(parameters, run, w, side)
-                if parameters.space is None:
-                    hold_direction(run, run.mode[w], parameters.workspace.contacts[parameters.wheels[w].contacts])
+                hold_direction(run, w, side, turning_of(parameters, w, side).slip)
     align_slip(parameters, run)
     refresh(parameters, run, t)
-
-
-@kernel
-def slip_on(parameters, run, t):
-    """Let creeping contacts slip whose direction, found with all that hold, is not that of their slip: one that another
-    contact of its wheel holds across is turned far less easily than it would be alone."""
-    changed = False
-    for w in range(len(run.mode)):
-        mode = run.mode[w]
-        for side in range(contact_count(mode)):
-            if mode.grip[side] == CREEP and youth(parameters, run.clock, mode, run.monitors[w], side) < 0.0:
-                mode.grip[side] = SLIP
-                mode.freed = mode.freed + 1 if mode.freed_step == run.clock.step else 1
-                mode.freed_step = run.clock.step
-                changed = True
-    if changed:
-        refresh(parameters, run, t)
 
 
 @kernel

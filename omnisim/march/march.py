@@ -105,7 +105,7 @@ def sampled(parameters, run, again):
         if steps > 0 and clock.step % steps == 0:
             sample(parameters, run.mode[w], clock.piece, clock.step * clock.dt, w, run.y, again)
             due = True
-    if due and parameters.space is None:
+    if due:
         forget_turning(run)
     return due
 
@@ -142,7 +142,7 @@ def next_piece(parameters, run, t):
         goes_on = goes_on and abs(first - last) <= UNBENT * (abs(first) + abs(last))
         goes_on = goes_on and abs(begins[i, 1] - ends[i, 1]) <= UNBENT * (abs(begins[i, 1]) + abs(ends[i, 1]))
     clock.piece += 1
-    if parameters.space is None and not goes_on:
+    if not goes_on:
         forget_turning(run)
 
 
@@ -202,7 +202,7 @@ def grid_step(parameters, method, run, rows, log):
         if parameters.workspace.articulated is not None:
             project_bodies(parameters, run, True)
         clock.elapsed += h
-        if parameters.space is None and run.newton is None and h > TOLD * clock.dt:
+        if run.newton is None and h > TOLD * clock.dt:
             keep_turning(parameters, run, h)
         if parameters.workspace.resting is not None:
             take_drift_away(parameters, run, start + clock.elapsed, kind >= 0 and kind != TURN)
@@ -250,7 +250,7 @@ def end_old_slips(parameters, run, rows, log, t):
     if resting:
         end_slips(parameters, run, log, -1, 0, t)
         follow_again(parameters, run, rows, run.clock.row)
-    if parameters.space is None and run.newton is None:
+    if run.newton is None:
         slip_freely(parameters, run)
     for w in range(len(run.mode)):
         for side in range(contact_count(run.mode[w])):

@@ -4,7 +4,7 @@ from omnisim.base.kernel import kernel, outlined
 from omnisim.dynamics.multibody.joint_kinematics import project_bodies
 from omnisim.dynamics.right_hand_side import rhs
 from omnisim.dynamics.state import Stage
-from omnisim.march.creeping import begin_turning, creeps, end_turning, go_on_turning
+from omnisim.march.creeping import any_creeps, begin_turning, end_turning, go_on_turning
 
 
 @kernel
@@ -13,8 +13,8 @@ def explicit_step(parameters, method, run, t, h):
     a, b, c, first = method.a, method.b, method.c, method.first
     y, trial, slopes, carry, increment = run.y, run.trial, run.slopes, run.carry, run.increment
     stages, turning = len(b), False
-    if parameters.workspace.resting is not None and parameters.space is None and run.newton is None:
-        turning = h > 0.0 and creeps(run)
+    if parameters.workspace.resting is not None and run.newton is None:
+        turning = h > 0.0 and any_creeps(run)
         if turning:
             begin_turning(parameters, run, c[1], h)
     for i in range(1, stages + 1):
@@ -37,7 +37,7 @@ def explicit_step(parameters, method, run, t, h):
                 increment[m] = carry[m] + h * rate
                 trial[m] = y[m] + increment[m]
         rhs(parameters, Stage(run.mode, run.clock.piece, t + part * h, trial, slopes[i], run.monitors_end, last))
-        if parameters.workspace.resting is not None and parameters.space is None and run.newton is None and turning:
+        if parameters.workspace.resting is not None and run.newton is None and turning:
             if last:
                 end_turning(parameters, run, h)
             else:

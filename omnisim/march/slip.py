@@ -6,8 +6,10 @@ from typing import NamedTuple
 from omnisim.base.kernel import kernel
 from omnisim.contact.kinematics import slip_acceleration
 from omnisim.contact.mobility import across, inverse_mass
-from omnisim.dynamics.indices import rate_place
+from omnisim.contact.set_valued import STICK
+from omnisim.dynamics.indices import contact_count, rate_place
 from omnisim.dynamics.spatial.acceleration import slip_at, slip_change
+from omnisim.dynamics.spatial.holding import held_mobility
 from omnisim.dynamics.spatial.mobility import contact_mobility
 from omnisim.dynamics.spatial.pose import body_of
 from omnisim.dynamics.spatial.touching import standing, touching_at
@@ -64,6 +66,25 @@ def upright_slip_rate(parameters, mode, w, side, y, slope):
 
 
 @kernel
+def turning_mobility(parameters, run, w, side, mobility):
+    """A of a contact of wheel w that friction turns with, 1/kg, of this A alone: in space without what others hold that
+    stick, on the same wheel above all. Upright, that counts for little."""
+    if parameters.space is not None and parameters.workspace.resting is not None and any_sticks(run):
+        return held_mobility(parameters, run.mode, run.y, w, side)
+    return mobility
+
+
+@kernel
+def any_sticks(run):
+    """Whether any contact is at rest."""
+    for w in range(len(run.mode)):
+        for side in range(contact_count(run.mode[w])):
+            if run.mode[w].grip[side] == STICK:
+                return True
+    return False
+
+
+@kernel
 def attraction(monitors, side, rate, slip, mobility):
     """Rate at which friction turns slip into the direction of the contact equation, by the square of slip, m^2/s^3."""
     along = slip.h * rate.h + slip.k * rate.k
@@ -78,6 +99,6 @@ def course_of(parameters, run, w, side):
     square = slip.h * slip.h + slip.k * slip.k
     speed = math.sqrt(square)
     along, turn = slip.h * rate.h + slip.k * rate.k, slip.h * rate.k - slip.k * rate.h
-    attracted = attraction(monitors, side, rate, slip, mobility)
+    attracted = attraction(monitors, side, rate, slip, turning_mobility(parameters, run, w, side, mobility))
     off = abs(turn) * speed / attracted if attracted > 0.0 else math.inf
     return Course(slip.h / speed, slip.k / speed, speed, along / speed, turn / square, attracted / square, off)

@@ -60,6 +60,7 @@ def add_contact(parameters, run, w, i, meeting):
     mode.slot[c], mode.meeting[c], mode.pressed[c] = slot, meeting, 1
     mode.region[c] = region_here(parameters, run.y, w, i, meeting)
     mode.grip[c], mode.stopping[c], mode.stopped[c] = SLIP, 0, 0
+    mode.pull[c] = 0.0
     mode.saturated[c] = branch(parameters, run, w, c)
 
 
@@ -84,6 +85,7 @@ def remove_contact(parameters, run, w, c):
         mode.saturated[d], mode.grip[d] = mode.saturated[d + 1], mode.grip[d + 1]
         mode.stopping[d], mode.stopped[d] = mode.stopping[d + 1], mode.stopped[d + 1]
         mode.creep[d, 0], mode.creep[d, 1] = mode.creep[d + 1, 0], mode.creep[d + 1, 1]
+        mode.veer[d, 0], mode.veer[d, 1] = mode.veer[d + 1, 0], mode.veer[d + 1, 1]
     mode.contacts = last
     other = -1
     for d in range(last - 1, -1, -1):

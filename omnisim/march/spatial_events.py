@@ -30,6 +30,7 @@ from omnisim.dynamics.spatial.pose import body_of, outward, vector
 from omnisim.dynamics.spatial.records import SLOTS
 from omnisim.dynamics.spatial.touching import meetings, rate_of_roller, react, shape_of, standing, touching_at
 from omnisim.dynamics.state import places
+from omnisim.march.creeping import forget_turning, keep_young
 from omnisim.march.event_log import record
 from omnisim.march.friction_modes import grip_guard, young_guard
 from omnisim.march.grip_events import change_grip
@@ -162,6 +163,7 @@ def clearance(parameters, y):
 def change_in_space(parameters, run, log, kind, w, side, time):
     """Change the modes after a guard fired at `time`, of contacts all that change with it, and the derivative."""
     mode, changes = run.mode[w], parameters.space.changes
+    forget_turning(run)
     if kind == DOWN:
         run.clock.status, run.clock.wheel = CHASSIS_DOWN, -1
     elif kind == LIMIT:
@@ -234,4 +236,5 @@ def restore_in_space(parameters, run, log, time):
                     change_in_space(parameters, run, log, GRIP, w, c, time)
                     changed = True
         if not changed:
+            keep_young(parameters, run)
             return

@@ -19,7 +19,7 @@ from omnisim.dynamics.spatial.pose import body_of
 from omnisim.dynamics.twist import body_motion
 from omnisim.dynamics.wheel import contact_state
 from omnisim.march.creeping import CREEP_SPEED, creep_of
-from omnisim.march.slip import attraction, slip_rate
+from omnisim.march.slip import attraction, slip_rate, turning_mobility
 
 SLIP_FRACTION = 0.9  # of the time in which slip could stop, that one explicit sub-step may take at most
 FINE_FRACTION = 0.2  # the same for methods "auto" and "radau5", which are there for their accuracy
@@ -51,8 +51,7 @@ def step_length(parameters, run, t, h):
     for w in range(len(run.mode)):
         for side in range(contact_count(run.mode[w])):
             factor, grip = run.monitors[w].factor[side], run.mode[w].grip[side]
-            if parameters.space is None:
-                run.mode[w].pull = 0.0
+            run.mode[w].pull[side] = 0.0
             if machine.rolling and grip != STICK:  # what sticks turns with the machine, which is heavier
                 relaxation = max(relaxation, run.monitors[w].relaxing[side])
             if parameters.workspace.resting is not None and grip == CREEP:  # it will stop soon, or go its own way
@@ -68,9 +67,8 @@ def step_length(parameters, run, t, h):
                 size = math.sqrt((rate.h * rate.h + rate.k * rate.k) * scale)
                 sine = abs(slip.h * rate.k - slip.k * rate.h) / max(size, TINY)
                 pace, relaxation = max(pace, size / scale), max(relaxation, factor * mobility)
-                attracted = attraction(run.monitors[w], side, rate, slip, a)
-                if parameters.space is None:
-                    run.mode[w].pull = attracted / scale
+                attracted = attraction(run.monitors[w], side, rate, slip, turning_mobility(parameters, run, w, side, a))
+                run.mode[w].pull[side] = attracted / scale
                 angle = sine * size / max(attracted, TINY)
                 share = sine if angle >= sine**5 else angle**0.2  # the lesser of both: a root takes as long as a stage
                 turning = max(turning, share * factor * mobility)
@@ -96,7 +94,7 @@ def creeping_time(parameters, run, u, rate, speed):
     """How long creeping slip may be stepped at once, s: a little beyond its end; where its direction does not turn as
     the stages say, only until it has doubled as well."""
     change = math.sqrt(rate.h * rate.h + rate.k * rate.k)
-    if parameters.space is None and run.newton is None and u.h * rate.h + u.k * rate.k >= 0.0:
+    if run.newton is None and u.h * rate.h + u.k * rate.k >= 0.0:
         return math.inf
     return CREEP_STEP * speed / max(change, TINY)
 

@@ -2,9 +2,8 @@
 at both ends."""
 
 from omnisim.base.kernel import kernel, outlined
-from omnisim.contact.set_valued import CREEP
 from omnisim.dynamics.indices import contact_count
-from omnisim.march.creeping import creep_of
+from omnisim.march.creeping import creep_of, creeping
 from omnisim.march.radau5 import implicit_step
 from omnisim.march.runge_kutta import explicit_step
 from omnisim.march.slip import slip_of
@@ -55,7 +54,7 @@ def slide(parameters, run, h, time):
         for w in range(len(run.mode)):
             mode, monitors = run.mode[w], run.monitors_end[w]
             for side in range(contact_count(mode)):
-                if mode.grip[side] == CREEP and not mode.shared:
+                if creeping(mode, side):
                     slip, creep = slip_of(parameters, mode, w, side, run.trial), creep_of(parameters, w, side)
                     monitors.slip_square[side] = slip.h * slip.h + slip.k * slip.k
                     monitors.margin[side] = slip.h * creep.h + slip.k * creep.k

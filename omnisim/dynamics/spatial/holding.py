@@ -103,6 +103,33 @@ def align_in_space(parameters, mode, y):
         y[at.spin_rate + w] -= wheel.axle_inertia * wheel.spin_mobility * turned_faster(parameters, w, before, y)
 
 
+@outlined
+def held_mobility(parameters, mode, y, w, side):
+    """Slip acceleration along h and k by the force at a contact of wheel w that does not stick (Symmetric, 1/kg), while
+    those that stick are held."""
+    grip, before = mode[w].grip, mode[w].grip[side]
+    grip[side] = CREEP
+    count = gather(parameters, mode, body_of(parameters, y), y, False)
+    grip[side] = before
+    find_mobility(parameters, count)
+    holding, own = parameters.space.holding, 0
+    for m in range(count):
+        held = holding.contacts[m]
+        held.bias[0] = held.bias[1] = held.force[0] = held.force[1] = 0.0
+        if held.wheel == w and held.contact == side:
+            own = m
+    force = holding.contacts[own].force
+    force[0] = 1.0
+    stick(holding, count)
+    hh, hk = rate_of(holding, own, 0, count), rate_of(holding, own, 1, count)
+    for m in range(count):
+        held = holding.contacts[m]
+        held.force[0] = held.force[1] = 0.0
+    force[1] = 1.0
+    stick(holding, count)
+    return Symmetric(hh, hk, rate_of(holding, own, 1, count))
+
+
 @kernel
 def turned_faster(parameters, w, before, y):
     """What the rate of the carrier of wheel w about k has gained from one state to another at the same place, rad/s."""
@@ -158,6 +185,9 @@ def gather(parameters, mode, body, y, aligning):
             held.limit = parameters.machine.friction * max(space.touches[w * SLOTS + c].normal_force, 0.0)
             held.firm = (1 if aligning else 0) if held.creeps else 2
             held.turned = 0.0
+            for i in range(2):
+                held.begun[i], held.veer[i] = creep[i], mode[w].veer[c, i]
+                held.slip[i] = space.touches[w * SLOTS + c].slip[i]
             h, k = tangent_of(touched.normal)
             axis = touched.roller.axis
             along_h, along_k = dot(axis, h), dot(axis, k)
@@ -347,6 +377,10 @@ def turn_creep(holding, m, count):
         u_h, u_k = -force[0] / size, -force[1] / size
         along = rate_h * u_h + rate_k * u_k
         resisting = held.limit * across(a, u_h, u_k)
+        begun, speed = held.begun, held.slip[0] * u_h + held.slip[1] * u_k
+        angle = math.atan2(begun[0] * u_k - begun[1] * u_h, begun[0] * u_h + begun[1] * u_k)
+        turning = speed * (held.veer[0] + held.veer[1] * angle)  # omega |v|
+        rate_h, rate_k, resisting = rate_h + turning * u_k, rate_k - turning * u_h, resisting + speed * held.veer[1]
         u_h, u_k, correction = turned(u_h, u_k, rate_h, rate_k, resisting, along, held.turned)
         held.turned = correction
     force[0], force[1] = -held.limit * u_h, -held.limit * u_k
@@ -386,11 +420,12 @@ def yield_to(parameters, stage, body, m):
         dy[place] += wheel.axial_mobility * held.arm[e] * force[e]
         parameters.workspace.parts[w].free_spin += held.spin[e] * force[e]
         seen.force[e] = force[e]
+    u = seen.creep
+    if held.creeps:
+        u[0], u[1] = -force[0] / max(held.limit, TINY), -force[1] / max(held.limit, TINY)
     if stage.monitoring:
         monitors = stage.monitors[w]
         if held.creeps:
-            u = seen.creep
-            u[0], u[1] = -force[0] / max(held.limit, TINY), -force[1] / max(held.limit, TINY)
             monitors.margin[c] = u[0] * seen.slip[0] + u[1] * seen.slip[1]
         else:
             monitors.margin[c] = held.limit - math.sqrt(force[0] * force[0] + force[1] * force[1])

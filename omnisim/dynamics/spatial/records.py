@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from omnisim.contact.floor import Floor
+from omnisim.dynamics.state import TURNING
 
 POSITION, ORIENTATION = 0, 3
 SLOTS = 8  # of contacts that a wheel may have at once
@@ -105,7 +106,7 @@ TOUCH = np.dtype(
         ("normal_force", np.float64),  # N
         ("slip", np.float64, (2,)),  # along h and k in the tangent plane, m/s
         ("force", np.float64, (2,)),  # friction on the roller, N
-        ("creep", np.float64, (2,)),  # direction of creeping slip
+        *TURNING,
         ("torque", np.float64),  # about the normal, N m
         ("resistance", np.float64, (2,)),  # moment of rolling resistance on the roller along h and k, N m
         ("point", np.float64, (3,)),  # X from O, along h, k and z of the hub, m
@@ -137,7 +138,10 @@ HELD = np.dtype(
         ("arm", np.float64, (2,)),
         ("bias", np.float64, (2,)),  # slip acceleration without the force of any of them, m/s^2; slip to be taken away
         ("force", np.float64, (2,)),  # N; N s of an impulse
-        ("turned", np.float64),  # by the last correction of its direction, rad
+        ("begun", np.float64, (2,)),  # direction of creeping slip as the mode has it, and the rate at which it turns:
+        ("veer", np.float64, (2,)),  # rad/s, and 1/s by the angle from there
+        ("slip", np.float64, (2,)),  # along h and k, m/s
+        ("turned", np.float64),  # by the last correction of that direction, rad
     ],
     align=True,
 )
@@ -165,6 +169,11 @@ SPATIAL_MODE = np.dtype(
         ("saturated", np.int64, (SLOTS,)),  # branch of the saturated friction law
         ("grip", np.int64, (SLOTS,)),  # as of MODE
         ("creep", np.float64, (SLOTS, 2)),
+        ("veer", np.float64, (SLOTS, 2)),
+        ("veering", np.float64, (SLOTS,)),
+        ("foreseen", np.int64, (SLOTS,)),
+        ("pull", np.float64, (SLOTS,)),
+        ("settled", np.float64, (SLOTS,)),
         ("stopping", np.int64, (SLOTS,)),
         ("stopped", np.int64, (SLOTS,)),
         ("freed", np.int64),
