@@ -12,6 +12,7 @@ import numpy as np
 
 from omnisim.base.files import is_hdf5
 from omnisim.base.formatting import visible
+from omnisim.base.hdf5_reading import open_to_read
 
 if TYPE_CHECKING:
     import h5py
@@ -48,7 +49,7 @@ def opened(path: str | PathLike[str], get: Callable[[h5py.File], T]) -> T:
             pass
         if not h5py.is_hdf5(path):
             raise TrajectoryError(f"{name}: not an HDF5 file")
-        with h5py.File(path, "r") as file:
+        with open_to_read(path) as file:
             _check_format(file, name)
             return get(file)
     except TrajectoryError:
@@ -62,12 +63,10 @@ def opened(path: str | PathLike[str], get: Callable[[h5py.File], T]) -> T:
 
 def format_of(path: str | PathLike[str]) -> str:
     """What an HDF5 file says that it is; empty for a file that says nothing or is none."""
-    import h5py
-
     if not is_hdf5(path):
         return ""
     try:
-        with h5py.File(path, "r") as file:
+        with open_to_read(path) as file:
             return str(file.attrs.get("format", ""))
     except OSError:
         return ""

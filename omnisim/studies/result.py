@@ -20,6 +20,7 @@ import numpy as np
 
 from omnisim.base.files import write_whole
 from omnisim.base.formatting import visible
+from omnisim.base.hdf5_reading import open_to_read
 from omnisim.base.trajectory_file import STUDY
 from omnisim.base.version import VERSION
 from omnisim.results.hdf5 import LIBRARY, TEXT, describe
@@ -162,7 +163,7 @@ def open_study(path: str | PathLike[str]) -> StudyResult:
     """Read the file of a study. Raises StudyError, one line, for what is none."""
     shown = visible(str(path))
     try:
-        with h5py.File(path, "r") as file:
+        with open_to_read(path) as file:
             if file.attrs.get("format") != FORMAT:
                 raise StudyError(f"{shown}: HDF5, but no study of omnisim (attribute format is not {FORMAT!r})")
             attributes = {name: _plain(value) for name, value in file.attrs.items() if not name.startswith("_")}

@@ -1,5 +1,7 @@
 """Files that are damaged, foreign or incomplete are refused with one line that says why."""
 
+import struct
+
 import h5py
 import numpy as np
 import pytest
@@ -75,6 +77,32 @@ def test_of_so_many_flipped_bits_none_changes_a_number_or_the_scene_in_silence(s
             assert all(np.array_equal(back[path], written[path]) for path in written)
             assert back.attributes["scene"] == SCENE
     assert seen > count // 2  # the others: room that holds nothing, text that only describes
+
+
+def test_a_heap_that_the_hdf5_library_would_read_for_ever_is_refused(saved):
+    """The size of each object of a heap of texts set to 0, one after the other: where what follows then looks like free
+    room of no size the library never returns."""
+    whole, heaps = saved.read_bytes(), []
+    place = whole.find(b"GCOL\x01")
+    while place >= 0:
+        heaps.append(place)
+        place = whole.find(b"GCOL\x01", place + 1)
+    messages = []
+    for heap in heaps:
+        (size,) = struct.unpack_from("<Q", whole, heap + 8)
+        at = heap + 16
+        while at + 16 <= heap + size:
+            index, length = struct.unpack_from("<H6xQ", whole, at)
+            damaged = whole[: at + 8] + bytes(8) + whole[at + 16 :]
+            saved.write_bytes(damaged)
+            try:
+                open_trajectory(saved)
+            except TrajectoryError as error:
+                messages.append(str(error))
+            at += length if index == 0 else 16 + -(-length // 8) * 8
+    assert any("truncated or damaged (a heap of texts has no end)" in message for message in messages)
+    saved.write_bytes(whole)
+    assert open_trajectory(saved).complete
 
 
 # Reading that goes wrong
