@@ -4,7 +4,7 @@ from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3, combine, cross, dot, minus, plus, times
 from omnisim.contact.frame import Slip
-from omnisim.dynamics.spatial.pose import body_of, hub_of, inward, mounted, outward, tangent_of, turned, vector
+from omnisim.dynamics.spatial.pose import body_of, hub_of, inward, mounted, stretch_of, tangent_of, turned, vector
 from omnisim.dynamics.spatial.touching import (
     disk_turning,
     footing_of,
@@ -57,7 +57,8 @@ def slip_at(parameters, mode, w, c, y):
 
 @kernel
 def slip_change(parameters, mode, w, c, stand, y, dy):
-    """v' (Slip, m/s^2) at contact c of wheel w by the derivative dy of the state, in axes h and k that do not turn."""
+    """v' (Slip, m/s^2) at contact c of wheel w by the derivative dy of the state: how it changes along h and k, which
+    turn with the wheel."""
     if parameters.space.body.uneven:
         return slip_change_on_ground(parameters, mode, w, c, stand, y, dy)
     return slip_change_on_plane(parameters, mode, w, c, stand, y, dy)
@@ -66,22 +67,15 @@ def slip_change(parameters, mode, w, c, stand, y, dy):
 @outlined
 def slip_change_on_ground(parameters, mode, w, c, stand, y, dy):
     """The same where the ground is curved, by central differences along the motion."""
-    whole = Vec3(0.0, 0.0, 0.0)
+    change_h, change_k = 0.0, 0.0
     for side in range(2):
         time = MOMENT if side else -MOMENT
         shifted = parameters.space.shifted
         for m in range(len(shifted)):
             shifted[m] = y[m] + time * dy[m]
-        there = standing(parameters, w, body_of(parameters, shifted), shifted)
-        touched = touching_at(parameters, mode, w, c, there)
-        found = react(parameters, mode, w, c, there, touched, shifted[rate_of_roller(parameters, mode, w, c)])
-        h, k = tangent_of(touched.normal)
-        slip = combine(found.slip.h, h, found.slip.k, k, 0.0, h)
-        slip = outward(there.body.rotation, outward(mounted(there.hub), slip))
-        whole = plus(whole, times(0.5 / time, slip))
-    whole = inward(mounted(stand.hub), inward(stand.body.rotation, whole))
-    h, k = tangent_of(touching_at(parameters, mode, w, c, stand).normal)
-    return Slip(dot(whole, h), dot(whole, k))
+        slip = slip_at(parameters, mode, w, c, shifted)
+        change_h, change_k = change_h + 0.5 / time * slip.h, change_k + 0.5 / time * slip.k
+    return Slip(change_h, change_k)
 
 
 @kernel
@@ -115,4 +109,13 @@ def slip_change_on_plane(parameters, mode, w, c, stand, y, dy):
     turning = plus(cross(axis_change, touched.lever), cross(roller.axis, lever_change))
     whole = plus(disk, combine(joint_change, cross(roller.axis, touched.lever), joint, turning, 0.0, turning))
     h, k = tangent_of(normal)
-    return Slip(dot(whole, h), dot(whole, k))
+    turn = turning_of_tangents(hub.rate, normal, k)
+    return Slip(dot(whole, h) + turn * dot(velocity, k), dot(whole, k) - turn * dot(velocity, h))
+
+
+@kernel
+def turning_of_tangents(rate, normal, k):
+    """Rate at which h and k (tangent_of) turn about the normal of a plane, rad/s; rate: of the hub, all along its
+    axes."""
+    moved = cross(normal, rate)  # of the normal, seen from the hub
+    return dot(rate, normal) + stretch_of(normal) * (k.x * moved.z - k.z * moved.x)
