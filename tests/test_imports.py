@@ -20,7 +20,7 @@ ROOMS = (
     "pictures", "exports",
 )  # fmt: skip
 ONLY = {
-    "h5py": {"results.hdf5", "base.trajectory_file", "studies.result"},
+    "h5py": {"results.hdf5", "base.hdf5_reading", "base.trajectory_file", "studies.result"},
     "pydantic": {
         "scene.schema",
         "scene.ground_schema",
