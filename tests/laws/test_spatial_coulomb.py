@@ -115,14 +115,14 @@ def exact():
 
 @pytest.mark.long
 @pytest.mark.parametrize(
-    ("method", "steps"), [("rk4", (1e-4, 5e-5)), ("rk4", (1.25e-4, 2.5e-5)), ("dopri5", (1e-4, 5e-5))]
+    ("method", "steps"), [("rk4", (1e-4, 5e-5)), ("rk4", (1.25e-4, 2.5e-5)), ("dopri5", (5e-4, 6.25e-5))]
 )
 def test_a_method_keeps_its_order_through_sticks_and_slips(method, steps, exact):
     least, runs = {"rk4": 3.7, "dopri5": 4.5}[method], [final(method, step) for step in steps]
     for name, value in exact.items():
         errors = [np.abs(end[name] - value).max() for end in runs]
         order = np.log(errors[0] / errors[1]) / np.log(steps[0] / steps[1])
-        assert order > least, (name, errors)  # over 0.4 s measured at least 4.8, 4.5 and 6.9
+        assert order > least, (name, errors)  # measured at least 4.0, 4.0 and 5.2; at 5e-5 dopri5 errs by rounding
 
 
 @pytest.mark.parametrize("number", [24, 113, 151])
