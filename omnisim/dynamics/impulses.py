@@ -16,7 +16,7 @@ from omnisim.dynamics.planar_body import (
     set_lever,
     yielding,
 )
-from omnisim.dynamics.spatial.holding import align_in_space
+from omnisim.dynamics.spatial.aligning import align_in_space
 from omnisim.dynamics.state import places
 from omnisim.dynamics.twist import body_motion, in_world, world_frame
 from omnisim.dynamics.wheel import contact_state

@@ -16,6 +16,7 @@ from omnisim.dynamics.spatial.touching import standing, touching_at
 from omnisim.dynamics.state import places
 from omnisim.dynamics.twist import acceleration_of, body_motion, wheel_motion
 from omnisim.dynamics.wheel import contact_state
+from omnisim.march.slip_bounds import STILL_STIFF, stiffness
 
 
 class Course(NamedTuple):
@@ -68,9 +69,12 @@ def upright_slip_rate(parameters, mode, w, side, y, slope):
 @kernel
 def turning_mobility(parameters, run, w, side, mobility):
     """A of a contact of wheel w that friction turns with, 1/kg, of this A alone: in space without what others hold that
-    stick, on the same wheel above all. Upright, that counts for little."""
-    if parameters.space is not None and parameters.workspace.resting is not None and any_sticks(run):
-        return held_mobility(parameters, run.mode, run.y, w, side)
+    stick, on the same wheel above all. Upright, that counts for little; and where friction turns slip more slowly than
+    steps go, nobody asks."""
+    if parameters.space is not None and parameters.workspace.resting is not None:
+        stiff = stiffness(parameters, run.clock, run.monitors[w], side) > STILL_STIFF
+        if stiff and any_sticks(run):
+            return held_mobility(parameters, run.mode, run.y, w, side)
     return mobility
 
 

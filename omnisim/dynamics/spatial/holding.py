@@ -17,15 +17,14 @@ slip across the line alone.
 import math
 
 from omnisim.base.kernel import kernel, outlined
-from omnisim.base.vector import combine, dot, minus, plus, times
+from omnisim.base.vector import combine, dot, plus, times
 from omnisim.contact.frame import Slip
 from omnisim.contact.mobility import Symmetric, across
 from omnisim.contact.set_valued import CREEP, SLIP, TINY, slip_direction, turned
-from omnisim.dynamics.spatial.acceleration import slip_at, slip_change
+from omnisim.dynamics.spatial.acceleration import slip_change
 from omnisim.dynamics.spatial.carriers import factorize, substitute
 from omnisim.dynamics.spatial.mobility import lever_along
 from omnisim.dynamics.spatial.pose import body_of, outward, product, put, put_at, tangent_of, vector
-from omnisim.dynamics.spatial.pose import turned as turned_about
 from omnisim.dynamics.spatial.records import SLOTS
 from omnisim.dynamics.spatial.touching import rate_of_roller, standing, touching_at
 from omnisim.dynamics.state import places
@@ -71,39 +70,6 @@ def hold(parameters, stage, body):
 
 
 @outlined
-def align_in_space(parameters, mode, y):
-    """Change the speeds in y by the impulses that leave no slip to sticking contacts, and none across their direction
-    to creeping ones, all at once.
-
-    Friction turns creeping slip by forces across it, and these impulses are across it too: a wheel that stands on two
-    rollers slips on one of them as it must, and whatever held that slip would move the machine.
-    """
-    body = body_of(parameters, y)
-    count = gather(parameters, mode, body, y, True)
-    if count == 0:
-        return
-    holding, at = parameters.space.holding, places(parameters)
-    for m in range(count):
-        held = holding.contacts[m]
-        slip = slip_at(parameters, mode[held.wheel], held.wheel, held.contact, y)
-        held.bias[0], held.bias[1] = slip.h, slip.k
-        if held.creeps:
-            u = mode[held.wheel].creep[held.contact]
-            held.bias[0], held.bias[1] = slip.k * u[0] - slip.h * u[1], 0.0
-        held.force[0] = held.force[1] = 0.0
-    find_mobility(parameters, count)
-    stick(holding, count)
-    before = parameters.space.shifted
-    for i in range(len(before)):
-        before[i] = y[i]
-    for m in range(count):
-        kick(parameters, body, mode, y, m, count)
-    for w in range(len(parameters.wheels)):
-        wheel = parameters.wheels[w]
-        y[at.spin_rate + w] -= wheel.axle_inertia * wheel.spin_mobility * turned_faster(parameters, w, before, y)
-
-
-@outlined
 def held_mobility(parameters, mode, y, w, side):
     """Slip acceleration along h and k by the force at a contact of wheel w that does not stick (Symmetric, 1/kg), while
     those that stick are held."""
@@ -128,42 +94,6 @@ def held_mobility(parameters, mode, y, w, side):
     force[1] = 1.0
     stick(holding, count)
     return Symmetric(hh, hk, rate_of(holding, own, 1, count))
-
-
-@kernel
-def turned_faster(parameters, w, before, y):
-    """What the rate of the carrier of wheel w about k has gained from one state to another at the same place, rad/s."""
-    space, at = parameters.space, places(parameters)
-    gained = minus(vector(y, at.rate), vector(before, at.rate))
-    k, j = vector(space.hubs[w].k, 0), space.hubs[w].carrier
-    if j >= 0 and space.carriers[j].turns:
-        axis = vector(space.carriers[j].axis, 0)
-        k = turned_about(k, axis, space.motions[j].cos, space.motions[j].sin)
-        gained = plus(gained, times(y[at.joint_rate + j] - before[at.joint_rate + j], axis))
-    return dot(k, gained)
-
-
-@kernel
-def kick(parameters, body, mode, y, m, count):
-    """The impulse at contact m into the speeds in y; axles as if their carriers turned no faster."""
-    space, at = parameters.space, places(parameters)
-    held = space.holding.contacts[m]
-    w, impulse = held.wheel, held.force
-    wheel = parameters.wheels[w]
-    place = rate_of_roller(parameters, mode[w], w, held.contact)
-    for e in range(held.firm):
-        given = space.holding.given[m, e]
-        linear = outward(body.rotation, times(impulse[e], vector(given, 3)))
-        put_at(y, at.velocity, plus(vector(y, at.velocity), linear))
-        put_at(y, at.rate, plus(vector(y, at.rate), times(impulse[e], vector(given, 0))))
-        for j in range(6, len(space.answer)):
-            y[at.joint_rate + j - 6] += impulse[e] * given[j]
-        y[place] += wheel.axial_mobility * held.arm[e] * impulse[e]
-        y[at.spin_rate + w] += wheel.spin_mobility * held.spin[e] * impulse[e]
-        if wheel.follows:  # its drive holds the rate against the impulse
-            y[at.drive_work] -= held.spin[e] * impulse[e] * y[at.spin_rate + w]
-        left = rate_of(space.holding, m, e, count)  # of the slip
-        y[at.friction_loss] -= impulse[e] * 0.5 * (held.bias[e] + left)
 
 
 @kernel
