@@ -67,12 +67,14 @@ class Tableau:
 
 
 class Radau(NamedTuple):
-    """Radau IIA of order 5: nodes c (3,), and A^-1 = V diag(lambda) V^-1 with one real and a pair of complex lambda.
+    """Radau IIA of order 5: nodes c (3,), and A^-1 (3, 3) = V diag(lambda) V^-1 with one real and a pair of complex
+    lambda.
 
     *_right (3,): columns of V; *_left (3,): rows of V^-1. The third column and row are the conjugates of the second.
     """
 
     c: np.ndarray
+    inverse: np.ndarray
     real_value: float
     complex_value: complex
     real_left: np.ndarray
@@ -89,11 +91,13 @@ def collocation(c: np.ndarray) -> np.ndarray:
 
 def radau_iia() -> Radau:
     c = np.array([(4.0 - math.sqrt(6.0)) / 10.0, (4.0 + math.sqrt(6.0)) / 10.0, 1.0])
-    values, right = np.linalg.eig(np.linalg.inv(collocation(c)))
+    inverse = np.linalg.inv(collocation(c))
+    values, right = np.linalg.eig(inverse)
     left = np.linalg.inv(right)
     real, above = int(np.argmin(abs(values.imag))), int(np.argmax(values.imag))
     return Radau(
         c,
+        inverse,
         float(values[real].real),
         complex(values[above]),
         (left[real] * right[2, real]).real.copy(),  # scaled to be real

@@ -254,8 +254,8 @@ class Stage(NamedTuple):
 class Newton(NamedTuple):
     """Workspace for the iteration of implicit steps on k coupled of n states.
 
-    active (k,): those states, ascending; busy (k,): at first those of them that are not idle; stages (7, n): increments
-    z and derivatives of the three stages, and a derivative beside the state for the Jacobian; real (2 k + 1, k) float,
+    active (k,): those states, ascending; busy (k,): at first those of them that are not idle; stages (9, n): increments
+    z and derivatives of the three stages, a derivative and two states beside the state; real (2 k + 1, k) float,
     complex (k + 1, k): Jacobian, factors and right side; pivots (2, k) of the real and the complex factors.
     """
 

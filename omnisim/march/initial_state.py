@@ -54,7 +54,7 @@ def clock_at_start(time: Time, method: Method, choice: int, parameters: Paramete
     clock = np.frombuffer(bytearray(clock_of(time, method, choice)), recorded(CLOCK))[0]
     part = min(1.0, float(clock["dt"]) / coarse_step(parameters, choice))
     lightness = parameters.machine["mass"] * parameters.machine["slip_mobility"]
-    clock["fineness"] = fineness(part, choice, method.tableau.order)
+    clock["fineness"] = fineness(part, choice, method.tableau.order, parameters.workspace.resting is None)
     clock["aligned"] = alignment(part, choice, method.tableau.order)
     clock["stopping"] = stopping_alignment(part, choice, method.tableau.order, lightness)
     return clock
@@ -95,7 +95,7 @@ def newton_workspace(parameters: Parameters, states: int) -> Newton:
     return Newton(
         active=active,
         busy=np.zeros_like(active),
-        stages=np.zeros((7, states)),
+        stages=np.zeros((9, states)),
         real=np.zeros((2 * count + 1, count)),
         complex=np.zeros((count + 1, count), complex),
         pivots=np.zeros((2, count), np.int64),

@@ -4,10 +4,10 @@ The increments Z of the three stages solve Z = h A f(y + Z). Simplified Newton i
 Ordinary Differential Equations II (1996), section IV.8: with A^-1 = V diag(lambda) V^-1 the 3n equations fall into one
 real and one complex system of n,
 
-    (lambda / h - J) dw = V^-1 f(y + Z) - lambda / h w        w = V^-1 Z
+    (lambda / h - J) dw = V^-1 (f(y + Z) - A^-1 Z / h)        w = V^-1 Z
 
 J couples the states `Newton.active` alone, those that forces depend on, without those that are idle; the others follow
-by quadrature.
+by quadrature. In the place of the own rates of wheels that slip it is their slip that is sought (slip_unknowns.py).
 """
 
 import math
@@ -15,7 +15,8 @@ import math
 from omnisim.base.kernel import kernel, outlined
 from omnisim.dynamics.indices import contact_count
 from omnisim.dynamics.state import places
-from omnisim.march.runge_kutta import copy, evaluate
+from omnisim.march.runge_kutta import evaluate
+from omnisim.march.slip_unknowns import add_to_stage, any_slip_sought, to_slip
 
 MOST_ITERATIONS = 25
 TOLERANCE = 4e-15  # change of the stages, relative to 1 + |y|, below which nothing is left to gain
@@ -49,19 +50,19 @@ def implicit_step(parameters, method, run, t, h):
     for i in range(3):
         for m in range(n):
             z[i, m] = 0.0
+    seeks = any_slip_sought(parameters, run)
     if not converged:
-        differentiate(parameters, run, t, active)
+        differentiate(parameters, run, t, active, seeks)
         factorize_all(radau, newton, h, len(active))
     last = math.inf
     for iteration in range(MOST_ITERATIONS):
         if converged:
             break
         for i in range(3):
-            for m in range(n):
-                run.trial[m] = y[m] + z[i, m]
+            at_stage(run, z[i])
             evaluate(parameters, mode, piece, t + radau.c[i] * h, run.trial, slopes[i], run.monitors_end)
         run.clock.rhs += 3
-        change = correct(radau, newton, y, h, active)
+        change = correct(parameters, radau, run, h, active, seeks)
         if not math.isfinite(change):
             return False
         converged = change <= TOLERANCE or (change <= FLOOR and change > FALLING * last)
@@ -89,29 +90,33 @@ def gather(parameters, run):
 
 
 @kernel
-def differentiate(parameters, run, t, active):
-    """Forward differences of the active slopes at the start of the step.
+def differentiate(parameters, run, t, active, seeks):
+    """Forward differences of the active slopes at the start of the step; `seeks`: slip is an unknown.
 
     Friction changes over a slip of |v| + slip_speed: the shifts stay far below it, as far as rounding allows.
     """
     newton = run.newton
     speed = 1.0
-    shifted = newton.stages[6]
+    shifted, along, change = newton.stages[6], newton.stages[3], newton.stages[4]
     jacobian = newton.real[: len(active)]
     for w in range(len(run.monitors)):
         for side in range(contact_count(run.mode[w])):
             speed = min(speed, math.sqrt(run.monitors[w].slip_square[side]) + parameters.machine.slip_floor)
     shift = min(max(STEEP * speed, LEAST_SHIFT), MOST_SHIFT)
-    copy(run.y, run.trial)
     for j in range(len(active)):
-        m = active[j]
-        run.trial[m] = run.y[m] + shift
-        taken = run.trial[m] - run.y[m]
+        for m in range(len(along)):
+            along[m] = 0.0
+            change[m] = 0.0
+        change[active[j]] = shift
+        add(parameters, run, along, change, seeks)
+        at_stage(run, along)
         evaluate(parameters, run.mode, run.clock.piece, t, run.trial, shifted, run.monitors_end)
-        run.trial[m] = run.y[m]
+        for m in range(len(along)):
+            shifted[m] = (shifted[m] - run.slopes[0, m]) / shift
+        if parameters.space is None and seeks:
+            to_slip(parameters, run, run.y, shifted)
         for i in range(len(active)):
-            row = active[i]
-            jacobian[i, j] = (shifted[row] - run.slopes[0, row]) / taken
+            jacobian[i, j] = shifted[active[i]]
     run.clock.rhs += len(active)
 
 
@@ -143,43 +148,68 @@ def factorize_all(radau, newton, h, k):
 
 
 @kernel
-def correct(radau, newton, y, h, active):
-    """One Newton correction of the increments z: its largest entry relative to 1 + |y|."""
-    z = newton.stages[:3]
-    slopes = newton.stages[3:6]
+def correct(parameters, radau, run, h, active, seeks):
+    """One Newton correction of the increments z: its largest entry relative to 1 + |y|; `seeks`: slip is an unknown."""
+    newton, y = run.newton, run.y
+    z, slopes = newton.stages[:3], newton.stages[3:6]
     k = len(active)
-    real_side = newton.real[2 * k]
-    complex_side = newton.complex[k]
-    largest, a = 0.0, 0
+    real_side, complex_side = newton.real[2 * k], newton.complex[k]
+    for i in range(3):
+        for m in range(len(y)):
+            lacking = slopes[i, m]
+            for j in range(3):
+                lacking -= radau.inverse[i, j] / h * z[j, m]
+            slopes[i, m] = lacking
+        if parameters.space is None and seeks:
+            at_stage(run, z[i])
+            to_slip(parameters, run, run.trial, slopes[i])
+    a = 0
     for m in range(len(y)):
         real, cplx = 0.0, 0.0j
         for i in range(3):
-            real += radau.real_left[i] * (slopes[i, m] - radau.real_value / h * z[i, m])
-            cplx += radau.complex_left[i] * (slopes[i, m] - radau.complex_value / h * z[i, m])
+            real += radau.real_left[i] * slopes[i, m]
+            cplx += radau.complex_left[i] * slopes[i, m]
         if a < k and active[a] == m:
             real_side[a], complex_side[a] = real, cplx
             a += 1
         else:
-            largest = max(largest, change(radau, z, m, real * h / radau.real_value, cplx * h / radau.complex_value, y))
+            spread(radau, slopes, m, real * h / radau.real_value, cplx * h / radau.complex_value)
     substitute(newton.real[k : 2 * k], newton.pivots[0, :k], real_side)
     substitute(newton.complex[:k], newton.pivots[1, :k], complex_side)
     for a in range(k):
-        size = change(radau, z, active[a], real_side[a], complex_side[a], y)
-        if not size <= largest:  # a NaN must not hide
-            largest = size
+        spread(radau, slopes, active[a], real_side[a], complex_side[a])
+    largest = 0.0
+    for i in range(3):
+        add(parameters, run, z[i], slopes[i], seeks)
+        for m in range(len(y)):
+            size = abs(slopes[i, m]) / (1.0 + abs(y[m]))
+            if not size <= largest:  # a NaN must not hide
+                largest = size
     return largest
 
 
 @kernel
-def change(radau, z, m, real, cplx, y):
-    """Add a correction in eigenvectors to the increments of state m: its largest entry relative to 1 + |y|."""
-    largest = 0.0
+def add(parameters, run, increment, change, seeks):
+    """Add a change (n,) of the unknowns to the increment (n,) of a stage; `seeks`: slip is one of them."""
+    if parameters.space is None and seeks:
+        add_to_stage(parameters, run, increment, change)
+    else:
+        for m in range(len(increment)):
+            increment[m] += change[m]
+
+
+@kernel
+def at_stage(run, increment):
+    """The state at a stage of these increments into the trial."""
+    for m in range(len(increment)):
+        run.trial[m] = run.y[m] + increment[m]
+
+
+@kernel
+def spread(radau, corrections, m, real, cplx):
+    """What a correction of state m in eigenvectors is at the stages."""
     for i in range(3):
-        correction = radau.real_right[i] * real + 2.0 * (radau.complex_right[i] * cplx).real
-        z[i, m] += correction
-        if not abs(correction) <= largest:
-            largest = abs(correction)
-    return largest / (1.0 + abs(y[m]))
+        corrections[i, m] = radau.real_right[i] * real + 2.0 * (radau.complex_right[i] * cplx).real
 
 
 @kernel

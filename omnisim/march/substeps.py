@@ -9,7 +9,7 @@ import math
 
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.methods import EXPLICIT, IMPLICIT
-from omnisim.contact.friction import BRUSH, passing_speed
+from omnisim.contact.friction import BRUSH, VISCOUS, passing_speed
 from omnisim.contact.kinematics import streaming
 from omnisim.contact.mobility import largest
 from omnisim.contact.set_valued import CREEP, SLIP, STICK, TINY
@@ -23,8 +23,7 @@ from omnisim.march.slip import attraction, slip_rate, turning_mobility
 
 SLIP_FRACTION = 0.9  # of the time in which slip could stop, that one explicit sub-step may take at most
 FINE_FRACTION = 0.2  # the same for methods "auto" and "radau5", which are there for their accuracy
-# The same of implicit steps with a smooth law: its layer near zero slip turns motion into heat that is accounted for.
-LAYER_FRACTION = 0.05
+LAYER = 0.25  # of that, with a smooth law
 OUTRUN = 20.0  # stable steps by the end of an explicit one that is taken again at half its length
 FOLLOWED, FINER = 4, 0.5  # order up to which whole steps err more than the coarsest sub-steps, and what finer ones are
 AUTO_STIFF = 4.0  # relaxation of slip within a step, beyond which "auto" makes it implicit
@@ -79,10 +78,10 @@ def step_length(parameters, run, t, h):
         turn = fraction / SLIP_FRACTION
         return min(h, min(fraction / pace, min(stable / relaxation, turn * stable / turning)))
     h_explicit = h
-    fraction = LAYER_FRACTION
+    # viscous friction relaxes slip as fast where it is large
+    fraction = LAYER * FINE_FRACTION if machine.law == VISCOUS else slip_fraction(FINE_FRACTION, pace, clock)
     stiffness = clock.dt * relaxation
     if parameters.workspace.resting is not None:
-        fraction = slip_fraction(FINE_FRACTION, pace, clock)
         h_explicit = min(h, fraction / pace)
         stiffness = h_explicit * relaxation
     clock.implicit = clock.choice == IMPLICIT or stiffness > AUTO_STIFF
@@ -131,12 +130,13 @@ def slip_fraction(coarsest, pace, clock):
     return coarsest if less >= ratio**5 else largest_slip * less**0.2
 
 
-def fineness(part: float, choice: int, order: int) -> float:
+def fineness(part: float, choice: int, order: int, smooth: bool) -> float:
     """Part of the coarsest fraction that a step allows for the largest slip: ~ dt of explicit methods, and ~ dt^(3/4)
     of the others, whose fraction is less and whose steps cost more. part: the step by a coarse one, at most 1; order of
-    the method: sub-steps err in the same way by all, and must stay behind the error of its whole steps."""
+    the method: sub-steps err in the same way by all, and must stay behind the error of its whole steps; smooth: the
+    law, whose layer near zero slip turns motion into heat that is accounted for."""
     if choice != EXPLICIT:
-        return part**0.75
+        return min(part**0.75, LAYER) if smooth else part**0.75
     return FINER * part if order > FOLLOWED else part
 
 
