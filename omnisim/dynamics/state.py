@@ -256,7 +256,8 @@ class Newton(NamedTuple):
 
     active (k,): those states, ascending; busy (k,): at first those of them that are not idle; stages (9, n): increments
     z and derivatives of the three stages, a derivative and two states beside the state; real (2 k + 1, k) float,
-    complex (k + 1, k): Jacobian, factors and right side; pivots (2, k) of the real and the complex factors.
+    complex (k + 1, k): Jacobian, factors and right side; pivots (2, k) of the real and the complex factors; sought
+    (W,): whether the slip of a wheel is an unknown, in the place of its own rates.
     """
 
     active: np.ndarray
@@ -265,6 +266,7 @@ class Newton(NamedTuple):
     real: np.ndarray
     complex: np.ndarray
     pivots: np.ndarray
+    sought: np.ndarray
 
 
 class Run(NamedTuple):

@@ -99,6 +99,7 @@ def newton_workspace(parameters: Parameters, states: int) -> Newton:
         real=np.zeros((2 * count + 1, count)),
         complex=np.zeros((count + 1, count), complex),
         pivots=np.zeros((2, count), np.int64),
+        sought=np.zeros(len(parameters.wheels), np.bool_),
     )
 
 

@@ -16,7 +16,7 @@ from omnisim.base.kernel import kernel, outlined
 from omnisim.dynamics.indices import contact_count
 from omnisim.dynamics.state import places
 from omnisim.march.runge_kutta import evaluate
-from omnisim.march.slip_unknowns import add_to_stage, any_slip_sought, to_slip
+from omnisim.march.slip_unknowns import add_to_stage, seek_slip, to_slip
 
 MOST_ITERATIONS = 25
 TOLERANCE = 4e-15  # change of the stages, relative to 1 + |y|, below which nothing is left to gain
@@ -50,7 +50,7 @@ def implicit_step(parameters, method, run, t, h):
     for i in range(3):
         for m in range(n):
             z[i, m] = 0.0
-    seeks = any_slip_sought(parameters, run)
+    seeks = seek_slip(parameters, run, h)
     if not converged:
         differentiate(parameters, run, t, active, seeks)
         factorize_all(radau, newton, h, len(active))

@@ -19,24 +19,24 @@ from omnisim.dynamics.state import places
 from omnisim.dynamics.twist import body_motion
 from omnisim.dynamics.wheel import contact_state
 
+FAST = 1.0  # relaxation of slip within a step from which it is an unknown
 SHIFT = 1e-6  # largest change of a state by which slip is differentiated
 
 
 @kernel
-def any_slip_sought(parameters, run):
-    """Whether the slip of any contact is an unknown."""
+def seek_slip(parameters, run, h):
+    """Write to `Newton.sought` whose slip is an unknown in a step of length h: whether that of any wheel is.
+
+    Where friction relaxes the slip of a wheel, at its only contact, faster than the step; slower, states are the better
+    unknowns: their J_i differ by theta lambda h, and those of slip by theta.
+    """
+    some = False
     if parameters.space is None:
         for w in range(len(run.mode)):
-            if slip_sought(run, w):
-                return True
-    return False
-
-
-@kernel
-def slip_sought(run, w):
-    """Whether the slip of wheel w is an unknown: friction relaxes it at its only contact."""
-    mode = run.mode[w]
-    return mode.contacts == 1 and mode.grip[0] == SLIP and run.monitors[w].factor[0] > 0.0
+            mode, relaxation = run.mode[w], run.monitors[w].factor[0] * parameters.machine.slip_mobility
+            run.newton.sought[w] = mode.contacts == 1 and mode.grip[0] == SLIP and h * relaxation > FAST
+            some = some or run.newton.sought[w]
+    return some
 
 
 @outlined
@@ -54,7 +54,7 @@ def to_slip(parameters, run, y, change):
         ahead[m], behind[m] = y[m] + step * change[m], y[m] - step * change[m]
     body_ahead, body_behind = body_motion(parameters, ahead), body_motion(parameters, behind)
     for w in range(len(run.mode)):
-        if slip_sought(run, w):
+        if run.newton.sought[w]:
             mode = run.mode[w]
             one = contact_state(parameters, mode, w, 0, body_ahead, ahead).slip
             other = contact_state(parameters, mode, w, 0, body_behind, behind).slip
@@ -74,7 +74,7 @@ def add_to_stage(parameters, run, increment, change):
         state[m] = y[m] + increment[m]
     body = body_motion(parameters, state)
     for w in range(len(run.mode)):
-        if slip_sought(run, w):
+        if run.newton.sought[w]:
             slip = contact_state(parameters, run.mode[w], w, 0, body, state).slip
             change[at.spin_rate + w] += slip.h
             change[rate_place(parameters, run.mode[w], w, 0)] += slip.k
@@ -82,7 +82,7 @@ def add_to_stage(parameters, run, increment, change):
         state[m] += change[m]
     body = body_motion(parameters, state)
     for w in range(len(run.mode)):
-        if slip_sought(run, w):
+        if run.newton.sought[w]:
             spin, roller = at.spin_rate + w, rate_place(parameters, run.mode[w], w, 0)
             h, k = change[spin], change[roller]
             state[spin], state[roller] = y[spin] + increment[spin], y[roller] + increment[roller]
