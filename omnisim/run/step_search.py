@@ -50,7 +50,7 @@ def search(scene: Scene, run: Callable[[Scene], SceneMarch]) -> Trajectory:
         gaps = [*gaps, distance(best, latest)] if best is not None and code == before else []
         best = latest
         error = estimate(gaps, order)
-        if error <= enough and march.run.clock.choice == AUTO:
+        if error <= enough and METHODS[solver.method].choice == AUTO:  # though this run may be explicit throughout
             other = run(by_radau5(candidate))
             checked = int(other.run.clock.status)
             error = max(error, distance(latest, other.trajectory())) if checked == code else math.inf
@@ -101,8 +101,8 @@ def estimate(gaps: Sequence[float], order: int) -> float:
 
 
 def by_radau5(scene: Scene) -> Scene:
-    """The scene by the implicit method: "auto" takes other steps implicit with another step of time, so that its own
-    differences do not tell how far its explicit ones are off.
+    """The scene by the implicit method: "auto" takes other steps implicit with another step of time, and none with the
+    shortest, so that its own differences do not tell how far its explicit ones are off.
     """
     solver = scene.config.solver.model_copy(update={"method": "radau5"})
     return replace(scene, config=scene.config.model_copy(update={"solver": solver}))
