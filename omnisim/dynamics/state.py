@@ -167,6 +167,7 @@ MODE = np.dtype(
         ("foreseen", np.int64, (TOUCHING,)),  # 1: it does so still, as no force has jumped since
         ("pull", np.float64, (TOUCHING,)),  # rate at which friction turns slip as the contact equation says, 1/s
         ("settled", np.float64, (TOUCHING,)),  # how often it has done so since forces have jumped, 1
+        ("strayed", np.float64, (TOUCHING,)),  # angle of slip from that direction, at most, rad
         ("stopping", np.int64, (TOUCHING,)),  # 1: it had a direction of its own; 0: it was released
         ("stopped", np.int64, (TOUCHING,)),  # 1: slip has just come to its end at this contact
         ("freed", np.int64),  # how often creeping slip got a direction of its own in the grid step

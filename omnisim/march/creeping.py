@@ -182,6 +182,7 @@ def keep_turning(parameters, run, h):
                 mode.veering[side] = turning_of(parameters, w, side).veering
             pull = mode.pull[side]
             mode.settled[side] = mode.settled[side] + h * pull if pull >= 0.0 else 0.0
+            mode.strayed[side] *= math.exp(-h * pull) if pull >= 0.0 else 0.0
 
 
 @kernel
@@ -190,7 +191,7 @@ def forget_turning(run):
     for w in range(len(run.mode)):
         for side in range(contact_count(run.mode[w])):
             run.mode[w].foreseen[side] = 0
-            run.mode[w].settled[side] = 0.0
+            run.mode[w].settled[side] = run.mode[w].strayed[side] = 0.0
 
 
 @kernel

@@ -92,11 +92,13 @@ def stops(parameters, run, w, side):
     dt, course = run.clock.dt, course_of(parameters, run, w, side)
     hidden = unseen(run.clock, True, course.speed)
     followed = run.newton is None
+    across = strayed(mode, side, course) if followed else course.across
     turned = course.attraction * dt > LEAST_TURNED
     lasts = not fleeting(run.clock, course)
-    if followed and turned and lasts and astray(mode, side, course) * course.attraction * dt < hidden:
+    foreign = min(across, course.speed * math.exp(-mode.settled[side]))  # not by the turning of that direction itself
+    if followed and turned and lasts and foreign * course.attraction * dt < hidden:
         return NEAR
-    if (turned or not followed) and -course.growth * dt > course.speed and course.across < hidden:
+    if (turned or not followed) and -course.growth * dt > course.speed and across < hidden:
         return SOON
     return NOT
 
@@ -110,10 +112,11 @@ def fleeting(clock, course):
 
 
 @kernel
-def astray(mode, side, course):
-    """At most that of it, m/s, which does not belong to the turning of that direction itself: from forces that have
-    jumped, by as much as friction has had time for since."""
-    return min(course.across, course.speed * math.exp(-mode.settled[side]))
+def strayed(mode, side, course):
+    """What slip is across that direction, m/s: by its turning, and by what it was before and friction has left of that.
+    Slip that comes from afar and that direction turn into each other's way: for a moment it turns by nothing."""
+    mode.strayed[side] = max(mode.strayed[side], min(course.across / course.speed, 1.0))
+    return max(course.across, mode.strayed[side] * course.speed)
 
 
 @kernel

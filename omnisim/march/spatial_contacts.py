@@ -60,7 +60,7 @@ def add_contact(parameters, run, w, i, meeting):
     mode.slot[c], mode.meeting[c], mode.pressed[c] = slot, meeting, 1
     mode.region[c] = region_here(parameters, run.y, w, i, meeting)
     mode.grip[c], mode.stopping[c], mode.stopped[c] = SLIP, 0, 0
-    mode.pull[c], mode.settled[c], mode.foreseen[c] = 0.0, 0.0, 0
+    mode.pull[c], mode.settled[c], mode.strayed[c], mode.foreseen[c] = 0.0, 0.0, 0.0, 0
     mode.saturated[c] = branch(parameters, run, w, c)
 
 

@@ -174,6 +174,7 @@ SPATIAL_MODE = np.dtype(
         ("foreseen", np.int64, (SLOTS,)),
         ("pull", np.float64, (SLOTS,)),
         ("settled", np.float64, (SLOTS,)),
+        ("strayed", np.float64, (SLOTS,)),
         ("stopping", np.int64, (SLOTS,)),
         ("stopped", np.int64, (SLOTS,)),
         ("freed", np.int64),
