@@ -161,6 +161,7 @@ class Claim(NamedTuple):
     """What is claimed of a measured value: that it is `bound`, "at most" or "at least", the target.
 
     alarm: the limit beyond which no noise of a machine explains the value; where nothing is timed, the target itself.
+    reason: why the target cannot be met, by what was measured; told where it is missed.
     """
 
     text: str
@@ -168,6 +169,7 @@ class Claim(NamedTuple):
     bound: str
     target: float
     alarm: float
+    reason: str = ""
 
     @property
     def met(self) -> bool:

@@ -179,6 +179,15 @@ def cells(row: dict) -> list[str]:
     return [f"{row['position_error'] * 1e3:.1e}", f"{row['turn_error']:.1e}", *times]
 
 
+def touching(of: dict) -> str:
+    """What more of them cost: not those in the air, but those that touch."""
+    few, many = (of["rows"][str(count)] for count in COUNTS)
+    return (
+        f"More of them touch: {many['contacts']:.2f} a wheel where of six {few['contacts']:.2f} do, and "
+        f"{of['rhs_ratio']:.2f} times the right-hand sides, at events"
+    )
+
+
 def claims(result: dict) -> list[Claim]:
     found = [
         Claim(
@@ -187,6 +196,7 @@ def claims(result: dict) -> list[Claim]:
             "at most",
             ROLLERS_TARGET,
             ROLLERS_ALARM,
+            touching(of),
         )
         for name, of in result["rollers"].items()
     ]

@@ -83,9 +83,12 @@ def contents(records: dict[str, dict]) -> str:
 
 
 def verdict(claims: list[Claim]) -> str:
-    """How many targets are met, and a line for each that is not."""
+    """How many targets are met, and a line for each that is not, with the reason if one is known."""
     missed = [
-        f"- {claim.text}: {claim.value:.3g}, to be {claim.bound} {claim.target:g}" for claim in claims if not claim.met
+        f"- {claim.text}: {claim.value:.3g}, to be {claim.bound} {claim.target:g}"
+        + (f". {claim.reason}" if claim.reason else "")
+        for claim in claims
+        if not claim.met
     ]
     met = f"## Targets\n\n**{len(claims) - len(missed)} of {len(claims)} targets are met.**"
     return "\n".join([f"{met} Missed:", "", *missed]) if missed else met

@@ -35,13 +35,14 @@ def records(tmp_path):
         "scaling": record("scaling", {}, "A sentence.\n\n" + "\n".join(["| row |"] * 15) + "\n\nThe end.", 2.0),
         "twists": record("twists", []),
     }.items():
+        made["claims"][0]["reason"] = "Rollers touch" if name == "scaling" else ""
         (tmp_path / f"{name}.json").write_text(json.dumps(made))
     return speed_page.read(tmp_path)
 
 
 def test_the_page_begins_with_a_verdict_and_shows_what_is_missed(records):
     page = speed_page.pages(records, {})["index"]
-    assert "**2 of 3 targets are met.** Missed:\n\n- scaling is quick: 2, to be at most 1.2\n\n" in page
+    assert "**2 of 3 targets are met.** Missed:\n\n- scaling is quick: 2, to be at most 1.2. Rollers touch\n\n" in page
     assert page.index("targets are met") < page.index("| scaling is quick | 2 | at most 1.2 | **missed** | 2.5 |")
     assert "[Machines, rollers, memory](cost.md): Kernels; Scaling" in page
     assert "Twists" not in "".join(speed_page.pages(records, {}).values())  # machines_in_numbers.md has them
