@@ -100,7 +100,7 @@ def algebraic(config: Config, parameters: Parameters) -> Iterator[Part]:
     friction = config.friction
     yield Part("normal forces" if chassis else "normal force", True, 0, load_reason(config, carried))
     yield Part("servo", not carried, 0, servo_reason(config, carried))
-    yield Part("friction", friction.law != "none", 0, friction_reason(friction))
+    yield Part("friction", friction.law != "none", 0, friction_reason(friction, parameters.machine.slip_layer > 0.0))
     yield from drives(config.wheels)
     if chassis:
         yield Part("command", config.command is not None, 0, command_reason(config))

@@ -59,9 +59,10 @@ def align_slip_once(parameters, run):
             set_lever(wheel, contact, state.axis, j)
             if mode.grip[0] == CREEP:
                 along, e = slip.h * u[0] + slip.k * u[1], turning_mass(machine, wheel, state.axis, j, u[0], u[1])
+                rest = Slip(slip.h - along * u[0], slip.k - along * u[1])
             else:
-                along, e = 0.0, holding_mass(machine, wheel, state.axis, j)
-            rest = Slip(slip.h - along * u[0], slip.k - along * u[1])
+                e = holding_mass(machine, wheel, state.axis, j)
+                rest = Slip(slip.h - mode.layer[0], slip.k - mode.layer[1])
             contact.bias[0], contact.bias[1] = rest.h, rest.k
             hold_by(e, contact, rest)
             equations = held_equations(contact, equations)

@@ -54,6 +54,10 @@ from omnisim.scene.wheel_schema import WheelType
 
 UPRIGHT = {"servo": SERVO, "contacts": CONTACTS, "free": FREE}
 
+# A layer of slip is thin if friction would take a whole machine through it so many times within a step, and no thicker
+# than this (m/s): what is not told of the way through it is about a hundredth of it.
+THIN, THICKEST = 10.0, 1e-5
+
 
 def pack(config: Config, ask: Ask[Config] = alone) -> Parameters:
     """Parameters of a validated scene.
@@ -150,7 +154,7 @@ def blank_workspace(config: Config, most: int) -> Workspace:
         (JOINT, (wheels, most + 1)),
     )
     parts["first"] = [TOUCHING * w for w in range(wheels)]
-    coulomb = config.friction.law == "coulomb"
+    coulomb = config.friction.law == "coulomb" or thin_layer(config)
     return Workspace(
         contacts, parts, loads[0], resting if coulomb else None, articulated if multibody else None, joints
     )
@@ -202,7 +206,7 @@ def machine_values(config: Config, ask: Ask[Config]) -> dict:
         "moment": whole.moment.tolist(),
         "centre": centre[:2],
         "lever": [to - origin for to, origin in zip(pushed, centre, strict=True)],
-        "slip_floor": slip_floor(config.friction, whole.mass * normal),
+        "slip_floor": 0.0 if thin_layer(config) else slip_floor(config.friction, whole.mass * normal),
         "chassis_mass": chassis.mass if chassis else 0.0,
         "chassis_inertia": chassis.inertia if chassis else (0.0, 0.0, 0.0),
         "odometry_yaw": ask(odometry_yaw, config),
@@ -216,6 +220,7 @@ def friction_values(config: Config) -> dict:
     return {
         "friction": friction.coefficient,
         "slip_speed": friction.slip_speed,
+        "slip_layer": friction.slip_speed if thin_layer(config) else 0.0,
         "creep_stiffness": friction.creep_stiffness,
         "viscosity": friction.viscosity,
         "patch_radius": friction.patch_radius if friction.contact_torque != "none" else 0.0,
@@ -240,7 +245,7 @@ def machine_kind(config: Config) -> dict:
     found = {
         "inclined": any(gravity(config)[0]),
         "upright": UPRIGHT[config.upright],
-        "law": LAWS[config.friction.law],
+        "law": LAWS["coulomb" if thin_layer(config) else config.friction.law],
         "implicit_tracking": config.solver.tracking == "implicit",
         "every_rate": every_rate,
         "slots": rollers["most"] if every_rate else SLOTS if config.upright == "free" else TOUCHING,
@@ -314,6 +319,16 @@ def parted_gravity(world: World, floor: Floor) -> tuple[tuple[float, float], flo
     cos, sin = exact_cos_sin(floor.uphill_deg)
     downhill = size * math.sin(slope)
     return (-downhill * cos + 0.0, -downhill * sin + 0.0), size * math.cos(slope)
+
+
+def thin_layer(config: Config) -> bool:
+    """Whether method "auto" takes slip within slip_speed of the saturated law for relaxed: march/thin_layer.py."""
+    friction, solver = config.friction, config.solver
+    if friction.law != "saturated" or solver.method != "auto" or solver.formulation == "multibody":
+        return False
+    if config.upright == "free" or config.time.step is None or friction.slip_speed > THICKEST:
+        return False
+    return friction.coefficient * config.world.gravity * config.time.step > THIN * friction.slip_speed
 
 
 def slip_floor(friction: Friction, weight: float) -> float:

@@ -22,6 +22,7 @@ MACHINE = np.dtype(
         ("law", np.int64),  # reaction.LAWS
         ("friction", np.float64),  # mu, 1
         ("slip_speed", np.float64),  # m/s
+        ("slip_layer", np.float64),  # slip at which a sticking contact gives mu N, m/s; 0: it does not slip
         ("creep_stiffness", np.float64),  # c: force by load, by ratio of slip, 1
         ("viscosity", np.float64),  # N s/m
         ("slip_floor", np.float64),  # slip over which friction changes near zero slip, m/s

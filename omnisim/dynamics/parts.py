@@ -76,13 +76,15 @@ def wheels_reason(config: Config) -> str:
     return "; ".join(f"{count} wheel{'s' * (count > 1)} {sizes[name]}" for name, count in kinds.items())
 
 
-def friction_reason(friction: Friction) -> str:
+def friction_reason(friction: Friction, thin: bool = False) -> str:
+    """thin: whether slip within slip_speed has relaxed."""
     mu = f"{friction.coefficient:g}"
     slip_speed = f"{friction.slip_speed:g} m/s"
     return {
         "coulomb": f"F = -{mu} N v / |v| slipping, a multiplier sticking; every change is an event",
         "regularized": f"F = -{mu} N v / sqrt(|v|^2 + eps^2), eps = {slip_speed}",
-        "saturated": f"F = -{mu} N v / max(|v|, eps), eps = {slip_speed}; the kink is an event",
+        "saturated": f"F = -{mu} N v / max(|v|, eps), eps = {slip_speed}; "
+        + ("within it v has relaxed to -eps F / (mu N)" if thin else "the kink is an event"),
         "brush": f"rubber creeps: F = -{friction.creep_stiffness:g} N v / V at small slip, {mu} N where all slides",
         "viscous": f"F = -b v, b = {friction.viscosity:g} N s/m, whatever the normal force",
         "none": "the law is none: no tangential force",

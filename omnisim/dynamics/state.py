@@ -168,6 +168,10 @@ MODE = np.dtype(
         ("pull", np.float64, (TOUCHING,)),  # rate at which friction turns slip as the contact equation says, 1/s
         ("settled", np.float64, (TOUCHING,)),  # how often it has done so since forces have jumped, 1
         ("strayed", np.float64, (TOUCHING,)),  # angle of slip from that direction, at most, rad
+        ("layer", np.float64, (2,)),  # slip of a sticking contact 0 within slip_layer, m/s,
+        ("easing", np.float64, (2,)),  # its rate, m/s^2, as seen since
+        ("eased", np.float64, (2,)),  # it was this, m/s,
+        ("since", np.float64),  # so long ago, s; < 0: it has none
         ("stopping", np.int64, (TOUCHING,)),  # 1: it had a direction of its own; 0: it was released
         ("stopped", np.int64, (TOUCHING,)),  # 1: slip has just come to its end at this contact
         ("freed", np.int64),  # how often creeping slip got a direction of its own in the grid step

@@ -178,6 +178,8 @@ def find_friction(parameters, mode, w, side, body, state, j):
         roller = bearing_torque(wheel, state.joint) * wheel.axial_mobility if machine.bearing_friction else 0.0
         still = Acceleration(0.0, 0.0, 0.0)
         bias = slip_acceleration(wheel, state, wheel_motion(wheel, body.twist, still, spin, roller))
+        if parameters.space is None and mode.grip[side] == STICK and not mode.shared:
+            bias = Slip(bias.h - mode.easing[0], bias.k - mode.easing[1])
         contact.bias[0], contact.bias[1] = bias.h, bias.k
         if mode.grip[side] == STICK and not mode.shared:  # its force is what holds it
             set_holding(machine, wheel, contact, state.axis, j, bias)

@@ -36,7 +36,7 @@ from omnisim.dynamics.wheel import roller_end
 from omnisim.march.creeping import forget_turning, keep_young
 from omnisim.march.event_log import record
 from omnisim.march.friction_modes import grip_guard, young_guard
-from omnisim.march.grip_events import SLIPS, STUCK, change_grip
+from omnisim.march.grip_events import SLIPS, STUCK, change_grip, record_grip
 from omnisim.march.roller_exchange import comes_to_rest_between, edge_rounding, leave_edge, release_rollers, stand_on
 from omnisim.march.runge_kutta import refresh
 from omnisim.march.spatial_events import (
@@ -194,7 +194,7 @@ def change_mode(parameters, run, log, fired, time):
         held = mode.grip[0] == STICK
         stand_on(parameters, run, w, roller, False, time)
         if held != (mode.grip[0] == STICK):
-            record(clock, log, time, SLIPS if held else STUCK, w, -1, -1)
+            record_grip(parameters, run, log, time, SLIPS if held else STUCK, w, -1)
     elif kind == SHARE:
         left = leave_edge(parameters, run, w, time)
         record(clock, log, time, PARTED, w, roller_index(wheel, left), roller_index(wheel, mode.roller))

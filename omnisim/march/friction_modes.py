@@ -41,6 +41,7 @@ from omnisim.march.slip_bounds import (
     unseen,
     youth,
 )
+from omnisim.march.thin_layer import enter_layer
 
 DRIFTED = 0.01  # of the square of slip that no longer matters: more drift of a sticking contact is taken away
 MOST_FREED = 20  # times in a step, after which slip is followed by sub-steps to its end
@@ -177,6 +178,8 @@ def come_to_rest(parameters, run, w, side, others, t):
             mode.stopped[other] = stopped
             if stopped:
                 mode.grip[other] = STICK
+                if parameters.space is None:
+                    enter_layer(mode)
                 if parameters.space is None and mode.shared:
                     change_slip(parameters, run, v, other, Slip(0.0, 0.0))
     forget_turning(run)

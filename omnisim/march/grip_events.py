@@ -15,14 +15,21 @@ def change_grip(parameters, run, log, ends, w, side, time):
     """A contact lets go or comes to its end (`ends`: what it did has ended), or slips in a direction of its own."""
     mode = run.mode[w]
     if ends and mode.grip[side] == STICK:
-        record(run.clock, log, time, SLIPS, w, told_roller(parameters, mode, w, side), -1)
+        record_grip(parameters, run, log, time, SLIPS, w, told_roller(parameters, mode, w, side))
         start_creep(parameters, run, w, side, time)
     elif ends:
         end_slips(parameters, run, log, w, side, time)
     else:
         if mode.shared:
-            record(run.clock, log, time, SLIPS, w, told_roller(parameters, mode, w, side), -1)
+            record_grip(parameters, run, log, time, SLIPS, w, told_roller(parameters, mode, w, side))
         start_slip(parameters, run, w, side, time)
+
+
+@kernel
+def record_grip(parameters, run, log, time, kind, w, roller):
+    """Append that a contact sticks or slips; with a layer in which it slips as well, none ever sticks."""
+    if parameters.machine.slip_layer == 0.0:
+        record(run.clock, log, time, kind, w, roller, -1)
 
 
 @kernel
@@ -42,4 +49,4 @@ def end_slips(parameters, run, log, w, side, time):
         mode = run.mode[v]
         for other in range(contact_count(mode)):
             if mode.stopped[other]:
-                record(run.clock, log, time, STUCK, v, told_roller(parameters, mode, v, other), -1)
+                record_grip(parameters, run, log, time, STUCK, v, told_roller(parameters, mode, v, other))

@@ -40,6 +40,7 @@ from omnisim.march.runge_kutta import accept, copy, refresh
 from omnisim.march.spatial_contacts import release, stand_in_space
 from omnisim.march.spatial_events import of_state_alone
 from omnisim.march.substeps import step_length
+from omnisim.march.thin_layer import any_layered, follow_layer, relax_slips
 from omnisim.march.validity import check, check_energy, too_fast, too_stiff
 
 TURNS_PER_STEP = 1000  # reversals of spin, swings about an edge that never come to rest on both rollers
@@ -63,6 +64,7 @@ def march(parameters, method, run, rows, log):
             restore_consistency(parameters, run, log, 0.0)
         else:
             stand(parameters, run, log)
+            relax(parameters, run, 0.0)
         check(parameters, run)
         bearings, currents = parameters.machine.bearing_relaxation, parameters.machine.current_relaxation
         if clock.status == RUNNING:
@@ -83,6 +85,7 @@ def march(parameters, method, run, rows, log):
             if parameters.machine.sampled and clock.status == RUNNING and sampled(parameters, run, False):
                 refresh(parameters, run, clock.step * clock.dt)
                 restore_consistency(parameters, run, log, clock.step * clock.dt)
+                relax(parameters, run, clock.step * clock.dt)
                 follow_again(parameters, run, rows, clock.row)
             check(parameters, run)
             if (
@@ -120,6 +123,7 @@ def enter_piece(parameters, run, rows, log):
         sampled(parameters, run, True)
         refresh(parameters, run, here)
         restore_consistency(parameters, run, log, here)
+        relax(parameters, run, here)
         on_row = clock.step % clock.steps_per_row == 0
         clock.row -= on_row
         if clock.step == 0:
@@ -204,11 +208,14 @@ def grid_step(parameters, method, run, rows, log):
         clock.elapsed += h
         if run.newton is None and h > TOLD * clock.dt:
             keep_turning(parameters, run, h)
+        if parameters.space is None and parameters.workspace.resting is not None and any_layered(parameters, run):
+            follow_layer(parameters, run, h)
         if parameters.workspace.resting is not None:
             take_drift_away(parameters, run, start + clock.elapsed, kind >= 0 and kind != TURN)
         if kind >= 0:
             transition(parameters, run, log, fired, start + clock.elapsed)
             restore_consistency(parameters, run, log, start + clock.elapsed)
+            relax(parameters, run, start + clock.elapsed)
             follow_again(parameters, run, rows, clock.row)
             if parameters.space is None:
                 turns += kind == TURN
@@ -219,6 +226,7 @@ def grid_step(parameters, method, run, rows, log):
             next_piece(parameters, run, start + clock.elapsed)
             refresh(parameters, run, start + clock.elapsed)
             restore_consistency(parameters, run, log, start + clock.elapsed)
+            relax(parameters, run, start + clock.elapsed)
             follow_again(parameters, run, rows, clock.row)
         else:
             return
@@ -241,6 +249,13 @@ def grid_step(parameters, method, run, rows, log):
 
 
 @kernel
+def relax(parameters, run, t):
+    """Slips within a thin layer relax, where forces have jumped."""
+    if parameters.space is None and parameters.workspace.resting is not None and any_layered(parameters, run):
+        relax_slips(parameters, run, t)
+
+
+@kernel
 def end_old_slips(parameters, run, rows, log, t):
     """Let contacts stick or creep whose slip has come to its end, or will soon."""
     resting, stopping = False, False
@@ -249,6 +264,7 @@ def end_old_slips(parameters, run, rows, log, t):
             resting = resting or rests(parameters, run, w, side)
     if resting:
         end_slips(parameters, run, log, -1, 0, t)
+        relax(parameters, run, t)
         follow_again(parameters, run, rows, run.clock.row)
     if run.newton is None:
         slip_freely(parameters, run)

@@ -19,14 +19,24 @@ SAFE = 0.5  # of the stability limit of the explicit tableau, up to which "auto"
 def relaxation_rate(config: Config, parameters: Parameters) -> float:
     """Largest rate at which friction relaxes slip, or rolling resistance stops a roller, anywhere in the scene, 1/s;
     infinite for coulomb."""
+    return max(slip_rate(config, parameters), rolling_rate(config, parameters))
+
+
+def slip_rate(config: Config, parameters: Parameters) -> float:
+    """The same of slip."""
     machine = parameters.machine
     normal = heaviest_load(config, parameters)
     if config.friction.law == "coulomb":
         return math.inf if machine.friction * normal > 0.0 else 0.0
     mobility = max(roller_mobility(machine, wheel, parameters.roller_rows) for wheel in parameters.wheels)
-    still = Slip(0.0, 0.0)
+    still = Slip(machine.slip_layer, 0.0)  # set-valued friction is as steep at the edge of the layer as within
+    return friction_factor(machine, 0, normal, still, still) * mobility
+
+
+def rolling_rate(config: Config, parameters: Parameters) -> float:
+    """The same of rolling resistance."""
     rolling = max(rolling_relaxation(wheel, 0.0, 0.0) for wheel in parameters.wheels)
-    return max(friction_factor(machine, 0, normal, still, still) * mobility, normal * rolling)
+    return heaviest_load(config, parameters) * rolling
 
 
 def heaviest_load(config: Config, parameters: Parameters) -> float:
@@ -41,7 +51,9 @@ def resolve(config: Config, parameters: Parameters) -> int:
     if method.choice == AUTO:
         limit = SAFE * method.tableau.stability_limit
         machine = parameters.machine
-        fastest = max(relaxation_rate(config, parameters), machine.bearing_relaxation, machine.current_relaxation)
+        relaxed = machine.slip_layer > 0.0
+        rubbing = (rolling_rate if relaxed else relaxation_rate)(config, parameters)
+        fastest = max(rubbing, machine.bearing_relaxation, machine.current_relaxation)
         if fastest * config.time.step <= limit:
             return EXPLICIT
     return method.choice
@@ -104,6 +116,8 @@ def _of_friction(config: Config, parameters: Parameters) -> str:
         rate = bearings
     elif config.friction.law == "coulomb":
         slip = "coulomb friction turns slow slip at mu N A / |v|"
+    if parameters.machine.slip_layer > 0.0:
+        return f"{used}: {slip} within slip_speed, at once for this step"
     if method.name == "radau5":
         return f"{used}: every step implicit; {slip}"
     name = method.tableau.name

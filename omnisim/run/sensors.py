@@ -153,7 +153,8 @@ class Sensors:
     @property
     def sticking(self) -> NDArray[np.bool_]:
         """Whether that roller sticks to the floor (W,); under laws other than coulomb none ever does."""
-        return np.asarray(self.run.mode)["grip"][:, 0] == STICK
+        sticks = np.asarray(self.run.mode)["grip"][:, 0] == STICK
+        return sticks & (self.parameters.machine.slip_layer == 0.0)
 
     @property
     def odometry(self) -> Vector:
