@@ -39,6 +39,7 @@ class Entry(NamedTuple):
     alarms: of the observed orders by method; slow slip and late events let a ladder tell less than a method's own.
     tracked: methods that run with implicit contact tracking as well.
     reasons: by method, why an order is less than it should be.
+    speed: an error, and how many times real time some method should march with less: target and alarm.
     """
 
     scene: Callable[[], Scene]
@@ -48,6 +49,7 @@ class Entry(NamedTuple):
     steps: tuple[float, ...] = ()
     tracked: tuple[str, ...] = ()
     reasons: dict[str, str] = NO_REASONS
+    speed: tuple[float, float, float] | None = None
 
     def settings(self, methods: tuple[str, ...]) -> list[Setting]:
         """Of those methods that are the scene's as well."""
@@ -74,7 +76,10 @@ ENTRIES = {
         {"rk4": 1e-7},
     ),
     "authors_vehicle": Entry(
-        partial(omnisim.load, "authors_vehicle", THROWN), {"auto": 1e-6}, methods=("rk4", "radau5", "auto")
+        partial(omnisim.load, "authors_vehicle", THROWN),
+        {"auto": 1e-6},
+        methods=("rk4", "radau5", "auto"),
+        speed=(1e-6, 100.0, 30.0),
     ),
 }
 QUICK = ("six_rollers", "coulomb_wheel"), ("rk4", "dopri5")  # scenes and methods
@@ -122,7 +127,19 @@ def claims(result: dict) -> list[Claim]:
             (error,) = (row["error"] for row in data["rows"] if own_step(row, method, data["own_step_s"]))
             text = f"error by {method} at {data['own_step_s']:g} s, {name}"
             found.append(Claim(text, math.nan if error is None else error, "at most", bound, bound))
+        if speed := ENTRIES[name].speed:
+            limit, *limits = speed
+            fastest = max((times_real_time(row) for row in data["rows"] if below(row, limit)), default=0.0)
+            found.append(Claim(f"times real time with errors below {limit:g}, {name}", fastest, "at least", *limits))
     return found
+
+
+def below(row: dict, limit: float) -> bool:
+    return row["error"] is not None and row["error"] < limit
+
+
+def times_real_time(row: dict) -> float:
+    return 1.0 / row["wall_s_per_simulated_s"]
 
 
 def own_step(row: dict, method: str, step: float) -> bool:
