@@ -52,10 +52,12 @@ def test_the_reference_has_no_error_and_a_turned_pose_its_angle():
 
 
 def test_claims_are_a_step_beside_c_and_the_cost_of_rollers():
-    rollers = {"rolling": {"ratio": 1.05}, "standing": {"ratio": 1.2}}
+    rows = {"rows": {"6": {"contacts": 1.1}, "24": {"contacts": 1.4}}, "rhs_ratio": 1.02}
+    rollers = {"rolling": {"ratio": 1.05, **rows}, "standing": {"ratio": 1.2, **rows}}
     step, rolling, standing = spatial.claims({"step": {"ratio": 11.0}, "rollers": rollers})
     assert (step.value, step.met, step.alarming) == (11.0, False, False)
     assert (rolling.met, standing.met) == (True, False)
+    assert standing.reason.startswith("More of them touch: 1.40 a wheel where of six 1.10 do, and 1.02 times")
     assert len(spatial.claims({"step": {}, "rollers": rollers})) == 2  # no compiler
 
 
