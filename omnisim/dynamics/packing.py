@@ -54,9 +54,9 @@ from omnisim.scene.wheel_schema import WheelType
 
 UPRIGHT = {"servo": SERVO, "contacts": CONTACTS, "free": FREE}
 
-# A layer of slip is thin if friction would take a whole machine through it so many times within a step, and no thicker
-# than this (m/s): what is not told of the way through it is about a hundredth of it.
-THIN, THICKEST = 10.0, 1e-5
+# A layer of slip is thin if friction would take a whole machine through it so many times within a step, and it is no
+# thicker than this (m/s) and than the error that is asked for: a hundredth of it is not told, or up to a tenth.
+THIN, THICKEST = 10.0, 1e-6
 
 
 def pack(config: Config, ask: Ask[Config] = alone) -> Parameters:
@@ -326,7 +326,8 @@ def thin_layer(config: Config) -> bool:
     friction, solver = config.friction, config.solver
     if friction.law != "saturated" or solver.method != "auto" or solver.formulation == "multibody":
         return False
-    if config.upright == "free" or config.time.step is None or friction.slip_speed > THICKEST:
+    thickest = THICKEST if solver.error is None else min(solver.error, THICKEST)
+    if config.upright == "free" or config.time.step is None or friction.slip_speed > thickest:
         return False
     return friction.coefficient * config.world.gravity * config.time.step > THIN * friction.slip_speed
 
