@@ -38,6 +38,7 @@ LONGEST = 60.0  # s of wall time for one run
 END, INTERVAL = 0.4, 0.05  # s, of upright machines
 END_FREE, INTERVAL_FREE = 0.1, 0.0125  # s, of machines free in space, which take so much longer
 FREE, EVERY_BODY = 0.25, 0.2  # shares of machines that are free; of all others, that go by the multibody formulation
+THIN_LAYERS = 0.3  # share of the saturated law by "auto" whose layer of slip is thin
 EXPLICIT, IMPLICIT = ("heun", "rk4", "dopri5"), ("radau5", "auto")
 RIGHT, STOPPED, LESS, LONG, UNSURE, WRONG, RAISED, IMPOSSIBLE = VERDICTS = (
     "right", "stopped", "less", "long", "unsure", "wrong", "raised", "impossible",
@@ -98,6 +99,10 @@ def random_scene(number: int) -> dict[str, Any]:
             scene["floor"] = {"slope_deg": rng.uniform(0.0, 12.0), "uphill_deg": rng.uniform(-180.0, 180.0)}
     if free:
         scene["scene"] = {"upright": "free"}
+    elif law == "saturated" and scene["solver"]["method"] == "auto":
+        thin = np.random.default_rng([21, number])
+        if thin.random() < THIN_LAYERS:
+            scene["friction"]["slip_speed"] = 10.0 ** thin.uniform(-8.0, -6.0)
     return scene
 
 
