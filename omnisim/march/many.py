@@ -24,7 +24,8 @@ def march_each(many, method, runs, rows, log, first, last):
         bodies = None if many.workspace.articulated is None else w.articulated[i]
         newton = None
         if runs.newton is not None:
-            newton = Newton(n.active[i], n.busy[i], n.stages[i], n.real[i], n.complex[i], n.pivots[i])
+            matrices = n.stages[i], n.real[i], n.complex[i], n.pivots[i]
+            newton = Newton(n.active[i], n.busy[i], *matrices, n.sought[i])
         workspace = Workspace(w.contacts[i], w.parts[i], w.loads[i], resting, bodies, w.joints[i])
         geometry = many.machine[i], many.wheels[i], many.roller_rows[i], many.sector[i]
         parameters = Parameters(*geometry, many.starts[i], many.inputs[i], workspace, None)  # upright, all of them
