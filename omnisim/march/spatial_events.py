@@ -96,12 +96,18 @@ def spatial_guard(parameters, run, kind, w, side, at_end):
 
 
 @kernel
+def may_meet(parameters, mode, w, side):
+    """Whether a guard MEET of wheel w may fire: of most rollers, which are in the air, none may."""
+    rollers = parameters.wheels[w].rollers
+    i, meeting = side % rollers, side // rollers
+    return may_be_next(parameters, mode, w, i) and not in_contact(mode, i, meeting)
+
+
+@kernel
 def gap_in(parameters, mode, w, side, y):
     """Value of guard MEET of wheel w in state y."""
     rollers = parameters.wheels[w].rollers
-    i, meeting = side % rollers, side // rollers
-    waits = not in_contact(mode, i, meeting) and may_be_next(parameters, mode, w, i)
-    return gap_of(parameters, y, w, i, meeting) if waits else 0.0
+    return gap_of(parameters, y, w, side % rollers, side // rollers) if may_meet(parameters, mode, w, side) else 0.0
 
 
 @outlined

@@ -14,7 +14,7 @@ from omnisim.base import methods
 from omnisim.base.kernel import kernel, outlined
 from omnisim.march.events import NO_GUARD, Guard, guard
 from omnisim.march.runge_kutta import evaluate, lead
-from omnisim.march.spatial_events import APART, ARC, DOWN, MEET, OF_FORCES, PIECE, PRESS, guard_in, sides_of
+from omnisim.march.spatial_events import APART, ARC, DOWN, MEET, OF_FORCES, PIECE, PRESS, guard_in, may_meet, sides_of
 from omnisim.march.trial import IMPLICIT_REACH, advance_again, cubic, slide
 
 SHORT_REACH = 1e-3  # of a step, by which an explicit one is moved on
@@ -48,6 +48,8 @@ def cut_along(parameters, method, run, t, h):
     for kind in (DOWN, APART, PIECE, PRESS, ARC, MEET):
         for w in range(len(run.mode)):
             for side in range(sides_of(parameters, run, kind, w)):
+                if kind == MEET and not may_meet(parameters, run.mode[w], w, side):
+                    continue
                 which = Guard(kind, w, side)
                 value = guard(parameters, run, which, True)
                 if value < 0.0 and fired.kind >= 0:
@@ -81,7 +83,11 @@ def note_changes(parameters, run, fired, h, x):
                     ends = kind in (APART, PIECE)
         for side in range(sides_of(parameters, run, MEET, w)):
             which = Guard(MEET, w, side)
-            if count < most and fires(parameters, run, which, fired, h, later):
+            if (
+                may_meet(parameters, run.mode[w], w, side)
+                and count < most
+                and fires(parameters, run, which, fired, h, later)
+            ):
                 count = note(parameters, count, which)
 
 
