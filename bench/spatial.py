@@ -185,13 +185,11 @@ def cells(row: dict) -> list[str]:
 
 
 def touching(of: dict) -> str:
-    """What more of them cost: not those in the air, but those that touch, where more do."""
+    """What more of them cost: not those in the air, but those that touch, and exchanges."""
     few, many = (of["rows"][str(count)] for count in COUNTS)
-    if many["contacts"] <= few["contacts"]:
-        return ""
     return (
-        f"More of them touch: {many['contacts']:.2f} a wheel where of six {few['contacts']:.2f} do, and "
-        f"{of['rhs_ratio']:.2f} times the right-hand sides, at events"
+        f"Of 24 rollers {many['contacts']:.2f} touch, of six {few['contacts']:.2f}; four times the exchanges take "
+        f"{of['rhs_ratio']:.2f} times the right-hand sides"
     )
 
 

@@ -57,7 +57,7 @@ def test_claims_are_a_step_beside_c_and_the_cost_of_rollers():
     step, rolling, standing = spatial.claims({"step": {"ratio": 11.0}, "rollers": rollers})
     assert (step.value, step.met, step.alarming) == (11.0, False, False)
     assert (rolling.met, standing.met) == (True, False)
-    assert standing.reason.startswith("More of them touch: 1.40 a wheel where of six 1.10 do, and 1.02 times")
+    assert standing.reason.startswith("Of 24 rollers 1.40 touch, of six 1.10; four times the exchanges take 1.02 times")
     assert len(spatial.claims({"step": {}, "rollers": rollers})) == 2  # no compiler
 
 
