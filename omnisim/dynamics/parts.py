@@ -77,7 +77,7 @@ def wheels_reason(config: Config) -> str:
 
 
 def friction_reason(friction: Friction, thin: bool = False) -> str:
-    """thin: whether slip within slip_speed has relaxed."""
+    """The law of friction; thin: slip within slip_speed is taken for relaxed."""
     mu = f"{friction.coefficient:g}"
     slip_speed = f"{friction.slip_speed:g} m/s"
     return {

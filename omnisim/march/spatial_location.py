@@ -83,11 +83,8 @@ def note_changes(parameters, run, fired, h, x):
                     ends = kind in (APART, PIECE)
         for side in range(sides_of(parameters, run, MEET, w)):
             which = Guard(MEET, w, side)
-            if (
-                may_meet(parameters, run.mode[w], w, side)
-                and count < most
-                and fires(parameters, run, which, fired, h, later)
-            ):
+            waits = count < most and may_meet(parameters, run.mode[w], w, side)
+            if waits and fires(parameters, run, which, fired, h, later):
                 count = note(parameters, count, which)
 
 

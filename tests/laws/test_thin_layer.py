@@ -15,6 +15,7 @@ from omnisim.march.stiffness import explanation
 from omnisim.results.comparison import distance, energy_error
 
 THROWN = ("initial.velocity=[1.0, 0.0]", "time.end=2.0")
+JUMPS = "{kind='torque', times=[0.0, 0.3, 0.3, 1.0], torque=[0.0, 0.01, -0.02, 0.01]}"
 COULOMB = ("solver.method=rk4", "time.step=5e-4", "friction={law='coulomb', coefficient=0.85}")
 
 
@@ -48,6 +49,21 @@ def test_slip_is_what_friction_relaxes_it_to():
         held += within.sum()
         assert np.abs(slip + 1e-6 * force / (0.85 * normal[:, None]))[within].max() < 1e-11  # m/s; measured 5e-12
     assert held > 200  # of 303
+
+
+@pytest.mark.parametrize(
+    ("change", "bound"),
+    [  # measured: 4.9e-9, 1.8e-9, 7.8e-9
+        (("floor={slope_deg=3.0}",), 2e-8),
+        (tuple(f"wheels.{w}.drive={{kind='rate', rate=4.0, proportional=0.05}}" for w in "abc"), 1e-8),
+        (tuple(f"wheels.{w}.drive={JUMPS}" for w in "abc"), 3e-8),
+    ],
+)
+def test_forces_along_a_slope_of_controllers_and_that_jump_are_followed(change, bound):
+    apart = distance(
+        run("auto", 5e-4, 1e-6, *change, "time.end=1.0"), run("radau5", 5e-4, 1e-6, *change, "time.end=1.0")
+    )
+    assert apart < bound
 
 
 def test_none_ever_sticks():
