@@ -266,7 +266,9 @@ def test_a_reader_that_is_not_there(shell, code, message, here):
 def test_a_command_that_is_ended_leaves_nothing_behind(number, here):
     waiting = "import omnisim.run.simulation, time, signal\nsignal.signal(signal.SIGINT, signal.SIG_DFL)\n"
     waiting += "signal.signal(signal.SIGHUP, signal.SIG_DFL)\n"
-    waiting += "omnisim.run.simulation.simulate = lambda *_: (print('ready', flush=True), time.sleep(60))\n" + ENTRY
+    # many short sleeps: a signal that comes just before the call of one is handled after it
+    waiting += "sleeps = lambda *_: (print('ready', flush=True), [time.sleep(0.01) for _ in range(6000)])\n"
+    waiting += "omnisim.run.simulation.simulate = sleeps\n" + ENTRY
     before = contents(here)
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     child = subprocess.Popen([sys.executable, "-c", waiting, "run", "scene.toml"], **pipes)
