@@ -232,6 +232,8 @@ CLOCK = np.dtype(
         ("aligned", np.float64),  # slip across its final direction that does not matter, m/s: march/slip_bounds.py
         ("stopping", np.float64),  # twice the same along slip about to stop, m/s
         ("elapsed", np.float64),  # in the grid step under way, s
+        ("late", np.float64),  # by which that has gone on beyond the event that is to be made, s
+        ("smooth", np.float64),  # length of the last step, if nothing has jumped or bent since it began, else 0, s
         ("reach", np.float64),  # length of the last implicit step that converged, s
         ("rate", np.float64),  # relaxation rate of slip when found too stiff, 1/s
         ("stability_limit", np.float64),  # of the method on the negative real axis, 1

@@ -199,7 +199,10 @@ def grid_step(parameters, method, run, rows, log):
         if parameters.workspace.resting is not None or run.newton is not None:
             h = step_length(parameters, run, t, h)
         h, fired = step_to_event(parameters, method, run, t, h)
+        if parameters.space is not None:
+            copy(run.y, parameters.space.last)
         accept(run)
+        clock.smooth = h
         kind, w, _ = fired
         if parameters.space is None or kind < 0 or not of_state_alone(kind):  # of others the forces are found anew
             follow(parameters, run, rows, clock.row)

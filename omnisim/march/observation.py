@@ -75,7 +75,7 @@ def observe(parameters, rows, times, monitors, observed):
     for row in range(len(times)):
         y, mode, slopes = rows.y[row], rows.mode[row], observed.slopes[row]
         search_anew(workspace)
-        evaluate(parameters, mode, rows.piece[row], times[row], y, slopes, monitors)
+        evaluate(parameters, mode, rows.piece[row], times[row], y, slopes, monitors, True)
         body = body_motion(parameters, y)
         wrench = external_wrench(parameters, rows.piece[row], times[row], body)
         turning = slopes[at.yaw_rate]

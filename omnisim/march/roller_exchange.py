@@ -72,7 +72,7 @@ def edge_torque(parameters, run, w, t):
     for later in range(MOMENTS):
         for m in range(len(trial)):
             trial[m] += moment * slope[m]
-        evaluate(parameters, run.mode, clock.piece, t + (later + 1) * moment, trial, slope, run.monitors_end)
+        evaluate(parameters, run.mode, clock.piece, t + (later + 1) * moment, trial, slope, run.monitors_end, True)
         clock.rhs += 1
         torque = edge_torque_of(parameters, run.mode[w], w, slope, monitors)
         if abs(torque) > rounding:

@@ -85,17 +85,18 @@ def accept(run):
 
 
 @outlined
-def evaluate(parameters, mode, piece, t, y, dy, monitors):
+def evaluate(parameters, mode, piece, t, y, dy, monitors, monitoring):
     """The right-hand side, compiled once for all its uses but the stages of explicit steps."""
-    rhs(parameters, Stage(mode, piece, t, y, dy, monitors, True))
+    rhs(parameters, Stage(mode, piece, t, y, dy, monitors, monitoring))
 
 
 @kernel
 def refresh(parameters, run, t):
     """Derivative at the state itself, after the mode or the state have changed; bodies follow."""
+    run.clock.smooth = 0.0
     if parameters.workspace.articulated is not None:
         project_bodies(parameters, run, False)
-    evaluate(parameters, run.mode, run.clock.piece, t, run.y, run.slopes[0], run.monitors)
+    evaluate(parameters, run.mode, run.clock.piece, t, run.y, run.slopes[0], run.monitors, True)
     run.clock.rhs += 1
 
 

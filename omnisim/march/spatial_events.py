@@ -178,10 +178,11 @@ def change_in_space(parameters, run, log, kind, w, side, time):
     elif kind == KINK:
         mode.saturated[side] = 1 - mode.saturated[side]
     elif of_state_alone(kind):
-        count = 0
+        count, then = 0, time - run.clock.late
         while changes[count, 0] >= 0:
-            change_contact(parameters, run, log, changes[count, 0], changes[count, 1], changes[count, 2], time)
+            change_contact(parameters, run, log, changes[count, 0], changes[count, 1], changes[count, 2], then)
             count += 1
+        run.clock.late = 0.0
     elif parameters.workspace.resting is not None:
         change_grip(parameters, run, log, kind == GRIP, w, side, time)
     refresh(parameters, run, time)
@@ -192,6 +193,9 @@ def change_contact(parameters, run, log, kind, w, side, time):
     """Let a contact begin, end, press or go on, as a guard tells that fired at `time`."""
     mode, clock = run.mode[w], run.clock
     if kind in (APART, PIECE):
+        if clock.late > 0.0:  # rubber was stretched since: what the loss has given for that is given back
+            depth = run.monitors[w].depth[side]
+            run.y[places(parameters).contact_loss] += 0.5 * parameters.space.hubs[w].stiffness * depth * depth
         record(clock, log, time, END, w, mode.roller[mode.slot[side]], -1)
         remove_contact(parameters, run, w, side)
         if mode.contacts == 0 and not passed_on(parameters.space.changes, w):

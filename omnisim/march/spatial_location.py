@@ -1,11 +1,12 @@
 """Where in a trial step an event of a machine free in space is: most of its guards need the state alone.
 
-They are followed along the trial's continuous extension (methods.py). A smooth explicit step ends where that has the
-first root, and all that change within a moment change together: it errs with h^5, once for an event, and takes one
-derivative more at most. Where states change much faster than any cubic, as they may in an implicit step, or forces at
-the end are wanted too, a step is taken to the root found on the cubic that has the states and derivatives at both ends.
-What is missing then is a part e of the step h so small that the state is moved on along it, which errs by e^2 h^4 / 24
-of the fourth derivative.
+They are followed along the trial's continuous extension, a quartic: of a method that has none of its own (methods.py)
+the one to where the last step began, or if the motion has not been smooth since, with one derivative more. A smooth
+explicit step ends where that has the first root, and all that change within a moment change together: it errs with h^5,
+once for an event. Where states change much faster than any cubic, as they may in an implicit step, or forces at the end
+are wanted too, a step is taken to the root found on the cubic that has the states and derivatives at both ends. What is
+missing then is a part e of the step h so small that the state is moved on along it, which errs by e^2 h^4 / 24 of the
+fourth derivative.
 """
 
 import math
@@ -14,11 +15,24 @@ from omnisim.base import methods
 from omnisim.base.kernel import kernel, outlined
 from omnisim.march.events import NO_GUARD, Guard, guard
 from omnisim.march.runge_kutta import evaluate, lead
-from omnisim.march.spatial_events import APART, ARC, DOWN, MEET, OF_FORCES, PIECE, PRESS, guard_in, may_meet, sides_of
+from omnisim.march.spatial_events import (
+    APART,
+    ARC,
+    DOWN,
+    MEET,
+    OF_FORCES,
+    PIECE,
+    PRESS,
+    all_stay,
+    guard_in,
+    may_meet,
+    sides_of,
+)
 from omnisim.march.trial import IMPLICIT_REACH, advance_again, cubic, slide
 
-SHORT_REACH = 1e-3  # of a step, by which an explicit one is moved on
 BETWEEN = float(methods.BETWEEN)
+LEAST_SMOOTH = 0.1  # of a step: rounding of a last one that was shorter would bend it more than the motion does
+SHORT_REACH = 1e-3  # of a step, by which an explicit one is moved on
 MOMENT = 1e-9  # of a grid step: what follows within it happens at the same instant
 SHRINKING = 2.0**-5  # of a step, in the search for a point inside
 ROUNDING = 1e-14  # of a step and of the time: what is nearer to the start of a step is there
@@ -42,16 +56,23 @@ def ends_anywhere(parameters, run):
 @outlined
 def cut_along(parameters, method, run, t, h):
     """Move the end of such a trial step of length h to its first event: its length, and the Guard that fired or
-    NO_GUARD; those that fire with it in `changes`."""
+    NO_GUARD; those that fire with it in `changes`.
+
+    Where all that fires is the end of a contact whose rubber presses no more, nothing jumps or bends: the step stays as
+    long as it is, and the clock knows how late that is.
+    """
     bend(parameters, method, run, t, h)
-    x, fired = 1.0, NO_GUARD
-    for kind in (DOWN, APART, PIECE, PRESS, ARC, MEET):
-        for w in range(len(run.mode)):
+    x, fired, others = 1.0, NO_GUARD, -1
+    for w in range(len(run.mode)):
+        if all_stay(parameters, run, w):
+            continue
+        for kind in (DOWN, APART, PIECE, PRESS, ARC, MEET):
             for side in range(sides_of(parameters, run, kind, w)):
                 if kind == MEET and not may_meet(parameters, run.mode[w], w, side):
                     continue
                 which = Guard(kind, w, side)
                 value = guard(parameters, run, which, True)
+                others += value < 0.0
                 if value < 0.0 and fired.kind >= 0:
                     value = guard_along(parameters, run, which, h, x)
                 if value < 0.0:
@@ -59,6 +80,9 @@ def cut_along(parameters, method, run, t, h):
     if fired.kind < 0 or not math.isfinite(x):  # in a state that has burst nothing can be located
         return h, NO_GUARD
     note_changes(parameters, run, fired, h, x)
+    if others == 0 and fired.kind == APART and not run.mode[fired.wheel].pressed[fired.side]:
+        run.clock.late = (1.0 - x) * h
+        return h, fired
     slide_along(parameters, run, h, x)
     return x * h, fired
 
@@ -73,6 +97,8 @@ def note_changes(parameters, run, fired, h, x):
     later = x + min(moment / max(h, moment), max(1.0 - x, 0.0))
     count = 0
     for w in range(len(run.mode)):
+        if all_stay(parameters, run, w):
+            continue
         contacts = sides_of(parameters, run, APART, w)
         for place in range(contacts):
             ends = False
@@ -141,7 +167,9 @@ def root_before(parameters, run, which, h, x, value):
     A step that starts ON the root, leaves it and comes back has its event at the later root: so first a point inside is
     sought at which the guard holds.
     """
-    low, at_low, high, at_high = 0.0, guard_along(parameters, run, which, h, 0.0), x, value
+    low, high, at_high = 0.0, x, value
+    kept = which.kind != MEET  # of its gaps, all that is kept is the least
+    at_low = guard(parameters, run, which, False) if kept else guard_along(parameters, run, which, h, low)
     while at_low <= 0.0:
         if low > 0.0:
             high, at_high = low, at_low
@@ -192,15 +220,17 @@ def unbend(parameters):
 
 @kernel
 def bend(parameters, method, run, t, h):
-    """Write into `bent` what the extension of the trial step h has beside its cubic. What is monitored at the start is
-    lost: it is found anew after an event."""
+    """Write into `bent` what the extension of the trial step h has beside its cubic."""
     y, slopes, bent, state = run.y, run.slopes, parameters.space.bent, parameters.space.shifted
     known, more = len(method.b) + 1, 0.0  # derivatives of the step, the weight of one between
     if len(method.within) > 0:
+        if run.clock.smooth > LEAST_SMOOTH * h:
+            bend_to_last(parameters, run, h)
+            return
         lead(method.within, 0, known + 2, slopes, state)
         for m in range(len(state)):
             state[m] = y[m] + h * state[m]
-        evaluate(parameters, run.mode, run.clock.piece, t + BETWEEN * h, state, bent, run.monitors)
+        evaluate(parameters, run.mode, run.clock.piece, t + BETWEEN * h, state, bent, run.monitors, False)
         run.clock.rhs += 1
         more = method.bend[known]
     else:
@@ -208,6 +238,18 @@ def bend(parameters, method, run, t, h):
     lead(method.bend, 0, known + 2, slopes, state)
     for m in range(len(bent)):
         bent[m] = h * (state[m] + more * bent[m])
+
+
+@kernel
+def bend_to_last(parameters, run, h):
+    """The same of a quartic through the state where the last step began."""
+    bent, last_state = parameters.space.bent, parameters.space.last
+    x = -run.clock.smooth / h
+    whole, first, last = cubic(h, x)
+    scale = 1.0 / (x * x * (1.0 - x) * (1.0 - x))
+    for m in range(len(bent)):
+        step = whole * run.increment[m] + (first * run.slopes[0, m] + last * run.slopes[-1, m])
+        bent[m] = scale * (last_state[m] - run.y[m] - step)
 
 
 @outlined
@@ -238,5 +280,5 @@ def stay(parameters, run, t):
     """Let the trial end where the step starts."""
     for m in range(len(run.trial)):
         run.increment[m], run.trial[m] = run.carry[m], run.y[m]
-    evaluate(parameters, run.mode, run.clock.piece, t, run.trial, run.slopes[-1], run.monitors_end)
+    evaluate(parameters, run.mode, run.clock.piece, t, run.trial, run.slopes[-1], run.monitors_end, True)
     run.clock.rhs += 1

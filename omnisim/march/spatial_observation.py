@@ -22,7 +22,7 @@ def observe_in_space(parameters, rows, times_, monitors, observed):
     at = places(parameters)
     for row in range(len(times_)):
         y, mode, slopes = rows.y[row], rows.mode[row], observed.slopes[row]
-        evaluate(parameters, mode, rows.piece[row], times_[row], y, slopes, monitors)
+        evaluate(parameters, mode, rows.piece[row], times_[row], y, slopes, monitors, True)
         body = body_of(parameters, y)
         energies = observed.energies[row]
         energies[KINETIC] = motion_energy(parameters, y, rows.rates[row])

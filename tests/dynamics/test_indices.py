@@ -24,7 +24,7 @@ def test_the_contact_of_a_roller_stands_on_its_row():
     loop = Loop(load("kiwi", [*ROWS, "time.end=0.005", "time.output_interval=0.005"]))
     loop.march(1)
     run, parameters = loop.run, loop.parameters
-    evaluate(parameters, run.mode, 0, 0.0, run.y, run.slopes[0], run.monitors)
+    evaluate(parameters, run.mode, 0, 0.0, run.y, run.slopes[0], run.monitors, True)
     for w, wheel in enumerate(parameters.wheels):
         offset = parameters.roller_rows.offset[run.mode[w].row[0]]
         assert offset == (OFFSET if run.mode[w].roller % 2 == 0 else -OFFSET)

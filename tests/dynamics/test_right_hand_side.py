@@ -128,5 +128,5 @@ def test_the_servo_torque_balances_the_moment_of_momentum_about_the_heading():
 def test_the_right_hand_side_does_not_change_the_state():
     for parameters, run in random_runs(30.0, "saturated", count=2):
         before = run.y.copy()
-        evaluate(parameters, run.mode, run.clock.piece, 0.1, run.y, run.slopes[1], run.monitors_end)
+        evaluate(parameters, run.mode, run.clock.piece, 0.1, run.y, run.slopes[1], run.monitors_end, True)
         assert np.array_equal(before, run.y)

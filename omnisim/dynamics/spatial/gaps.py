@@ -73,14 +73,14 @@ def least_gap(parameters, mode, w, body):
     """The least gap of wheel w between the ground and what does not touch it of its rollers, m, as its record STAND has
     it; on a plane something less, if it is apart: no roller comes nearer than the wheel has moved since it was last
     looked at with these contacts, whose points go as far as its centre does, its reach times what the normal turns by,
-    and its radius times what the spin turns by.
+    and their lever times what the spin turns by.
     """
     if parameters.space.body.uneven:
         return least_gap_on_ground(parameters, mode, w, body)
     seen, own = parameters.space.stands[w], parameters.space.hubs[w]
     tilt = minus(vector(seen.normal, 0), vector(seen.clear_normal, 0))
     cos, sin = seen.cos - seen.clear_turn[0], seen.sin - seen.clear_turn[1]
-    turned = own.reach * math.sqrt(dot(tilt, tilt)) + own.girth * math.sqrt(cos * cos + sin * sin)
+    turned = own.reach * math.sqrt(dot(tilt, tilt)) + seen.clear_lever * math.sqrt(cos * cos + sin * sin)
     contacts = contacts_of(parameters, mode, w)
     left = seen.clear - (abs(seen.height - seen.clear_height) + turned)
     if left > 0.0 and contacts == seen.clear_contacts:
@@ -89,7 +89,17 @@ def least_gap(parameters, mode, w, body):
     seen.clear_contacts, seen.clear_height = contacts, seen.height
     put(seen.clear_normal, vector(seen.normal, 0))
     seen.clear_turn[0], seen.clear_turn[1] = seen.cos, seen.sin
+    seen.clear_lever = lever_of_spin(own, seen)
     return seen.clear
+
+
+@kernel
+def lever_of_spin(own, seen):
+    """How far beside O, along the ground, a point of a wheel may be that is as high as the least gap, m. As the wheel
+    turns by a, one d beside and l below O comes down by d sin(a) - l (1 - cos(a)), with d^2 + l^2 <= girth^2: of higher
+    ones none comes lower than this."""
+    below = seen.height - own.reach * abs(seen.normal[1]) - seen.clear
+    return math.sqrt(max(own.girth * own.girth - max(below, 0.0) ** 2, 0.0))
 
 
 @kernel

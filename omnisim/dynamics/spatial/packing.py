@@ -23,6 +23,7 @@ from omnisim.dynamics.spatial.records import (
     Holding,
     Space,
 )
+from omnisim.scene import rollers
 from omnisim.scene.generatrix import edge, ends, generatrix, thickest
 from omnisim.scene.ground_schema import Rocker
 from omnisim.scene.lobes import Lobe, lobes
@@ -34,6 +35,7 @@ from omnisim.scene.wheel_schema import WheelType
 Rigid = tuple[float, np.ndarray, np.ndarray, np.ndarray]  # mass, centre, inertia about it, what of it leans
 PLANE = floor_of(np.zeros((0, 4)), np.zeros((0, 6)), np.zeros((0, 0)), (0.0, 0.0), (1.0, 1.0))
 BEYOND = 2.0  # no tilt is
+DIRECTIONS = 257  # across the axle, over half a turn
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
@@ -79,7 +81,7 @@ def pack_space(config: Config, wheels: list[dict], machine: dict) -> Space:
             [
                 hub_values(*each, centre)
                 | {"carrier": carrier_of(standing, w), "first_lobe": first[w], "lobes": len(shapes[w])}
-                | {"reach": reach_of(types[w], shapes[w]), "girth": girth_of(types[w], shapes[w])}
+                | {"reach": reach_of(types[w], shapes[w]), "girth": girth_of(types[w])}
                 for w, each in enumerate(mounted)
             ],
         ),
@@ -95,6 +97,7 @@ def pack_space(config: Config, wheels: list[dict], machine: dict) -> Space:
         answer=np.zeros(6 + len(carriers)),
         shifted=np.zeros(machine["places"].rho),
         bent=np.zeros(machine["places"].rho),
+        last=np.zeros(machine["places"].rho),
         changes=np.zeros((1 + CHANGES * len(wheels), 3), np.int64),
         holding=holding(len(wheels), len(carriers)) if config.friction.law == "coulomb" else None,
     )
@@ -221,11 +224,13 @@ def reach_of(kind: WheelType, shapes: list[dict]) -> float:
     return away + max(values["reach"] for values in shapes)
 
 
-def girth_of(kind: WheelType, shapes: list[dict]) -> float:
-    """Radius of a cylinder about the axle that holds them, m: of none is a point further from its line of centres,
-    which leans by the roller angle, than it is thick."""
+def girth_of(kind: WheelType) -> float:
+    """Radius of a cylinder about the axle that holds them, m: how far they reach at most in directions across it. What
+    reaches as far as h in two directions 2 a apart reaches h / cos(a) between them."""
+    q = np.linspace(-0.5 * np.pi, 0.5 * np.pi, DIRECTIONS)
     cos = math.cos(math.radians(kind.roller_angle_deg))
-    return max(math.hypot(kind.roller_distance, cos * each["half_length"]) + each["thickest"] for each in shapes)
+    far = kind.roller_distance * np.cos(q) + rollers.reach(kind, cos * np.sin(q))
+    return float(far.max()) / math.cos(0.5 * (q[1] - q[0]))
 
 
 def shape_values(kind: WheelType, values: dict) -> list[dict]:

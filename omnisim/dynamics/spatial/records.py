@@ -97,6 +97,7 @@ STAND = np.dtype(  # as of a Standing
         ("clear_height", np.float64),
         ("clear_normal", np.float64, (3,)),
         ("clear_turn", np.float64, (2,)),  # cosine and sine of the spin angle
+        ("clear_lever", np.float64),  # with which what is so near comes down as the wheel spins, m
     ],
     align=True,
 )
@@ -232,8 +233,8 @@ class Space(NamedTuple):
     Then what is found at an instant: stands (W,): records STAND; touches (W * SLOTS,): records TOUCH; motions (C,):
     records MOTION; pushes (1 + C, 6): moment about C and force on chassis and carriers, chassis axes; balance
     (6 + C, 6 + C) and answer (6 + C,): their equations; shifted (n,): a state nearby; bent (n,): the bend of the
-    extension of a step (methods.py). changes (M, 3): Guards that have fired together, up to one of kind -1. holding:
-    Holding, None with a smooth law.
+    extension of a step, last (n,): the state where the one before it began (march/spatial_location.py). changes (M, 3):
+    Guards that have fired together, up to one of kind -1. holding: Holding, None with a smooth law.
     """
 
     body: np.record
@@ -250,5 +251,6 @@ class Space(NamedTuple):
     answer: np.ndarray
     shifted: np.ndarray
     bent: np.ndarray
+    last: np.ndarray
     changes: np.ndarray
     holding: Holding | None
