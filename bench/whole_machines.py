@@ -20,7 +20,11 @@ from bench.machine_scenes import END, MOTIONS, platform, ring
 from omnisim.results.trajectory import Trajectory
 from omnisim.run.loop import Loop
 
-TARGET, ALARM, AIM = 500.0, 100.0, 2000.0  # times real time of the march, platform under rate drives, slowest motion
+AT_EVENTS = (
+    "Four fifths of its instructions are right-hand sides, 3.5 times as many as its steps have stages: those of "
+    "exchanges, stops, and slow slip beside them"
+)
+TARGET, ALARM = 2000.0, 100.0  # times real time of the march, platform under rate drives, slowest motion
 WHEELS_ALARM = 6.0  # times a step of the smallest ring, for the largest
 ACCURATE = 1e-5  # m: error of position in any row
 CONFIRMED = 1e-11  # m: largest distance of the two converged runs
@@ -261,7 +265,7 @@ def claims(result: dict) -> list[Claim]:
     platform_text = f"times real time of the march, platform on 4 x 9 mecanum rollers, position within {ACCURATE:g} m"
     wheels_text = f"a step of {MOST} wheels, by that of {FEWEST}"
     return [
-        Claim(platform_text, slowest(result, "rate", "march"), "at least", TARGET, ALARM),
+        Claim(platform_text, slowest(result, "rate", "march"), "at least", TARGET, ALARM, AT_EVENTS),
         Claim(wheels_text, most, "at most", MOST / FEWEST, WHEELS_ALARM),
     ]
 
@@ -273,7 +277,6 @@ def report(result: dict) -> str:
             ladder_table(result["platform"]["ladder"]),
             f"The fastest with an error below {ACCURATE:.0e} m in every row ({ELSEWHERE}):",
             fastest_table(result["platform"]["ladder"]),
-            f"The aim is {AIM:g} times real time.",
             "Where it ends. Short: distance gone, against that of the odometry:",
             motion_table(result["platform"]["motion"]),
             "One RK4 step by the number of wheels, rings of omni wheels whose contacts all stick, no exchange:",
