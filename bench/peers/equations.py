@@ -18,7 +18,7 @@ from numba.experimental import structref
 
 from bench.common import March
 from omnisim.dynamics.parameters import DRIVE_INPUT
-from omnisim.dynamics.state import places, places_in
+from omnisim.dynamics.state import Stage, places, places_in
 from omnisim.march.roller_exchange import release_rollers, take_rollers
 from omnisim.march.runge_kutta import evaluate
 
@@ -227,7 +227,7 @@ def rates(held, t, y, out):
 def evaluate_motion(parameters, run, motion, t, y, out):
     for m in range(len(motion)):
         run.y[motion[m]] = y[m]
-    evaluate(parameters, run.mode, run.clock.piece, t, run.y, run.slopes[0], run.monitors)
+    evaluate(parameters, Stage(run.mode, run.clock.piece, t, run.y, run.slopes[0], run.monitors, False))
     for m in range(len(motion)):
         out[m] = run.slopes[0, motion[m]]
 

@@ -223,6 +223,8 @@ def grid_step(parameters, method, run, rows, log):
             if parameters.space is None:
                 turns += kind == TURN
                 others += kind not in (TURN, EXIT)
+            else:
+                others += not of_state_alone(kind)
         elif h < whole:
             slips += 1
         elif knot:

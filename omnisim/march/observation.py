@@ -18,7 +18,7 @@ from omnisim.dynamics.normal_forces.servo import find_servo, set_all_tilt
 from omnisim.dynamics.normal_forces.solution import loads_known
 from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.spatial.records import SPATIAL_MONITORS
-from omnisim.dynamics.state import MONITORS, Recording, X, Y, places
+from omnisim.dynamics.state import MONITORS, Recording, Stage, X, Y, places
 from omnisim.dynamics.twist import Acceleration, acceleration_of, body_motion, wheel_motion, wheel_twist, world_frame
 from omnisim.dynamics.wheel import (
     azimuth,
@@ -75,7 +75,7 @@ def observe(parameters, rows, times, monitors, observed):
     for row in range(len(times)):
         y, mode, slopes = rows.y[row], rows.mode[row], observed.slopes[row]
         search_anew(workspace)
-        evaluate(parameters, mode, rows.piece[row], times[row], y, slopes, monitors, True)
+        evaluate(parameters, Stage(mode, rows.piece[row], times[row], y, slopes, monitors, True))
         body = body_motion(parameters, y)
         wrench = external_wrench(parameters, rows.piece[row], times[row], body)
         turning = slopes[at.yaw_rate]

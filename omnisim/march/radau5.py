@@ -14,7 +14,7 @@ import math
 
 from omnisim.base.kernel import kernel, outlined
 from omnisim.dynamics.indices import contact_count
-from omnisim.dynamics.state import places
+from omnisim.dynamics.state import Stage, places
 from omnisim.march.runge_kutta import evaluate
 from omnisim.march.slip_unknowns import add_to_stage, seek_slip, to_slip
 
@@ -60,7 +60,7 @@ def implicit_step(parameters, method, run, t, h):
             break
         for i in range(3):
             at_stage(run, z[i])
-            evaluate(parameters, mode, piece, t + radau.c[i] * h, run.trial, slopes[i], run.monitors_end, True)
+            evaluate(parameters, Stage(mode, piece, t + radau.c[i] * h, run.trial, slopes[i], run.monitors_end, True))
         run.clock.rhs += 3
         change = correct(parameters, radau, run, h, active, seeks)
         if not math.isfinite(change):
@@ -72,7 +72,7 @@ def implicit_step(parameters, method, run, t, h):
     for m in range(n):
         run.increment[m] = run.carry[m] + z[2, m]
         run.trial[m] = y[m] + run.increment[m]
-    evaluate(parameters, mode, piece, t + h, run.trial, run.slopes[-1], run.monitors_end, True)
+    evaluate(parameters, Stage(mode, piece, t + h, run.trial, run.slopes[-1], run.monitors_end, True))
     run.clock.rhs += 1
     return converged
 
@@ -110,7 +110,7 @@ def differentiate(parameters, run, t, active, seeks):
         change[active[j]] = shift
         add(parameters, run, along, change, seeks)
         at_stage(run, along)
-        evaluate(parameters, run.mode, run.clock.piece, t, run.trial, shifted, run.monitors_end, True)
+        evaluate(parameters, Stage(run.mode, run.clock.piece, t, run.trial, shifted, run.monitors_end, True))
         for m in range(len(along)):
             shifted[m] = (shifted[m] - run.slopes[0, m]) / shift
         if parameters.space is None and seeks:

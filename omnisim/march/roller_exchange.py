@@ -8,7 +8,7 @@ from omnisim.contact.set_valued import SLIP
 from omnisim.contact.tracking import explicit_touches, implicit_touches, roller_axis
 from omnisim.dynamics.contact_forces import LOST
 from omnisim.dynamics.indices import carries, contact_count, rate_place, roller_index, roller_of, row_index, sector_of
-from omnisim.dynamics.state import TOUCHING, places
+from omnisim.dynamics.state import TOUCHING, Stage, places
 from omnisim.dynamics.wheel import azimuth_of, rho_of, roller_end
 from omnisim.march.friction_modes import come_to_rest, rests
 from omnisim.march.runge_kutta import copy, evaluate, refresh
@@ -72,7 +72,8 @@ def edge_torque(parameters, run, w, t):
     for later in range(MOMENTS):
         for m in range(len(trial)):
             trial[m] += moment * slope[m]
-        evaluate(parameters, run.mode, clock.piece, t + (later + 1) * moment, trial, slope, run.monitors_end, True)
+        stage = Stage(run.mode, clock.piece, t + (later + 1) * moment, trial, slope, run.monitors_end, True)
+        evaluate(parameters, stage)
         clock.rhs += 1
         torque = edge_torque_of(parameters, run.mode[w], w, slope, monitors)
         if abs(torque) > rounding:

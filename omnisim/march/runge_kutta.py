@@ -85,9 +85,9 @@ def accept(run):
 
 
 @outlined
-def evaluate(parameters, mode, piece, t, y, dy, monitors, monitoring):
+def evaluate(parameters, stage):
     """The right-hand side, compiled once for all its uses but the stages of explicit steps."""
-    rhs(parameters, Stage(mode, piece, t, y, dy, monitors, monitoring))
+    rhs(parameters, stage)
 
 
 @kernel
@@ -96,7 +96,7 @@ def refresh(parameters, run, t):
     run.clock.smooth = 0.0
     if parameters.workspace.articulated is not None:
         project_bodies(parameters, run, False)
-    evaluate(parameters, run.mode, run.clock.piece, t, run.y, run.slopes[0], run.monitors, True)
+    evaluate(parameters, Stage(run.mode, run.clock.piece, t, run.y, run.slopes[0], run.monitors, True))
     run.clock.rhs += 1
 
 

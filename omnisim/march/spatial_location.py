@@ -13,6 +13,7 @@ import math
 
 from omnisim.base import methods
 from omnisim.base.kernel import kernel, outlined
+from omnisim.dynamics.state import Stage
 from omnisim.march.events import NO_GUARD, Guard, guard
 from omnisim.march.runge_kutta import evaluate, lead
 from omnisim.march.spatial_events import (
@@ -230,7 +231,7 @@ def bend(parameters, method, run, t, h):
         lead(method.within, 0, known + 2, slopes, state)
         for m in range(len(state)):
             state[m] = y[m] + h * state[m]
-        evaluate(parameters, run.mode, run.clock.piece, t + BETWEEN * h, state, bent, run.monitors, False)
+        evaluate(parameters, Stage(run.mode, run.clock.piece, t + BETWEEN * h, state, bent, run.monitors, False))
         run.clock.rhs += 1
         more = method.bend[known]
     else:
@@ -280,5 +281,5 @@ def stay(parameters, run, t):
     """Let the trial end where the step starts."""
     for m in range(len(run.trial)):
         run.increment[m], run.trial[m] = run.carry[m], run.y[m]
-    evaluate(parameters, run.mode, run.clock.piece, t, run.trial, run.slopes[-1], run.monitors_end, True)
+    evaluate(parameters, Stage(run.mode, run.clock.piece, t, run.trial, run.slopes[-1], run.monitors_end, True))
     run.clock.rhs += 1

@@ -10,7 +10,7 @@ from omnisim.dynamics.spatial.joint_forces import recover_in_space, resolve_in_s
 from omnisim.dynamics.spatial.pose import body_of, hub_of, mounted, outward, put, vector
 from omnisim.dynamics.spatial.records import SLOTS
 from omnisim.dynamics.spatial.touching import joint_rate, roller_on, standing
-from omnisim.dynamics.state import places
+from omnisim.dynamics.state import Stage, places
 from omnisim.march.runge_kutta import evaluate
 
 KINETIC, GRAVITY, ELASTIC = range(3)
@@ -22,7 +22,7 @@ def observe_in_space(parameters, rows, times_, monitors, observed):
     at = places(parameters)
     for row in range(len(times_)):
         y, mode, slopes = rows.y[row], rows.mode[row], observed.slopes[row]
-        evaluate(parameters, mode, rows.piece[row], times_[row], y, slopes, monitors, True)
+        evaluate(parameters, Stage(mode, rows.piece[row], times_[row], y, slopes, monitors, True))
         body = body_of(parameters, y)
         energies = observed.energies[row]
         energies[KINETIC] = motion_energy(parameters, y, rows.rates[row])

@@ -8,7 +8,7 @@ from omnisim.base.records import blank
 from omnisim.dynamics.indices import carries, roller_index, roller_of, row_index
 from omnisim.dynamics.packing import pack
 from omnisim.dynamics.parameters import WHEEL
-from omnisim.dynamics.state import MODE
+from omnisim.dynamics.state import MODE, Stage
 from omnisim.march.runge_kutta import evaluate
 
 OFFSET = 0.01  # m, of the rows from the middle of their wheel
@@ -24,7 +24,7 @@ def test_the_contact_of_a_roller_stands_on_its_row():
     loop = Loop(load("kiwi", [*ROWS, "time.end=0.005", "time.output_interval=0.005"]))
     loop.march(1)
     run, parameters = loop.run, loop.parameters
-    evaluate(parameters, run.mode, 0, 0.0, run.y, run.slopes[0], run.monitors, True)
+    evaluate(parameters, Stage(run.mode, 0, 0.0, run.y, run.slopes[0], run.monitors, True))
     for w, wheel in enumerate(parameters.wheels):
         offset = parameters.roller_rows.offset[run.mode[w].row[0]]
         assert offset == (OFFSET if run.mode[w].roller % 2 == 0 else -OFFSET)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scenes import packed, reference_scene, standing
 
-from omnisim.dynamics.state import YAW, Contents, places_of
+from omnisim.dynamics.state import YAW, Contents, Stage, places_of
 from omnisim.march.initial_state import blank_rows
 from omnisim.march.march import write_row
 from omnisim.march.runge_kutta import evaluate
@@ -128,5 +128,5 @@ def test_the_servo_torque_balances_the_moment_of_momentum_about_the_heading():
 def test_the_right_hand_side_does_not_change_the_state():
     for parameters, run in random_runs(30.0, "saturated", count=2):
         before = run.y.copy()
-        evaluate(parameters, run.mode, run.clock.piece, 0.1, run.y, run.slopes[1], run.monitors_end, True)
+        evaluate(parameters, Stage(run.mode, run.clock.piece, 0.1, run.y, run.slopes[1], run.monitors_end, True))
         assert np.array_equal(before, run.y)

@@ -8,7 +8,7 @@ import omnisim
 from omnisim.base.methods import METHODS
 from omnisim.base.status import COMPLETE, RUNNING
 from omnisim.contact.set_valued import SLIP, STICK
-from omnisim.dynamics.state import places
+from omnisim.dynamics.state import Stage, places
 from omnisim.dynamics.twist import body_motion
 from omnisim.dynamics.wheel import contact_state
 from omnisim.march.event_log import EVENT
@@ -179,7 +179,7 @@ def test_the_multipliers_hold_at_every_accepted_step(step, overrides):
         body = body_motion(parameters, run.y)
         state = contact_state(parameters, run.mode[0], 0, 0, body, run.y)
         derivative, monitors, clock = np.empty_like(run.y), run.monitors.copy().view(np.recarray), run.clock
-        evaluate(parameters, run.mode, clock.piece, clock.step * clock.dt, run.y, derivative, monitors, True)
+        evaluate(parameters, Stage(run.mode, clock.piece, clock.step * clock.dt, run.y, derivative, monitors, True))
         largest = max(largest, np.max(np.abs(derivative - run.slopes[0])))
         acceleration = np.hypot(*slip_rate(parameters, run.mode[0], 0, 0, run.y, derivative)[0])
         slope = derivative[[at.velocity, at.velocity + 1]] * parameters.machine.mass

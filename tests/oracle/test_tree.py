@@ -13,7 +13,7 @@ import pytest
 import omnisim
 from omnisim.contact.set_valued import STICK
 from omnisim.dynamics.multibody.residuals import matrices
-from omnisim.dynamics.state import BODY_STATES, places_in
+from omnisim.dynamics.state import BODY_STATES, Stage, places_in
 from omnisim.march.runge_kutta import evaluate
 from omnisim.run.loop import Loop
 from oracle.cases import REFERENCE
@@ -88,7 +88,7 @@ def solutions(request):
     for _ in range(4):
         assert loop.advance(0.02)  # to the next row
         dy, piece = np.zeros_like(run.y), run.clock.piece
-        evaluate(parameters, run.mode, piece, loop.time, run.y, dy, run.monitors, True)
+        evaluate(parameters, Stage(run.mode, piece, loop.time, run.y, dy, run.monitors, True))
         bodies, workspace = bodies_of(run.y, parameters, chassis), parameters.workspace
         mode = oracle.mode(loop.time, [int(one.roller) for one in run.mode])
         if sticks:
