@@ -32,7 +32,7 @@ def align_slip(parameters, run):
     Friction turns creeping slip by forces across it, and so do these impulses.
     """
     if parameters.space is not None:
-        align_in_space(parameters, run.mode, run.y)
+        align_in_space(parameters, run.mode, run.y, run.clock.dt)
     else:
         rounds = FIRM_ROUNDS if parameters.machine.follows else 1
         for _ in range(rounds):

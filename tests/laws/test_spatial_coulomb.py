@@ -136,3 +136,20 @@ def test_wheels_that_stand_on_two_rollers_slip_slowly_at_no_cost(number):
     )
     assert found.attributes["rhs_evaluations"] < 30_000  # measured 9800, 9600, 17,300; by sub-steps 14 million of 113
     assert np.abs(found["body/position"] - other["body/position"]).max() < 1e-9
+
+
+@pytest.mark.parametrize("number", [1230, 3720])
+def test_two_rollers_of_a_wheel_slip_against_each_other_as_slowly_as_they_must(number):
+    """Along its axle both contacts of a wheel move together, but for 2e-10 of what a force there moves: that is all by
+    which one that slips can be turned while the other sticks, in its own direction as it begins (1230), and later by
+    impulses, which would have to be huge (3720: they moved the machine by 1e-6 m/s)."""
+    scene = random_scene(number)
+    found, other = (
+        run(scene | {"solver": {"method": method}, "time": scene["time"] | {"step": 1.25e-4}})
+        for method in ("dopri5", "radau5")
+    )
+    assert found.complete and other.complete
+    slips = found["events/kind"] == "slip"
+    assert slips.any() and list(found["events/kind"]) == list(other["events/kind"])
+    assert np.abs(found["events/time"] - other["events/time"]).max() < 1e-9  # s; measured 4e-12, 1.7e-10
+    assert np.abs(found["body/velocity"] - other["body/velocity"]).max() < 1e-8  # m/s; measured 4e-12, 1.2e-10

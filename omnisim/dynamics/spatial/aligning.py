@@ -12,12 +12,13 @@ from omnisim.dynamics.state import places
 
 
 @outlined
-def align_in_space(parameters, mode, y):
+def align_in_space(parameters, mode, y, dt):
     """Change the speeds in y by the impulses that leave no slip to sticking contacts, and none across their direction
     to creeping ones, all at once.
 
     Friction turns creeping slip by forces across it, and these impulses are across it too: a wheel that stands on two
-    rollers slips on one of them as it must, and whatever held that slip would move the machine.
+    rollers slips on one of them as it must, and whatever held that slip would move the machine. Slip that all of their
+    friction could not turn in a step dt is left as it is.
     """
     body = body_of(parameters, y)
     count = gather(parameters, mode, body, y, True)
@@ -34,6 +35,8 @@ def align_in_space(parameters, mode, y):
         held.force[0] = held.force[1] = 0.0
     find_mobility(parameters, count)
     stick(holding, count)
+    if spared(holding, count, dt):
+        stick(holding, count)
     before = parameters.space.shifted
     for i in range(len(before)):
         before[i] = y[i]
@@ -42,6 +45,21 @@ def align_in_space(parameters, mode, y):
     for w in range(len(parameters.wheels)):
         wheel = parameters.wheels[w]
         y[at.spin_rate + w] -= wheel.axle_inertia * wheel.spin_mobility * turned_faster(parameters, w, before, y)
+
+
+@kernel
+def spared(holding, count, dt):
+    """Whether slip of creeping contacts is out of reach of their friction: then the impulses on all others are to be
+    found anew, without any on these."""
+    found = False
+    for m in range(count):
+        held = holding.contacts[m]
+        if held.creeps and abs(held.force[0]) > held.limit * dt:
+            held.firm, found = 0, True
+    for m in range(count):
+        if found:
+            holding.contacts[m].force[0] = holding.contacts[m].force[1] = 0.0
+    return found
 
 
 @kernel

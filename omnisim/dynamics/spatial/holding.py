@@ -5,7 +5,8 @@ without any of them
 
     sticking    v' = b + A F = 0                      creeping    F = -mu N u with v' = kappa u
 
-a linear system for those that stick; the directions u of those that creep are turned by Newton's method until it holds.
+a linear system for those that stick; the directions u of those that creep are turned by Newton's method until it holds,
+each with the A that is left to it while those that stick hold: of two contacts of one wheel, next to nothing.
 Wheels that are held in more ways than they can move have no unique forces: of all, the smallest is taken, by a few
 rounds of the proximal point method.
 
@@ -44,14 +45,20 @@ def hold(parameters, stage, body):
     if count == 0:
         return 0.0
     holding = parameters.space.holding
+    find_mobility(parameters, count)
+    find_lines(holding, count)
+    for m in range(count):
+        held = holding.contacts[m]
+        if held.creeps and not held.bound:
+            held.yields[0], held.yields[1], held.yields[2] = yielding(holding, m, count)
     for m in range(count):
         held = holding.contacts[m]
         w, c = held.wheel, held.contact
         stand = standing(parameters, w, body, stage.y)
         bias = slip_change(parameters, stage.mode[w], w, c, stand, stage.y, stage.dy)
         held.bias[0], held.bias[1] = bias.h, bias.k
-    find_mobility(parameters, count)
-    find_lines(holding, count)
+        for e in range(2):
+            held.force[e] = -held.limit * held.begun[e] if held.creeps else 0.0
     last = math.inf
     for _ in range(MOST_ROUNDS):
         stick(holding, count)
@@ -80,20 +87,28 @@ def held_mobility(parameters, mode, y, w, side):
     find_mobility(parameters, count)
     holding, own = parameters.space.holding, 0
     for m in range(count):
-        held = holding.contacts[m]
-        held.bias[0] = held.bias[1] = held.force[0] = held.force[1] = 0.0
-        if held.wheel == w and held.contact == side:
+        if holding.contacts[m].wheel == w and holding.contacts[m].contact == side:
             own = m
-    force = holding.contacts[own].force
-    force[0] = 1.0
-    stick(holding, count)
-    hh, hk = rate_of(holding, own, 0, count), rate_of(holding, own, 1, count)
+    return yielding(holding, own, count)
+
+
+@kernel
+def yielding(holding, own, count):
+    """Slip acceleration of contact `own` along h and k by its force (Symmetric, 1/kg), while those that stick hold."""
+    hh, hk = pushed(holding, own, 0, count)
+    _, kk = pushed(holding, own, 1, count)
+    return Symmetric(hh, hk, kk)
+
+
+@kernel
+def pushed(holding, own, e, count):
+    """The same by a unit force along its axis e."""
     for m in range(count):
         held = holding.contacts[m]
-        held.force[0] = held.force[1] = 0.0
-    force[1] = 1.0
+        held.bias[0] = held.bias[1] = held.force[0] = held.force[1] = 0.0
+    holding.contacts[own].force[e] = 1.0
     stick(holding, count)
-    return Symmetric(hh, hk, rate_of(holding, own, 1, count))
+    return rate_of(holding, own, 0, count), rate_of(holding, own, 1, count)
 
 
 @kernel
@@ -127,8 +142,6 @@ def gather(parameters, mode, body, y, aligning):
                 along = combine(creep[0], h, creep[1], k, 0.0, h)
                 h, k = combine(creep[0], k, -creep[1], h, 0.0, h), along
             feel(parameters, w, stand, touched, held, holding.felt[count], (h, k))
-            begun = -held.limit if held.creeps else 0.0
-            held.force[0], held.force[1] = begun * creep[0], begun * creep[1]
             count += 1
     return count
 
@@ -294,9 +307,7 @@ def turn_creep(holding, m, count):
     held = holding.contacts[m]
     if held.bound:
         return turn_across(holding, m, count)
-    a = Symmetric(
-        holding.mobility[2 * m, 2 * m], holding.mobility[2 * m, 2 * m + 1], holding.mobility[2 * m + 1, 2 * m + 1]
-    )
+    a = Symmetric(held.yields[0], held.yields[1], held.yields[2])
     rate_h, rate_k = rate_of(holding, m, 0, count), rate_of(holding, m, 1, count)
     force = held.force
     if force[0] == 0.0 and force[1] == 0.0:  # no direction is known yet

@@ -143,6 +143,7 @@ HELD = np.dtype(
         ("veer", np.float64, (2,)),  # rad/s, and 1/s by the angle from there
         ("slip", np.float64, (2,)),  # along h and k, m/s
         ("turned", np.float64),  # by the last correction of that direction, rad
+        ("yields", np.float64, (3,)),  # slip acceleration hh, hk, kk by its force while those that stick hold, 1/kg
     ],
     align=True,
 )
