@@ -156,7 +156,13 @@ def blank_workspace(config: Config, most: int) -> Workspace:
     parts["first"] = [TOUCHING * w for w in range(wheels)]
     coulomb = config.friction.law == "coulomb" or thin_layer(config)
     return Workspace(
-        contacts, parts, loads[0], resting if coulomb else None, articulated if multibody else None, joints
+        contacts,
+        parts,
+        loads[0],
+        resting if coulomb else None,
+        articulated if multibody else None,
+        joints if multibody else None,
+        np.zeros((most + 1, 2, 3)),
     )
 
 

@@ -223,8 +223,8 @@ class Workspace(NamedTuple):
 
     contacts: (2 W,) records CONTACT, two for each wheel. parts: (W,) records PART. loads: record LOADS. resting (2,):
     records RESTING of the contacts of one wheel; None with a smooth law, under which none comes to rest. articulated
-    (W,): records ARTICULATED; None in the reduced formulation. joints (W, N + 1): records JOINT of each wheel's disk
-    and rollers.
+    (W,): records ARTICULATED, joints (W, N + 1): records JOINT of each wheel's disk and rollers; None in the reduced
+    formulation. bearings (N + 1, 2, 3): loads of the bearings of the wheel that is looked at, bearing_loads.py.
     """
 
     contacts: np.recarray
@@ -232,7 +232,8 @@ class Workspace(NamedTuple):
     loads: np.record
     resting: np.recarray | None
     articulated: np.recarray | None
-    joints: np.recarray
+    joints: np.recarray | None
+    bearings: np.ndarray
 
 
 class Parameters(NamedTuple):

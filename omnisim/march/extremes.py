@@ -11,18 +11,14 @@ import numpy as np
 
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
-from omnisim.base.vector import Vec3, cross, dot, plus
-from omnisim.contact.frame import axes
+from omnisim.base.vector import plus
+from omnisim.dynamics.bearing_loads import AXIAL, ROLLER_AXIAL, load_bearings
 from omnisim.dynamics.indices import contact_count
-from omnisim.dynamics.multibody.joint_forces import mounting, recover
-from omnisim.dynamics.spatial.joint_forces import AXLE, mount_of, recover_in_space
+from omnisim.dynamics.spatial.bearing_loads import recover_in_space
 from omnisim.dynamics.spatial.pose import body_of, vector
 from omnisim.dynamics.spatial.pose import outward as spatial_outward
 from omnisim.dynamics.spatial.records import SLOTS
-from omnisim.dynamics.spatial.touching import roller_on, standing
 from omnisim.dynamics.state import YAW, X, Y, places
-from omnisim.dynamics.twist import body_motion, world_frame
-from omnisim.dynamics.wheel import azimuth_of
 from omnisim.march.roller_exchange import release_rollers
 from omnisim.march.spatial_contacts import release
 
@@ -103,10 +99,7 @@ def follow(parameters, run, rows, row):
     if len(rows.odometry_extremes):
         follow_odometry(parameters, run.y, rows.odometry_extremes[row])
     if len(rows.bearing_extremes):
-        if parameters.space is not None:
-            follow_bearings_in_space(parameters, run, rows.bearing_extremes[row])
-        else:
-            follow_bearings(parameters, run, rows.bearing_extremes[row])
+        follow_bearings(parameters, run, rows.bearing_extremes[row])
 
 
 @kernel
@@ -148,47 +141,29 @@ def follow_odometry(parameters, y, found):
 @outlined
 def follow_bearings(parameters, run, found):
     """The loads of every bearing into found (W, N + 1, 4): across its axis and along it, N, and tilting, N m."""
-    joints = parameters.workspace.joints
-    y = run.y
-    at = places(parameters)
+    loads = parameters.workspace.bearings
     for w in range(len(run.mode)):
-        wheel = parameters.wheels[w]
-        if parameters.workspace.articulated is None:
+        if parameters.space is not None:
+            release(parameters, run, w)
+            recover_in_space(parameters, run.mode[w], w, run.y, run.slopes[0], run.rates[w], loads)
+        else:
             release_rollers(parameters, run, w)
-            recover(parameters, run.mode[w], w, y, run.slopes[0], run.rates[w])
-        frame = world_frame(wheel, body_motion(parameters, y))
-        _, axle, _ = axes(frame)
-        follow_joint(joints[w, 0], axle, found[w, 0])
-        for i in range(wheel.rollers):
-            _, _, axis = mounting(wheel, frame, azimuth_of(parameters, w, i, y[at.spin_angle + w]))
-            follow_joint(joints[w, i + 1], axis, found[w, i + 1])
-
-
-@outlined
-def follow_bearings_in_space(parameters, run, found):
-    """The same of a machine free in space."""
-    joints = parameters.workspace.joints
-    y = run.y
-    body = body_of(parameters, y)
-    for w in range(len(run.mode)):
-        release(parameters, run, w)
-        recover_in_space(parameters, run.mode[w], w, y, run.slopes[0], run.rates[w])
-        stand = standing(parameters, w, body, y)
-        follow_joint(joints[w, 0], AXLE, found[w, 0])
+            load_bearings(parameters, run.mode[w], w, run.y, run.slopes[0], run.rates[w], loads)
+        follow_bearing(loads[0], AXIAL, found[w, 0])
         for i in range(parameters.wheels[w].rollers):
-            _, _, axis = mount_of(roller_on(parameters, w, i, stand))
-            follow_joint(joints[w, i + 1], axis, found[w, i + 1])
+            follow_bearing(loads[i + 1], ROLLER_AXIAL, found[w, i + 1])
 
 
 @kernel
-def follow_joint(joint, axis, found):
-    """The same of one bearing, from its record JOINT; axis: Vec3."""
-    force = Vec3(joint.force[0], joint.force[1], joint.force[2])
-    radial = cross(force, axis)
-    tilting = cross(Vec3(joint.moment[0], joint.moment[1], joint.moment[2]), axis)
-    found[RADIAL_SQUARE] = max(found[RADIAL_SQUARE], dot(radial, radial))
-    found[TILTING_SQUARE] = max(found[TILTING_SQUARE], dot(tilting, tilting))
-    widen(found[LEAST_AXIAL : MOST_AXIAL + 1], dot(force, axis))
+def follow_bearing(loads, axial, found):
+    """The same of one bearing from its force and moment (2, 3) along its own directions, of which one is `axial`."""
+    force, moment = loads[0], loads[1]
+    first, second = (axial + 1) % 3, (axial + 2) % 3
+    radial = force[first] * force[first] + force[second] * force[second]
+    tilting = moment[first] * moment[first] + moment[second] * moment[second]
+    found[RADIAL_SQUARE] = max(found[RADIAL_SQUARE], radial)
+    found[TILTING_SQUARE] = max(found[TILTING_SQUARE], tilting)
+    widen(found[LEAST_AXIAL : MOST_AXIAL + 1], force[axial])
 
 
 def extremes_of(quantity: str, extremes: np.ndarray) -> dict[str, np.ndarray]:

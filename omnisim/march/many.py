@@ -22,11 +22,12 @@ def march_each(many, method, runs, rows, log, first, last):
         w, n = many.workspace, runs.newton
         resting = None if many.workspace.resting is None else w.resting[i]
         bodies = None if many.workspace.articulated is None else w.articulated[i]
+        joints = None if many.workspace.joints is None else w.joints[i]
         newton = None
         if runs.newton is not None:
             matrices = n.stages[i], n.real[i], n.complex[i], n.pivots[i]
             newton = Newton(n.active[i], n.busy[i], *matrices, n.sought[i])
-        workspace = Workspace(w.contacts[i], w.parts[i], w.loads[i], resting, bodies, w.joints[i])
+        workspace = Workspace(w.contacts[i], w.parts[i], w.loads[i], resting, bodies, joints, w.bearings[i])
         geometry = many.machine[i], many.wheels[i], many.roller_rows[i], many.sector[i]
         parameters = Parameters(*geometry, many.starts[i], many.inputs[i], workspace, None)  # upright, all of them
         vectors = runs.y[i], runs.trial[i], runs.carry[i], runs.increment[i], runs.slopes[i]

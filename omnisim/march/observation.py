@@ -12,8 +12,8 @@ from omnisim.base.vector import Vec3, combine, cross
 from omnisim.contact.frame import axes, rate_change, rate_vector, spoke, tangential
 from omnisim.contact.kinematics import joint_rate
 from omnisim.contact.tracking import roller_axis
+from omnisim.dynamics.bearing_loads import load_bearings
 from omnisim.dynamics.indices import roller_index, row_index
-from omnisim.dynamics.multibody.joint_forces import recover, resolve_joints
 from omnisim.dynamics.normal_forces.servo import find_servo, set_all_tilt
 from omnisim.dynamics.normal_forces.solution import loads_known
 from omnisim.dynamics.parameters import Parameters
@@ -105,9 +105,7 @@ def observe(parameters, rows, times, monitors, observed):
             if len(observed.joint_rate):
                 observe_rollers(parameters, rows, row, w, body, observed)
             if len(observed.bearing_loads):
-                if workspace.articulated is None:
-                    recover(parameters, mode[w], w, y, slopes, rows.rates[row, w])
-                resolve_joints(parameters, w, y, observed.bearing_loads[row, w])
+                load_bearings(parameters, mode[w], w, y, slopes, rows.rates[row, w], observed.bearing_loads[row, w])
 
 
 @kernel

@@ -5,8 +5,8 @@ import math
 from omnisim.base.kernel import kernel
 from omnisim.base.vector import combine, cross, plus, times
 from omnisim.dynamics.spatial.acceleration import hub_acceleration
+from omnisim.dynamics.spatial.bearing_loads import recover_in_space
 from omnisim.dynamics.spatial.energy import motion_energy, spring_energy, weight_energy
-from omnisim.dynamics.spatial.joint_forces import recover_in_space, resolve_in_space
 from omnisim.dynamics.spatial.pose import body_of, hub_of, mounted, outward, put, vector
 from omnisim.dynamics.spatial.records import SLOTS
 from omnisim.dynamics.spatial.touching import joint_rate, roller_on, standing
@@ -37,8 +37,8 @@ def observe_in_space(parameters, rows, times_, monitors, observed):
                 for i in range(parameters.wheels[w].rollers):
                     observe_roller(parameters, rows, row, w, i, body, observed)
             if len(observed.bearing_loads):
-                recover_in_space(parameters, mode[w], w, y, slopes, rows.rates[row, w])
-                resolve_in_space(parameters, w, y, observed.bearing_loads[row, w])
+                loads = observed.bearing_loads[row, w]
+                recover_in_space(parameters, mode[w], w, y, slopes, rows.rates[row, w], loads)
             if len(parameters.space.carriers) > 0:
                 j = parameters.space.hubs[w].carrier
                 seen.travel = y[at.joint + j] if j >= 0 else 0.0

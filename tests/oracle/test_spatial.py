@@ -10,8 +10,8 @@ import tomlkit
 from scenes import packed
 
 import omnisim
+from omnisim.dynamics.spatial.bearing_loads import recover_in_space
 from omnisim.dynamics.spatial.energy import motion_energy, stored_energy
-from omnisim.dynamics.spatial.joint_forces import recover_in_space, resolve_in_space
 from omnisim.dynamics.spatial.records import ORIENTATION, POSITION, SLOTS
 from omnisim.dynamics.state import places_in
 from omnisim.march.spatial_contacts import stand_in_space
@@ -114,8 +114,7 @@ class Engine:
         """Of each wheel (N + 1, 2, 3): force and moment of its axle along h, k, n, of its rollers along d, a x d, a."""
         loads = [np.zeros((len(rates) + 1, 2, 3)) for rates in now.axial_rates]
         for w, (found, rates) in enumerate(zip(loads, now.axial_rates, strict=True)):
-            recover_in_space(self.parameters, self.run.mode[w], w, self.run.y, self.dy, rates)
-            resolve_in_space(self.parameters, w, self.run.y, found)
+            recover_in_space(self.parameters, self.run.mode[w], w, self.run.y, self.dy, rates, found)
         return loads
 
 

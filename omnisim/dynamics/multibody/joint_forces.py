@@ -1,26 +1,17 @@
-"""What every bearing carries, recovered from a motion that is known: inverse dynamics, from the rollers inwards.
-
-Positions and rates are in a row, accelerations in its derivative, and the forces of the floor in the workspace. Newton
-and Euler for each roller give the force and the moment of its bearing, and for each disk, which the
-rollers load, those of the axle. Axes of the results are fixed in what carries the bearing:
-
-    roller    radial d (outwards), lateral a x d, axial a          axle    h, k, n of the wheel
-"""
+"""What the joints of bodies carry: force and moment by which each moves the body beyond it, as the right-hand side of
+all bodies finds them, along world axes, and along their own for those who look (bearing_loads.py)."""
 
 from typing import NamedTuple
 
-from omnisim.base.kernel import kernel, outlined
+from omnisim.base.kernel import kernel
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
-from omnisim.contact.frame import axes, rate_change, rate_vector, spoke
-from omnisim.dynamics.indices import carries, row_index
+from omnisim.contact.frame import axes, spoke
 from omnisim.dynamics.multibody.elimination import UP, Wrench3, across_axis
-from omnisim.dynamics.multibody.rigid_body import against_gravity, needed_wrench
+from omnisim.dynamics.multibody.rigid_body import needed_wrench
 from omnisim.dynamics.state import places
-from omnisim.dynamics.twist import acceleration_of, body_motion, wheel_motion, wheel_twist, world_frame
+from omnisim.dynamics.twist import body_motion, world_frame
 from omnisim.dynamics.wheel import azimuth_of
-
-RADIAL, LATERAL, AXIAL = range(3)
 
 
 class RollerMotion(NamedTuple):
@@ -38,45 +29,6 @@ def mounting(wheel, frame, q):
     _, k, _ = axes(frame)
     axis = plus(times(wheel.cos_psi, cross(k, d)), times(wheel.sin_psi, k))
     return d, cross(axis, d), axis
-
-
-@outlined
-def recover(parameters, mode, w, y, dy, rates):
-    """Force and moment of the joints of wheel w, from its motion and the floor's forces, into the workspace; rates
-    (N,): absolute axial rates of its rollers, rad/s."""
-    machine = parameters.machine
-    wheel = parameters.wheels[w]
-    workspace = parameters.workspace
-    at = places(parameters)
-    body = body_motion(parameters, y)
-    part = parameters.workspace.parts[w]
-    frame = world_frame(wheel, body)
-    twist = wheel_twist(wheel, body.twist, y[at.spin_rate + w])
-    h, k, up = axes(frame)
-    motion = wheel_motion(wheel, body.twist, acceleration_of(parameters, body, dy), dy[at.spin_rate + w], 0.0)
-    rate = rate_vector(frame, twist)
-    bent = rate_change(frame, twist, motion)
-    centre = plus(plus(times(motion.h, h), times(motion.k, k)), against_gravity(machine))  # with the weight
-    across, axle = wheel.disk_inertia[0], wheel.disk_inertia[1]
-    force, moment = needed_wrench(wheel.disk_mass, across, axle, k, rate, centre, bent)
-    for i in range(wheel.rollers):
-        d, _, axis = mounting(wheel, frame, azimuth_of(parameters, w, i, y[at.spin_angle + w]))
-        rho = plus(times(wheel.roller_distance, d), times(parameters.roller_rows[row_index(wheel, i)].offset, k))
-        joint = rates[i] - dot(rate, axis)
-        rolling = dy[wheel.rates + i] if machine.every_rate else 0.0
-        floor = Wrench3(Vec3(0.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.0))
-        for side in range(part.contacts):
-            if carries(wheel, mode, side, i):
-                contact = workspace.contacts[part.first + side]
-                arm = minus(plus(times(contact.l, k), times(-wheel.radius, up)), rho)
-                floor = on_roller(part, contact, arm, h, k)
-                if not machine.every_rate:
-                    rolling = dy[wheel.rates + side]
-        moved = roller_motion(centre, bent, rate, axis, rho, joint, rolling)
-        given = load_joint(workspace.joints[w, i + 1], wheel, axis, plus(rate, times(joint, axis)), moved, floor)
-        force = plus(force, given.force)
-        moment = plus(moment, plus(given.moment, cross(rho, given.force)))
-    keep_joint(workspace.joints[w, 0], moment, force)
 
 
 @kernel
@@ -106,14 +58,12 @@ def on_roller(part, contact, arm, h, k):
 
 @kernel
 def load_joint(record, wheel, axis, rate, motion, floor):
-    """The Wrench3 by which its bearing moves a roller that turns at `rate` and feels `floor`, also into a record JOINT;
-    motion: its RollerMotion, with the weight in it."""
+    """What moves a roller that turns at `rate` and feels `floor`, into the record JOINT of its bearing; motion: its
+    RollerMotion, with the weight in it."""
     force, moment = needed_wrench(
         wheel.roller_mass, wheel.transverse_inertia, wheel.axial_inertia, axis, rate, motion.linear, motion.angular
     )
-    given = Wrench3(minus(moment, floor.moment), minus(force, floor.force))
-    keep_joint(record, given.moment, given.force)
-    return given
+    keep_joint(record, minus(moment, floor.moment), minus(force, floor.force))
 
 
 @kernel
