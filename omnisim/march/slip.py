@@ -46,8 +46,9 @@ def slip_rate(parameters, mode, w, side, y, slope):
     """v' (Slip, m/s^2) at a contact of wheel w in a state y with this derivative, v (Slip, m/s), and A, 1/kg."""
     if parameters.space is not None:
         stand = standing(parameters, w, body_of(parameters, y), y)
-        mobility = contact_mobility(parameters, w, stand.hub, touching_at(parameters, mode, w, side, stand))
-        change = slip_change(parameters, mode, w, side, stand, y, slope)
+        touched = touching_at(parameters, mode, w, side, stand)
+        mobility = contact_mobility(parameters, w, stand.hub, touched)
+        change = slip_change(parameters, mode, w, side, (stand, touched), y, slope)
         return change, slip_at(parameters, mode, w, side, y), mobility
     return upright_slip_rate(parameters, mode, w, side, y, slope)
 

@@ -14,9 +14,7 @@ from scenes import of_wheels
 
 from omnisim.contact.set_valued import CREEP, STICK
 from omnisim.dynamics.spatial.acceleration import slip_change_on_ground
-from omnisim.dynamics.spatial.pose import body_of
 from omnisim.dynamics.spatial.records import SLOTS
-from omnisim.dynamics.spatial.touching import standing
 from omnisim.march.runge_kutta import refresh
 from omnisim.scene.scene import parse
 from oracle.spatial.bodies import Coordinates, rotation, turned
@@ -50,8 +48,7 @@ def hold(engine: Engine, now) -> None:
 def change_of_slip(engine: Engine, w: int) -> np.ndarray:
     """v' at the contact of wheel w along the motion, by differences, m/s^2."""
     parameters, run = engine.parameters, engine.run
-    stand = standing(parameters, w, body_of(parameters, run.y), run.y)
-    return np.array(slip_change_on_ground(parameters, run.mode[w], w, 0, stand, run.y, run.slopes[0]))
+    return np.array(slip_change_on_ground(parameters, run.mode[w], w, 0, run.y, run.slopes[0]))
 
 
 @pytest.mark.parametrize("name", either(CASES, ["kiwi_slope"]))

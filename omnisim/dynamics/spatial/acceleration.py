@@ -56,16 +56,16 @@ def slip_at(parameters, mode, w, c, y):
 
 
 @kernel
-def slip_change(parameters, mode, w, c, stand, y, dy):
+def slip_change(parameters, mode, w, c, place, y, dy):
     """v' (Slip, m/s^2) at contact c of wheel w by the derivative dy of the state: how it changes along h and k, which
-    turn with the wheel."""
+    turn with the wheel; place: its Standing and Touching."""
     if parameters.space.body.uneven:
-        return slip_change_on_ground(parameters, mode, w, c, stand, y, dy)
-    return slip_change_on_plane(parameters, mode, w, c, stand, y, dy)
+        return slip_change_on_ground(parameters, mode, w, c, y, dy)
+    return slip_change_on_plane(parameters, mode, w, c, place, y, dy)
 
 
 @outlined
-def slip_change_on_ground(parameters, mode, w, c, stand, y, dy):
+def slip_change_on_ground(parameters, mode, w, c, y, dy):
     """The same where the ground is curved, by central differences along the motion."""
     change_h, change_k = 0.0, 0.0
     for side in range(2):
@@ -79,14 +79,14 @@ def slip_change_on_ground(parameters, mode, w, c, stand, y, dy):
 
 
 @kernel
-def slip_change_on_plane(parameters, mode, w, c, stand, y, dy):
+def slip_change_on_plane(parameters, mode, w, c, place, y, dy):
     """The same on a plane, in closed form.
 
     V = V_O + w_d x (X - O) + chi' a x (X - B) at X - B = g a + f nu, which moves through the roller:
     g = u + r N / across, f = delta - r / across, N = nu . a.
     """
     at = places(parameters)
-    touched = touching_at(parameters, mode, w, c, stand)
+    stand, touched = place
     hub, roller, normal = stand.hub, touched.roller, touched.normal
     axes = mounted(hub)
     lifted, bending = hub_acceleration(parameters, stand.body, w, y, dy)
@@ -94,9 +94,9 @@ def slip_change_on_plane(parameters, mode, w, c, stand, y, dy):
     axle = Vec3(0.0, 1.0, 0.0)
     rate = disk_turning(stand)
     bending = plus(bending, combine(dy[at.spin_rate + w], axle, stand.spin_rate, cross(hub.rate, axle), 0.0, axle))
-    place = rate_of_roller(parameters, mode, w, c)
-    joint = y[place] - dot(rate, roller.axis)
-    joint_change = dy[place] - dot(bending, roller.axis)
+    own = rate_of_roller(parameters, mode, w, c)
+    joint = y[own] - dot(rate, roller.axis)
+    joint_change = dy[own] - dot(bending, roller.axis)
     # X - B, and how it changes
     run = running(shape_of(parameters.space, w, mode.meeting[c]), mode.region[c], footing_of(touched), rate)
     axis_change = cross(rate, roller.axis)

@@ -4,9 +4,10 @@ slip has across its direction, is taken away at once."""
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.vector import dot, minus, plus, times
 from omnisim.dynamics.spatial.acceleration import slip_at
-from omnisim.dynamics.spatial.holding import find_mobility, gather, rate_of, stick
+from omnisim.dynamics.spatial.holding import factorize_firm, find_mobility, gather, rate_of, stick
 from omnisim.dynamics.spatial.pose import body_of, outward, put_at, vector
 from omnisim.dynamics.spatial.pose import turned as turned_about
+from omnisim.dynamics.spatial.seen import look_at_all
 from omnisim.dynamics.spatial.touching import rate_of_roller
 from omnisim.dynamics.state import places
 
@@ -21,7 +22,8 @@ def align_in_space(parameters, mode, y, dt):
     friction could not turn in a step dt is left as it is.
     """
     body = body_of(parameters, y)
-    count = gather(parameters, mode, body, y, True)
+    look_at_all(parameters, mode, body, y)
+    count = gather(parameters, mode, body, True)
     if count == 0:
         return
     holding, at = parameters.space.holding, places(parameters)
@@ -34,9 +36,9 @@ def align_in_space(parameters, mode, y, dt):
             held.bias[0], held.bias[1] = slip.k * u[0] - slip.h * u[1], 0.0
         held.force[0] = held.force[1] = 0.0
     find_mobility(parameters, count)
-    stick(holding, count)
+    stick(holding, count, factorize_firm(holding, count))
     if spared(holding, count, dt):
-        stick(holding, count)
+        stick(holding, count, factorize_firm(holding, count))
     before = parameters.space.shifted
     for i in range(len(before)):
         before[i] = y[i]

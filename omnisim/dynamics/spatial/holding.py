@@ -16,6 +16,7 @@ slip across the line alone.
 """
 
 import math
+from typing import NamedTuple
 
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.vector import combine, dot, plus, times
@@ -26,42 +27,52 @@ from omnisim.dynamics.spatial.acceleration import slip_change
 from omnisim.dynamics.spatial.carriers import factorize, substitute
 from omnisim.dynamics.spatial.mobility import lever_along
 from omnisim.dynamics.spatial.pose import body_of, outward, product, put, put_at, tangent_of, vector
-from omnisim.dynamics.spatial.records import SLOTS
-from omnisim.dynamics.spatial.touching import rate_of_roller, standing, touching_at
+from omnisim.dynamics.spatial.seen import look_at_all, standing_seen, touch_place, touching_seen
+from omnisim.dynamics.spatial.touching import rate_of_roller
 from omnisim.dynamics.state import places
 
 PROXIMAL = 1e-8  # of the largest mobility: what keeps the system regular
 MOST_PROXIMAL = 4  # rounds, each of which leaves 1e-8 of the error before it
+LOST = 1e-16  # of the largest force: a correction of that size is lost in rounding
 MOST_ROUNDS = 100  # of directions
 STEADY = 1e-12  # rad: the next correction would be lost in rounding
 SAME_LINE = 1e-12  # of the mobility along a line: what opposite forces along it may move
 ROUNDING = 1e-9  # rad, below which a correction that no longer falls is rounding
 
 
+class Firm(NamedTuple):
+    """Along how many axes contacts are held, and p, 1/kg, which is added to their A."""
+
+    axes: int
+    added: float
+
+
 @outlined
 def hold(parameters, stage, body):
     """Forces at the contacts that stick or creep, and what they change in y'; their heat, W."""
-    count = gather(parameters, stage.mode, body, stage.y, False)
+    space = parameters.space
+    count = gather(parameters, stage.mode, body, False)
     if count == 0:
         return 0.0
-    holding = parameters.space.holding
+    holding = space.holding
     find_mobility(parameters, count)
+    firm = factorize_firm(holding, count)
     find_lines(holding, count)
     for m in range(count):
         held = holding.contacts[m]
         if held.creeps and not held.bound:
-            held.yields[0], held.yields[1], held.yields[2] = yielding(holding, m, count)
+            held.yields[0], held.yields[1], held.yields[2] = yielding(holding, m, count, firm)
     for m in range(count):
         held = holding.contacts[m]
         w, c = held.wheel, held.contact
-        stand = standing(parameters, w, body, stage.y)
-        bias = slip_change(parameters, stage.mode[w], w, c, stand, stage.y, stage.dy)
+        stand, touched = standing_seen(space.stands[w], body), touching_seen(space.touches[touch_place(w, c)])
+        bias = slip_change(parameters, stage.mode[w], w, c, (stand, touched), stage.y, stage.dy)
         held.bias[0], held.bias[1] = bias.h, bias.k
         for e in range(2):
             held.force[e] = -held.limit * held.begun[e] if held.creeps else 0.0
     last = math.inf
     for _ in range(MOST_ROUNDS):
-        stick(holding, count)
+        stick(holding, count, firm)
         change = 0.0
         for m in range(count):
             if holding.contacts[m].creeps:
@@ -82,39 +93,41 @@ def held_mobility(parameters, mode, y, w, side):
     those that stick are held."""
     grip, before = mode[w].grip, mode[w].grip[side]
     grip[side] = CREEP
-    count = gather(parameters, mode, body_of(parameters, y), y, False)
+    body = body_of(parameters, y)
+    look_at_all(parameters, mode, body, y)
+    count = gather(parameters, mode, body, False)
     grip[side] = before
     find_mobility(parameters, count)
     holding, own = parameters.space.holding, 0
     for m in range(count):
         if holding.contacts[m].wheel == w and holding.contacts[m].contact == side:
             own = m
-    return yielding(holding, own, count)
+    return yielding(holding, own, count, factorize_firm(holding, count))
 
 
 @kernel
-def yielding(holding, own, count):
+def yielding(holding, own, count, firm):
     """Slip acceleration of contact `own` along h and k by its force (Symmetric, 1/kg), while those that stick hold."""
-    hh, hk = pushed(holding, own, 0, count)
-    _, kk = pushed(holding, own, 1, count)
+    hh, hk = pushed(holding, own, 0, count, firm)
+    _, kk = pushed(holding, own, 1, count, firm)
     return Symmetric(hh, hk, kk)
 
 
 @kernel
-def pushed(holding, own, e, count):
+def pushed(holding, own, e, count, firm):
     """The same by a unit force along its axis e."""
     for m in range(count):
         held = holding.contacts[m]
         held.bias[0] = held.bias[1] = held.force[0] = held.force[1] = 0.0
     holding.contacts[own].force[e] = 1.0
-    stick(holding, count)
+    stick(holding, count, firm)
     return rate_of(holding, own, 0, count), rate_of(holding, own, 1, count)
 
 
 @kernel
-def gather(parameters, mode, body, y, aligning):
-    """The contacts at rest into the workspace, with their levers: how many. `aligning`: those of creeping ones are
-    across and along their direction."""
+def gather(parameters, mode, body, aligning):
+    """The contacts at rest into the workspace, with their levers, where look_at_all has seen them: how many.
+    `aligning`: those of creeping ones are across and along their direction."""
     space = parameters.space
     holding = space.holding
     count = 0
@@ -122,17 +135,17 @@ def gather(parameters, mode, body, y, aligning):
         for c in range(mode[w].contacts):
             if mode[w].grip[c] == SLIP:
                 continue
-            stand = standing(parameters, w, body, y)
-            touched = touching_at(parameters, mode[w], w, c, stand)
+            seen = space.touches[touch_place(w, c)]
+            stand, touched = standing_seen(space.stands[w], body), touching_seen(seen)
             held, creep = holding.contacts[count], mode[w].creep[c]
             held.wheel, held.contact, held.roller = w, c, mode[w].slot[c]
             held.creeps = mode[w].grip[c] == CREEP
-            held.limit = parameters.machine.friction * max(space.touches[w * SLOTS + c].normal_force, 0.0)
+            held.limit = parameters.machine.friction * max(seen.normal_force, 0.0)
             held.firm = (1 if aligning else 0) if held.creeps else 2
             held.turned = 0.0
             for i in range(2):
                 held.begun[i], held.veer[i] = creep[i], mode[w].veer[c, i]
-                held.slip[i] = space.touches[w * SLOTS + c].slip[i]
+                held.slip[i] = seen.slip[i]
             h, k = tangent_of(touched.normal)
             axis = touched.roller.axis
             along_h, along_k = dot(axis, h), dot(axis, k)
@@ -181,7 +194,7 @@ def find_mobility(parameters, count):
                 for i in range(3, 6):
                     given[i] = space.body.mobility * felt[i]
     for m in range(count):
-        for n in range(count):
+        for n in range(m + 1):
             one, other = holding.contacts[m], holding.contacts[n]
             wheel = parameters.wheels[one.wheel]
             for e in range(2):
@@ -193,7 +206,7 @@ def find_mobility(parameters, count):
                         total += wheel.spin_mobility * one.spin[e] * other.spin[f]
                         if one.roller == other.roller:
                             total += wheel.axial_mobility * one.arm[e] * other.arm[f]
-                    holding.mobility[2 * m + e, 2 * n + f] = total
+                    holding.mobility[2 * m + e, 2 * n + f] = holding.mobility[2 * n + f, 2 * m + e] = total
 
 
 @kernel
@@ -258,37 +271,53 @@ def room_along(held):
 
 
 @kernel
-def stick(holding, count):
-    """Forces along what is held, with those of creeping contacts as they stand."""
-    system, side = holding.system, holding.side
+def factorize_firm(holding, count):
+    """Factors of A + p along what is held: the Firm."""
+    system = holding.system
     largest, unknowns = TINY, 0
     for m in range(count):
         for e in range(holding.contacts[m].firm):
             largest = max(largest, holding.mobility[2 * m + e, 2 * m + e])
+    added = PROXIMAL * largest
     for m in range(count):
         for e in range(holding.contacts[m].firm):
             column = 0
-            for n in range(count):
+            for n in range(m + 1):
                 for f in range(holding.contacts[n].firm):
                     system[unknowns, column] = holding.mobility[2 * m + e, 2 * n + f]
                     column += 1
-            system[unknowns, unknowns] += PROXIMAL * largest
+            system[unknowns, unknowns] += added
             unknowns += 1
-    if unknowns == 0:
-        return
     factorize(system[:unknowns, :unknowns])
+    return Firm(unknowns, added)
+
+
+@kernel
+def stick(holding, count, firm):
+    """Forces along what is held, with those of creeping contacts as they stand; firm: their Firm.
+
+    Each round solves (A + p) d = -v'; what it leaves of v' is -p d.
+    """
+    factors, side = holding.system[: firm.axes, : firm.axes], holding.side[: firm.axes]
+    row = 0
+    for m in range(count):
+        for e in range(holding.contacts[m].firm):
+            side[row] = -rate_of(holding, m, e, count)
+            row += 1
+    last = TINY
     for _ in range(MOST_PROXIMAL):
-        row = 0
+        substitute(factors, side)
+        row, largest, change = 0, TINY, 0.0
         for m in range(count):
+            force = holding.contacts[m].force
             for e in range(holding.contacts[m].firm):
-                side[row] = -rate_of(holding, m, e, count)
+                force[e] += side[row]
+                largest, change = max(largest, abs(force[e])), max(change, abs(side[row]))
+                side[row] *= firm.added
                 row += 1
-        substitute(system[:unknowns, :unknowns], side[:unknowns])
-        row = 0
-        for m in range(count):
-            for e in range(holding.contacts[m].firm):
-                holding.contacts[m].force[e] += side[row]
-                row += 1
+        if change * change <= LOST * largest * last:  # corrections fall by one factor: the next is lost
+            break
+        last = change
 
 
 @kernel
@@ -349,7 +378,7 @@ def yield_to(parameters, stage, body, m):
     space, at = parameters.space, places(parameters)
     held, dy = space.holding.contacts[m], stage.dy
     w, c, force = held.wheel, held.contact, held.force
-    wheel, seen = parameters.wheels[w], space.touches[w * SLOTS + c]
+    wheel, seen = parameters.wheels[w], space.touches[touch_place(w, c)]
     place = rate_of_roller(parameters, stage.mode[w], w, c)
     for e in range(2):
         given = space.holding.given[m, e]
