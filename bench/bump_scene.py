@@ -22,7 +22,7 @@ from omnisim.scene.wheel_schema import WheelType
 STEM = Path(__file__).parents[1] / "tests/reference/spatial_mecanum_bump"
 RESOLVED = 1e-9  # m
 BEST, FASTEST = "the best", "the fastest"
-OURS = (("rk4", 2e-5), ("auto", 1e-3))  # methods and steps, s, beside the best of an engine
+OURS = (("rk4", 3.2e-5), ("auto", 1e-3))  # methods and steps, s, beside the best of an engine
 NEAR = 0.25  # m: no run that is farther off is called the fastest
 CLOSER = 1000.0  # times: how much smaller the error of a run is that takes less time
 ALARM = 0.3  # of its time, for the best of an engine
@@ -124,6 +124,13 @@ def claims(engine: str, result: dict) -> list[Claim]:
     if not result:
         return []
     close = [row for row in result["omnisim"] if row["position_error"] * CLOSER <= result["best"]["position_error"]]
-    ratio = max((row["ratios"][BEST] for row in close), default=0.0)
+    fastest = max(close, key=lambda row: row["ratios"][BEST], default=None)
     text = f"{engine} over bumps at its best, by a march of omnisim with an error {CLOSER:g} times smaller"
-    return [Claim(text, ratio, "at least", 1.0, ALARM)]
+    if fastest is None:
+        return [Claim(text, 0.0, "at least", 1.0, ALARM)]
+    closer = result["best"]["position_error"] / fastest["position_error"]
+    reason = (
+        f"By `{fastest['method']}` at {fastest['step']:g} s, as long a step as friction at this slip_speed lets it "
+        f"take: with that its error is {closer:.0e} times smaller"
+    )
+    return [Claim(text, fastest["ratios"][BEST], "at least", 1.0, ALARM, reason)]
