@@ -71,13 +71,15 @@ def test_what_24_rollers_take_is_told_by_right_hand_sides_and_by_what_each_takes
 
 def test_an_engine_over_bumps_is_judged_by_a_march_that_is_a_thousand_times_closer():
     def ours(error, ratio):
-        return {"position_error": error, "ratios": {bump_scene.BEST: ratio}}
+        return {"method": "rk4", "step": 1e-5, "position_error": error, "ratios": {bump_scene.BEST: ratio}}
 
     best = {"position_error": 1e-1}
     (claim,) = bump_scene.claims("An engine", {"best": best, "omnisim": [ours(1e-5, 3.0), ours(2e-4, 9.0)]})
     assert (claim.value, claim.met) == (3.0, True)
     (claim,) = bump_scene.claims("An engine", {"best": best, "omnisim": [ours(2e-4, 9.0)]})
     assert (claim.value, claim.met) == (0.0, False)
+    (claim,) = bump_scene.claims("An engine", {"best": best, "omnisim": [ours(1e-5, 0.9)]})
+    assert not claim.met and claim.reason.endswith("its error is 1e+04 times smaller")
     assert bump_scene.claims("An engine", {}) == []
 
 
