@@ -26,6 +26,7 @@ from omnisim.scene.scene import Scene, changed
 STEP = 1e-4  # s
 COASTING = 0.2  # s, of a march on the plane: short enough to fit between the turns of neighbours
 MARCHES_PER_ROUND = 200
+FEW_MARCHES_PER_ROUND = 20  # of those that take thirty times as long
 TARGET, ALARM = 10.0, 30.0  # steps of the C loop
 ROLLERS_TARGET, ROLLERS_ALARM = 1.1, 2.5  # times the machine with six
 COUNTS = {6: (), 24: (
@@ -77,7 +78,12 @@ def of_rollers() -> dict[str, dict[int, Scene]]:
 def measure(rounds: int) -> dict:
     """Of a step on the plane, by rollers, and over the bumps."""
     ladder = LADDER if rounds >= FULL_ROUNDS else SHORT
-    return {"step": beside_c(rounds), "rollers": by_rollers(rounds), "bumps": over_bumps(ladder, rounds)}
+    return {
+        "step": beside_c(rounds),
+        "rollers": by_rollers(rounds),
+        "laws": by_law(rounds),
+        "bumps": over_bumps(ladder, rounds),
+    }
 
 
 def beside_c(rounds: int) -> dict:
@@ -117,6 +123,18 @@ def by_rollers(rounds: int) -> dict:
         ratios = {key: many[of] / few[of] for key, of in (("ratio", "ns_per_step"), ("rhs_ratio", "rhs_per_step"))}
         result[name] = {"rows": rows, **ratios}
     return result
+
+
+def by_law(rounds: int) -> dict[str, dict[str, float]]:
+    """The machine that rolls, with the smooth law and with the set-valued one, whose contacts hold one another."""
+    coefficient = bumps().config.friction.coefficient
+    set_valued = f"friction={{law='coulomb', coefficient={coefficient!r}}}"
+    scenes = {"regularized": on_plane(DAMPED), "coulomb": on_plane(DAMPED, set_valued)}
+    contestants = {law: partial(marching, scene) for law, scene in scenes.items()}
+    seconds = quiet(interleaved(contestants, FEW_MARCHES_PER_ROUND * rounds))
+    return {
+        law: {"ns_per_step": seconds[law] / (COASTING / STEP) * 1e9, **counted(scene)} for law, scene in scenes.items()
+    }
 
 
 def over_bumps(ladder: dict[str, tuple[float, ...]], rounds: int) -> list[dict]:
@@ -164,12 +182,20 @@ def report(result: dict) -> str:
         f"Rolling, 24 rollers take {ratio:.2f} times as long as 6: {more:.2f} times by right-hand sides at events, "
         f"{ratio / more:.2f} times by what one takes with more contacts."
     )
+    smooth, valued = result["laws"]["regularized"], result["laws"]["coulomb"]
+    slower = valued["ns_per_step"] / smooth["ns_per_step"]
+    more = valued["rhs_per_step"] / smooth["rhs_per_step"]
+    laws = (
+        f"With set-valued friction the one with 6 takes {slower:.1f} times as long, rolling: {more:.1f} times by "
+        f"right-hand sides and {slower / more:.1f} times by what one takes."
+    )
     columns = ["method", "step, s", "position off by, mm", "turned off by, rad", "times real time, march", "simulate"]
     return "\n\n".join(
         [
             said,
             table(header, rollers),
             shares,
+            laws,
             "Over two bumps of 12 and 8 mm, up to its end:",
             table(columns, [[row["method"], f"{row['step']:g}", *cells(row)] for row in result["bumps"]]),
             NOTES,

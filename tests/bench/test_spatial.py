@@ -64,7 +64,9 @@ def test_claims_are_a_step_beside_c_and_the_cost_of_rollers():
 def test_what_24_rollers_take_is_told_by_right_hand_sides_and_by_what_each_takes():
     row = {"ns_per_step": 1000.0, "events": 1, "rhs_per_step": 4.0, "contacts": 1.0}
     rolling = {"rows": {"6": row, "24": row | {"contacts": 2.0}}, "ratio": 1.32, "rhs_ratio": 1.1}
-    said = spatial.report({"step": {}, "rollers": {"rolling": rolling}, "bumps": []})
+    laws = {"regularized": row, "coulomb": row | {"ns_per_step": 9000.0, "rhs_per_step": 6.0}}
+    said = spatial.report({"step": {}, "rollers": {"rolling": rolling}, "laws": laws, "bumps": []})
+    assert "takes 9.0 times as long, rolling: 1.5 times by right-hand sides and 6.0 times" in said
     assert "1.32 times as long as 6: 1.10 times by right-hand sides at events, 1.20 times" in said
     assert "| rolling | 24 | 1000 | 1 | 4.00 | 2.00 | 250 |" in said
 

@@ -4,7 +4,7 @@ slip has across its direction, is taken away at once."""
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.vector import dot, minus, plus, times
 from omnisim.dynamics.spatial.acceleration import slip_at
-from omnisim.dynamics.spatial.holding import factorize_firm, find_mobility, gather, rate_of, stick
+from omnisim.dynamics.spatial.held import factorize_firm, find_mobility, gather, rate_of, stick
 from omnisim.dynamics.spatial.pose import body_of, outward, put_at, vector
 from omnisim.dynamics.spatial.pose import turned as turned_about
 from omnisim.dynamics.spatial.seen import look_at_all
