@@ -4,8 +4,8 @@ import math
 from typing import NamedTuple
 
 from omnisim.base.kernel import kernel
-from omnisim.base.vector import Vec3, cross, plus
-from omnisim.contact.floor import around, flattened
+from omnisim.base.vector import Vec3, combine, cross, dot, plus
+from omnisim.contact.floor import around, beyond, flattened
 
 
 class Coordinates(NamedTuple):
@@ -89,3 +89,26 @@ def edge_patch(floor, k, at):
         plus(cross(p_last, q), cross(p, q_last)),
         -edge,
     )
+
+
+@kernel
+def coordinates_of(floor, piece, point):
+    """The Coordinates of a point X (Vec3, m) of a piece; angle more than a right one on the face below an arc."""
+    if not piece:
+        return Coordinates(point.x, point.y)
+    step = floor.steps[piece - 1]
+    rest = around(floor, piece - 1, point.x, point.y)
+    rise = point.z - rest.height - step[4] + step[5]
+    way = (point.y - step[1]) * step[2] - (point.x - step[0]) * step[3]
+    return Coordinates(math.atan2(step[6] - beyond(step, point.x, point.y), rise), way)
+
+
+@kernel
+def turning_of_normal(here, motion):
+    """How the unit normal at a Patch changes (Vec3) as X moves by a tangent `motion` (Vec3, m)."""
+    square = dot(here.normal, here.normal)
+    first = dot(cross(motion, here.q), here.normal) / (square * here.reach)
+    last = dot(cross(here.p, motion), here.normal) / square
+    change = combine(first, here.normal_first, last, here.normal_last, 0.0, here.normal)
+    scale = 1.0 / math.sqrt(square)
+    return combine(scale, change, -scale * dot(change, here.normal) / square, here.normal, 0.0, here.normal)

@@ -27,8 +27,9 @@ from omnisim.contact.support import next_region, region_guard
 from omnisim.dynamics.actuation import limit_guard, next_limit
 from omnisim.dynamics.spatial.gaps import gap_of, in_contact, may_be_next
 from omnisim.dynamics.spatial.pose import body_of, outward, vector
+from omnisim.dynamics.spatial.reaction import react
 from omnisim.dynamics.spatial.records import SLOTS
-from omnisim.dynamics.spatial.touching import meetings, rate_of_roller, react, shape_of, standing, touching_at
+from omnisim.dynamics.spatial.touching import meetings, rate_of_roller, shape_of, standing, touching_at
 from omnisim.dynamics.state import places
 from omnisim.march.creeping import forget_turning, keep_young
 from omnisim.march.event_log import record

@@ -16,6 +16,7 @@ from omnisim.contact.set_valued import CREEP, SLIP, STICK, TINY
 from omnisim.dynamics.indices import contact_count
 from omnisim.dynamics.spatial import touching
 from omnisim.dynamics.spatial.pose import body_of
+from omnisim.dynamics.spatial.running import streaming as spatial_streaming
 from omnisim.dynamics.twist import body_motion
 from omnisim.dynamics.wheel import contact_state
 from omnisim.march.creeping import CREEP_SPEED, creep_of
@@ -107,9 +108,7 @@ def brush_floor(parameters, mode, w, side, y):
         stand = touching.standing(parameters, w, body_of(parameters, y), y)
         touched = touching.touching_at(parameters, mode, w, side, stand)
         joint = touching.joint_rate(stand, touched.roller, y[touching.rate_of_roller(parameters, mode, w, side)])
-        shape = touching.shape_of(parameters.space, w, mode.meeting[side])
-        footing, disk = touching.footing_of(touched), touching.disk_turning(stand)
-        stream = touching.streaming(shape, mode.region[side], footing, disk, joint)
+        stream = spatial_streaming(parameters, mode, w, side, (stand, touched), joint)
     else:
         state = contact_state(parameters, mode, w, side, body_motion(parameters, y), y)
         stream = streaming(parameters.wheels[w], state)

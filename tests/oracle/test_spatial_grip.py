@@ -2,7 +2,7 @@
 
 The engine finds the forces; the oracle is given them, and must find the same accelerations and the same loads of
 every bearing. The slip, differenced along the motion that follows, must not change where a contact sticks, and change
-along itself where it creeps.
+along itself where it creeps. In closed form it changes as these differences say, on curved ground too.
 """
 
 import numpy as np
@@ -12,20 +12,25 @@ from helpers.stages import either
 from machines import run
 from scenes import of_wheels
 
+import omnisim
 from omnisim.contact.set_valued import CREEP, STICK
-from omnisim.dynamics.spatial.acceleration import slip_change_on_ground
+from omnisim.dynamics.spatial.acceleration import slip_at, slip_change
+from omnisim.dynamics.spatial.pose import body_of
 from omnisim.dynamics.spatial.records import SLOTS
+from omnisim.dynamics.spatial.touching import standing, touching_at
 from omnisim.march.runge_kutta import refresh
 from omnisim.scene.scene import parse
 from oracle.spatial.bodies import Coordinates, rotation, turned
 from oracle.spatial.machine import Machine
-from oracle.spatial.states import states
-from oracle.test_spatial import SCENES, Engine, Pairs, add_accelerations, add_energy, add_joints, assert_equal
+from oracle.spatial.states import GRID, SCENES, heights, states
+from oracle.test_spatial import Engine, Pairs, add_accelerations, add_energy, add_joints, assert_equal
 from oracle.vectors import cross
 
 CASES = ("kiwi_slope", "mecanum_springs", "double_row")
 LOADS = tuple(f"{name} of {axles}" for name in ("forces", "moments") for axles in ("axles", "roller axles"))
 FEW = 6
+CURVED = ("kiwi_slope", "mecanum_bump", "shapes on bumps", "grid", "kerb", "ribs", "rockers")
+MOMENT = 2e-6  # s, of differences of slip
 
 
 def gripping(name: str) -> dict:
@@ -45,10 +50,33 @@ def hold(engine: Engine, now) -> None:
     refresh(engine.parameters, engine.run, 0.0)
 
 
-def change_of_slip(engine: Engine, w: int) -> np.ndarray:
-    """v' at the contact of wheel w along the motion, by differences, m/s^2."""
+def change_of_slip(engine: Engine, w: int, c: int = 0) -> np.ndarray:
+    """v' at a contact of wheel w along the motion, by differences of fourth order, m/s^2."""
     parameters, run = engine.parameters, engine.run
-    return np.array(slip_change_on_ground(parameters, run.mode[w], w, 0, run.y, run.slopes[0]))
+    at = [np.array(slip_at(parameters, run.mode[w], w, c, run.y + k * MOMENT * run.slopes[0])) for k in (-2, -1, 1, 2)]
+    return (at[0] - 8.0 * at[1] + 8.0 * at[2] - at[3]) / (12.0 * MOMENT)
+
+
+@pytest.mark.parametrize("name", either(CURVED, ["mecanum_bump", "kerb"]))
+def test_slip_changes_in_closed_form_as_it_does_along_the_motion(name, tmp_path):
+    """Where the ground turns below a contact as well: on a bump, in a grid of heights, around the edge of a step."""
+    np.save(tmp_path / GRID["file"], heights())
+    (tmp_path / "scene.toml").write_text(tomlkit.dumps(SCENES[name]))
+    machine = Machine(SCENES[name], tmp_path)
+    engine = Engine(omnisim.load(tmp_path / "scene.toml", ["initial.height=0.1"]), machine.layout)
+    apart, largest = [], 0.0
+    for now in states(machine, 7, FEW):
+        engine.solve(now)
+        parameters, run = engine.parameters, engine.run
+        for w in range(engine.wheels):
+            for c in range(run.mode[w].contacts):
+                stand = standing(parameters, w, body_of(parameters, run.y), run.y)
+                place = stand, touching_at(parameters, run.mode[w], w, c, stand)
+                change = slip_change(parameters, run.mode[w], w, c, place, run.y, run.slopes[0])
+                differenced = change_of_slip(engine, w, c)
+                apart.append(np.abs(np.array(change) - differenced).max())
+                largest = max(largest, np.abs(differenced).max())
+    assert len(apart) > FEW and max(apart) < 1e-9 * largest, (max(apart), largest)  # measured: 5e-11
 
 
 @pytest.mark.parametrize("name", either(CASES, ["kiwi_slope"]))

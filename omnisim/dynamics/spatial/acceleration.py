@@ -1,23 +1,14 @@
 """Accelerations of a machine free in space from the derivative of its state: of hubs, and of the slip at a contact."""
 
-from omnisim.base.kernel import kernel, outlined
+from omnisim.base.kernel import kernel
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3, combine, cross, dot, minus, plus, times
 from omnisim.contact.frame import Slip
 from omnisim.dynamics.spatial.pose import body_of, hub_of, inward, mounted, stretch_of, tangent_of, turned, vector
-from omnisim.dynamics.spatial.touching import (
-    disk_turning,
-    footing_of,
-    rate_of_roller,
-    react,
-    running,
-    shape_of,
-    standing,
-    touching_at,
-)
+from omnisim.dynamics.spatial.reaction import react
+from omnisim.dynamics.spatial.running import running
+from omnisim.dynamics.spatial.touching import disk_turning, rate_of_roller, standing, touching_at
 from omnisim.dynamics.state import places
-
-MOMENT = 1e-6  # s: of differences of slip along the motion
 
 
 @kernel
@@ -58,32 +49,9 @@ def slip_at(parameters, mode, w, c, y):
 @kernel
 def slip_change(parameters, mode, w, c, place, y, dy):
     """v' (Slip, m/s^2) at contact c of wheel w by the derivative dy of the state: how it changes along h and k, which
-    turn with the wheel; place: its Standing and Touching."""
-    if parameters.space.body.uneven:
-        return slip_change_on_ground(parameters, mode, w, c, y, dy)
-    return slip_change_on_plane(parameters, mode, w, c, place, y, dy)
+    turn with the wheel and with the ground; place: its Standing and Touching.
 
-
-@outlined
-def slip_change_on_ground(parameters, mode, w, c, y, dy):
-    """The same where the ground is curved, by central differences along the motion."""
-    change_h, change_k = 0.0, 0.0
-    for side in range(2):
-        time = MOMENT if side else -MOMENT
-        shifted = parameters.space.shifted
-        for m in range(len(shifted)):
-            shifted[m] = y[m] + time * dy[m]
-        slip = slip_at(parameters, mode, w, c, shifted)
-        change_h, change_k = change_h + 0.5 / time * slip.h, change_k + 0.5 / time * slip.k
-    return Slip(change_h, change_k)
-
-
-@kernel
-def slip_change_on_plane(parameters, mode, w, c, place, y, dy):
-    """The same on a plane, in closed form.
-
-    V = V_O + w_d x (X - O) + chi' a x (X - B) at X - B = g a + f nu, which moves through the roller:
-    g = u + r N / across, f = delta - r / across, N = nu . a.
+    V = V_O + w_d x (X - O) + chi' a x (X - B), of which X moves through the roller: running.py.
     """
     at = places(parameters)
     stand, touched = place
@@ -98,24 +66,28 @@ def slip_change_on_plane(parameters, mode, w, c, place, y, dy):
     joint = y[own] - dot(rate, roller.axis)
     joint_change = dy[own] - dot(bending, roller.axis)
     # X - B, and how it changes
-    run = running(shape_of(parameters.space, w, mode.meeting[c]), mode.region[c], footing_of(touched), rate)
+    run = running(parameters, mode, w, c, place)
     axis_change = cross(rate, roller.axis)
     arm = plus(roller.centre, touched.lever)
     velocity = plus(hub.velocity, plus(cross(rate, arm), times(joint, cross(roller.axis, touched.lever))))
     deeper = -dot(velocity, normal)
-    lever_change = combine(run.along_rate, roller.axis, run.along, axis_change, deeper + run.deep_rate, normal)
+    turned = combine(run.along, axis_change, run.deep, run.swing, 0.0, normal)
+    lever_change = plus(turned, combine(run.along_rate, roller.axis, deeper + run.deep_rate, normal, 0.0, normal))
     arm_change = plus(cross(rate, roller.centre), lever_change)
     disk = plus(lifted, plus(cross(bending, arm), cross(rate, arm_change)))
     turning = plus(cross(axis_change, touched.lever), cross(roller.axis, lever_change))
     whole = plus(disk, combine(joint_change, cross(roller.axis, touched.lever), joint, turning, 0.0, turning))
     h, k = tangent_of(normal)
-    turn = turning_of_tangents(hub.rate, normal, k)
-    return Slip(dot(whole, h) + turn * dot(velocity, k), dot(whole, k) - turn * dot(velocity, h))
+    turn = turning_of_tangents(hub.rate, normal, k, run.swing)
+    return Slip(
+        dot(whole, h) + turn * dot(velocity, k) + deeper * dot(run.swing, h),
+        dot(whole, k) - turn * dot(velocity, h) + deeper * dot(run.swing, k),
+    )
 
 
 @kernel
-def turning_of_tangents(rate, normal, k):
-    """Rate at which h and k (tangent_of) turn about the normal of a plane, rad/s; rate: of the hub, all along its
-    axes."""
-    moved = cross(normal, rate)  # of the normal, seen from the hub
+def turning_of_tangents(rate, normal, k, swing):
+    """Rate at which h and k (tangent_of) turn about the normal, rad/s; rate: of the hub, swing: of the normal (rad/s),
+    all along the axes of the hub."""
+    moved = plus(cross(normal, rate), swing)  # of the normal, seen from the hub
     return dot(rate, normal) + stretch_of(normal) * (k.x * moved.z - k.z * moved.x)

@@ -1,11 +1,9 @@
-"""Where a roller touches the ground, and what rubber and friction do there.
+"""Where a roller touches the ground.
 
-    P      the roller's lowest point along -nu                  X   the point of the ground with P - X along nu
+    P      the roller's lowest point along -nu      X   the point of the ground with P - X along nu
     delta  = -(P - X) . nu: how far the rubber is pressed in, > 0 in contact
-    V      velocity of the roller's material at X, of the body  delta' = -V . nu
-    N      = max(0, stiffness delta + damping delta')            v = V - (V . nu) nu, friction by the scene's law
 
-All along hub axes, from the wheel centre O. B: centre of the roller.
+All along hub axes, from the wheel centre O. B: centre of the roller. What it does there: reaction.py.
 
 Every lobe of a roller may touch every piece of the floor: `meeting` counts the pieces for the first lobe, then for the
 next. On a plane it is the lobe.
@@ -18,14 +16,11 @@ import numpy as np
 
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
-from omnisim.base.vector import Vec3, combine, cross, dot, minus, plus, times
+from omnisim.base.vector import Vec3, dot, plus, times
 from omnisim.contact.common_normal import ANY, touch
 from omnisim.contact.floor import pieces
-from omnisim.contact.frame import Slip
-from omnisim.contact.friction import BRUSH, friction
-from omnisim.contact.set_valued import SLIP
 from omnisim.contact.support import region_of, support
-from omnisim.dynamics.spatial.pose import Body, Hub, hub_of, inward, mounted, outward, stretch_of, tangent_of
+from omnisim.dynamics.spatial.pose import Body, Hub, hub_of, inward, mounted, outward, stretch_of
 from omnisim.dynamics.state import places
 
 STANDING = 1e-9  # of a roller on end: its rim is lowest all around, and any point of it will do
@@ -69,41 +64,6 @@ class Touching(NamedTuple):
     within: float
 
 
-class Footing(NamedTuple):
-    """What of a Touching tells how it runs over its roller: a, nu, nu . a and delta."""
-
-    axis: Vec3
-    normal: Vec3
-    tilt: float
-    depth: float
-
-
-class Running(NamedTuple):
-    """X - B = g a + f nu of a roller and the rates of both: g, f (m), g' and the rate of f - delta (m/s)."""
-
-    along: float
-    deep: float
-    along_rate: float
-    deep_rate: float
-
-
-class Reaction(NamedTuple):
-    """What the ground does at a contact: delta' (m/s), stiffness delta + damping delta' and N (N), slip (m/s) and
-    friction (N) in the tangent plane, factor of the law (N s/m), force (N), moment about the normal (N m), heat (W)
-    and moment of the force about the roller's axis (N m)."""
-
-    closing: float
-    press: float
-    normal_force: float
-    slip: Slip
-    friction: Slip
-    factor: float
-    force: Vec3
-    torque: float
-    heat: float
-    rolling: float
-
-
 @kernel
 def standing(parameters, w, body, y):
     """The Standing of wheel w."""
@@ -137,6 +97,12 @@ def meetings(space, w):
 
 
 @kernel
+def piece_of(space, meeting):
+    """The piece of uneven ground of a meeting."""
+    return meeting % pieces(space.floor)
+
+
+@kernel
 def shape_of(space, w, meeting):
     """The SHAPE of the lobe of a meeting."""
     lobe = meeting
@@ -152,7 +118,7 @@ def touching(parameters, w, stand, meeting, region, i):
     shape = shape_of(parameters.space, w, meeting)
     if not parameters.space.body.uneven:
         return touch_plane(shape, region, roller, stand)
-    return touch_ground(parameters, shape, stand, meeting % pieces(parameters.space.floor), region, roller)
+    return touch_ground(parameters, shape, stand, piece_of(parameters.space, meeting), region, roller)
 
 
 @kernel
@@ -216,73 +182,6 @@ def touch_ground(parameters, shape, stand, piece, region, roller):
     within = found.inside if found.converged else -math.inf
     arm = plus(roller.centre, lever)
     return Touching(roller, normal, stretch_of(normal), found.depth, found.tilt, deep, lever, arm, within)
-
-
-@kernel
-def react(parameters, mode, w, c, stand, touched, rate):
-    """The Reaction at contact c of wheel w, whose roller has the absolute axial rate `rate`, rad/s."""
-    machine, own, hub = parameters.machine, parameters.space.hubs[w], stand.hub
-    normal, roller = touched.normal, touched.roller
-    turning = disk_turning(stand)
-    joint = rate - dot(roller.axis, turning)
-    swing = times(touched.deep, cross(roller.axis, normal))
-    velocity = plus(plus(hub.velocity, cross(turning, touched.arm)), times(joint, swing))
-    closing = -dot(velocity, normal)
-    press = own.stiffness * touched.depth + own.damping * closing
-    load = press if mode.pressed[c] else 0.0
-    sliding = plus(velocity, times(closing, normal))
-    along_h = velocity.x * normal.z - velocity.z * normal.x
-    slip = Slip(along_h * touched.stretch, sliding.y * touched.stretch)
-    factor, torque, turn = 0.0, 0.0, 0.0
-    if mode.pressed[c]:
-        if machine.patch_radius > 0.0:
-            turn = dot(turning, normal) + joint * touched.tilt
-        stream = slip
-        if machine.law == BRUSH:
-            shape = shape_of(parameters.space, w, mode.meeting[c])
-            stream = streaming(shape, mode.region[c], footing_of(touched), turning, joint)
-        factor, torque = friction(machine, mode.saturated[c], load, slip, turn, stream)
-    given, heat = factor, factor * (slip.h * slip.h + slip.k * slip.k) - torque * turn
-    if parameters.workspace.resting is not None and mode.grip[c] != SLIP:  # its force is found with those of others
-        given, heat = 0.0, 0.0
-    held = Slip(-given * slip.h, -given * slip.k)
-    force = minus(times(load, normal), times(given, sliding))
-    return Reaction(closing, press, load, slip, held, factor, force, torque, heat, dot(swing, force))
-
-
-@kernel
-def footing_of(touched):
-    """The Footing of a Touching."""
-    return Footing(touched.roller.axis, touched.normal, touched.tilt, touched.depth)
-
-
-@kernel
-def running(shape, region, footing, turning):
-    """The Running of a Footing whose disk turns with the rate `turning` (rad/s); nu is constant, as on a plane."""
-    tilt = footing.tilt
-    across = max(math.sqrt(max(1.0 - tilt * tilt, 0.0)), STANDING)
-    found = support(shape, region, tilt, across)
-    tilt_rate = dot(cross(turning, footing.axis), footing.normal)
-    radial = found.over_across
-    radial_rate = (found.r_rate + radial * tilt / across) / across * tilt_rate
-    along_rate = found.u_rate * tilt_rate + radial_rate * tilt + radial * tilt_rate
-    return Running(found.u + radial * tilt, footing.depth - radial, along_rate, -radial_rate)
-
-
-@outlined
-def streaming(shape, region, footing, disk, joint):
-    """Velocity (Slip, m/s) with which a contact runs over the surface of its roller, which turns on its axle with the
-    rate `joint` and with its disk (Vec3, rad/s): that of X less that of the material there.
-
-    Of X - B = g a + f nu it is what the turning of the roller does not make: g' a - f w x nu. On curved ground nu is
-    taken to be constant: rollers are much more curved.
-    """
-    axis, normal = footing.axis, footing.normal
-    turning = plus(disk, times(joint, axis))
-    run = running(shape, region, footing, disk)
-    velocity = combine(run.along_rate, axis, -run.deep, cross(turning, normal), 0.0, normal)
-    h, k = tangent_of(normal)
-    return Slip(dot(velocity, h), dot(velocity, k))
 
 
 @kernel

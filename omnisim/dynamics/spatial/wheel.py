@@ -19,12 +19,12 @@ from omnisim.contact.support import region_guard
 from omnisim.dynamics.actuation import actuate, followed
 from omnisim.dynamics.spatial.gaps import least_gap
 from omnisim.dynamics.spatial.pose import add_push, mounted, outward, tangent_of, vector
+from omnisim.dynamics.spatial.reaction import react
 from omnisim.dynamics.spatial.records import BASE, SLOTS
 from omnisim.dynamics.spatial.seen import standing_seen, touch_place, touching_seen
 from omnisim.dynamics.spatial.touching import (
     joint_rate,
     rate_of_roller,
-    react,
     roller_on,
     shape_of,
 )

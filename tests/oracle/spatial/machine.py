@@ -50,7 +50,7 @@ import numpy as np
 from oracle.spatial.bodies import Bodies, Coordinates, Layout, placed, tilted_gravity
 from oracle.spatial.ground import Ground
 from oracle.spatial.wheel import Contact, Wheel
-from oracle.vectors import along_turning, cross
+from oracle.vectors import along_motion, cross
 from oracle.wheel import rolling_resistance
 
 LAWS = ("regularized", "saturated", "viscous", "coulomb", "brush", "none")
@@ -150,15 +150,13 @@ class Machine:
         load = max(0.0, rubber["stiffness"] * contact.depth + rubber.get("damping", 0.0) * rate)
         slip = velocity + rate * contact.normal
         stream = np.zeros(3)
-        if self.friction["law"] == "brush":  # with nu as it is: the ground is taken to be straight
-            part = self.wheels[w].touching(contact, self.ground)
-            lowest = along_turning(
-                lambda axis: part.lowest(bodies.x[body], axis, contact.normal),
-                bodies.axis[body],
-                bodies.w[body],
+        if self.friction["law"] == "brush":
+            stream = along_motion(
+                lambda centre, axis: self.wheels[w].followed(contact, centre, axis, self.ground),
+                (bodies.x[body], bodies.axis[body]),
+                (bodies.v[body], bodies.w[body]),
             )
-            stream = bodies.v[body] + lowest - slip
-            stream -= (stream @ contact.normal) * contact.normal
+            stream -= velocity + (stream - velocity) @ contact.normal * contact.normal
         given = self.given_friction.get((w, roller, contact.piece))
         force = self.friction_force(load, slip, stream) if given is None else given
         shape = contact.piece, contact.point, contact.normal, contact.depth

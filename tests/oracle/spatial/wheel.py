@@ -122,9 +122,15 @@ class Wheel:
         """P of a roller along -nu."""
         return min((part.lowest(centre, axis, nu) for part in self.parts), key=lambda point: point @ nu)
 
-    def touching(self, contact: Contact, ground: Ground) -> "Part":
-        """Which part of a roller a contact is of."""
-        return self.parts[contact.piece // pieces_of(ground)]
+    def followed(self, contact: Contact, centre: np.ndarray, axis: np.ndarray, ground: Ground) -> np.ndarray:
+        """X of the common normal that a contact has become on a roller that has moved a little."""
+        number, piece = divmod(contact.piece, pieces_of(ground))
+        if piece:
+            found = self.parts[number].meet_edge(centre, axis, ground.steps[piece - 1], ground)
+        else:
+            found = self.parts[number].meet(centre, axis, ground, contact.point[:2])
+        assert found is not None
+        return found.point
 
     def contacts(self, centre: np.ndarray, axis: np.ndarray, ground: Ground) -> list[Contact]:
         """Where a roller overlaps the ground: one of its parts after the other."""
