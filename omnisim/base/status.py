@@ -30,7 +30,8 @@ EVENT_KINDS = (
     STIFF_CURRENT,
     CHASSIS_DOWN,
     TOO_MANY_TOUCH,
-) = range(22)
+    HOVERING,
+) = range(23)
 
 # What a shorter step may cure; the rest is the motion's own end, or the user's.
 CURABLE = frozenset((
@@ -99,6 +100,11 @@ SENTENCES = {
     TOO_MANY_TOUCH: (
         "wheel '{wheel}' touches the ground at more places at once than are followed at t = {time:.9g} s: it lies on "
         "its side or is driven deep into the ground, and neither is modelled"
+    ),
+    HOVERING: (
+        "a roller of wheel '{wheel}' presses and lets go more than a thousand times in one step at t = {time:.9g} s: "
+        "friction that does not know the load lifts it as soon as it presses, which is not modelled; use another law "
+        "than 'viscous'"
     ),
     LIFT_OFF: (
         "wheel '{wheel}' leaves the floor at t = {time:.9g} s: the vertical force lifts more than the weight; "

@@ -165,6 +165,7 @@ MODE = np.dtype(
         ("veer", np.float64, (TOUCHING, 2)),  # rate at which it turns: rad/s, and 1/s by the angle from `creep`
         ("veering", np.float64, (TOUCHING,)),  # rate at which it turned at the end of the last step, rad/s
         ("foreseen", np.int64, (TOUCHING,)),  # 1: it does so still, as no force has jumped since
+        ("period", np.float64, (TOUCHING,)),  # how long it may creep at once, s: creeping_period
         ("pull", np.float64, (TOUCHING,)),  # rate at which friction turns slip as the contact equation says, 1/s
         ("settled", np.float64, (TOUCHING,)),  # how often it has done so since forces have jumped, 1
         ("strayed", np.float64, (TOUCHING,)),  # angle of slip from that direction, at most, rad

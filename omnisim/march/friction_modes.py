@@ -45,8 +45,8 @@ from omnisim.march.thin_layer import enter_layer
 
 DRIFTED = 0.01  # of the square of slip that no longer matters: more drift of a sticking contact is taken away
 MOST_FREED = 20  # times in a step, after which slip is followed by sub-steps to its end
-FEW_STEPS = 8.0  # that slip must last at least, to be turned by stages, or
-AT_EASE = 1000.0  # of the times in which friction turns it
+FEW_STEPS = 8.0  # in which slip doubles or stops while its direction follows the contact equation at once, unless
+AT_EASE = 1000.0  # of the times in which friction turns it go by until it does: then that direction is a slow one
 NOT, SOON, NEAR = range(3)  # how slip goes on in the direction of the contact equation
 CREEP_ROUNDING = 1e-3  # of the slip that no longer matters: what contacts that let go together may slip back
 CONE = 1e-12  # of mu times load and weight, by which a sticking force may pass the cone in rounding
@@ -79,9 +79,9 @@ def load_at(parameters, run, w, side):
 def stops(parameters, run, w, side):
     """How a contact that slips goes on along the direction of the contact equation, which attracts its slip.
 
-    NEAR: of its own accord, as it turns: friction turns slip many times within a step, and has done so for so long
-    that the error of the step hides what else turns it; and the slip lasts. SOON: its end is near, and the error hides
-    what the slip is across that direction. Else NOT.
+    NEAR: of its own accord, as it turns: friction turns slip many times within a step that it may be given
+    (creeping_period), and has done so for so long that the error of the step hides what else turns it. SOON: its end is
+    near, and the error hides what the slip is across that direction. Else NOT.
     """
     mode, monitors = run.mode[w], run.monitors[w]
     if mode.shared or mode.grip[side] != SLIP or monitors.factor[side] == 0.0:
@@ -95,9 +95,9 @@ def stops(parameters, run, w, side):
     followed = run.newton is None
     across = strayed(mode, side, course) if followed else course.across
     turned = course.attraction * dt > LEAST_TURNED
-    lasts = not fleeting(run.clock, course)
+    follows = followed and course.attraction * min(dt, creeping_period(course)) > LEAST_TURNED
     foreign = min(across, course.speed * math.exp(-mode.settled[side]))  # not by the turning of that direction itself
-    if followed and turned and lasts and foreign * course.attraction * dt < hidden:
+    if follows and foreign * course.attraction * dt < hidden:
         return NEAR
     if (turned or not followed) and -course.growth * dt > course.speed and across < hidden:
         return SOON
@@ -105,11 +105,13 @@ def stops(parameters, run, w, side):
 
 
 @kernel
-def fleeting(clock, course):
-    """Whether slip will be gone, or have doubled, within a few steps, and so fast that friction does not turn it as it
-    goes: then it turns otherwise than stages can tell."""
-    pace = abs(course.growth)
-    return FEW_STEPS * pace * clock.dt > course.speed and AT_EASE * pace > course.attraction * course.speed
+def creeping_period(course):
+    """How long slip may go on in the direction of the contact equation at once, s: a part of the time in which it
+    doubles, stops or passes by rest, as that direction turns with it; any, where friction turns it far faster."""
+    pace = math.hypot(course.growth, course.turning * course.speed)
+    if AT_EASE * pace <= course.attraction * course.speed:
+        return math.inf
+    return course.speed / (FEW_STEPS * pace)
 
 
 @kernel
@@ -123,16 +125,23 @@ def strayed(mode, side, course):
 @kernel
 def slip_freely(parameters, run):
     """Let creeping contacts slip in the direction that they have: where friction no longer turns slip faster than a
-    step can follow, or where the step would err, as forces have jumped or the slip will not last."""
+    step can follow, or where the step would err, as forces have jumped. Of the others, how long they may creep at
+    once, unless the error of a step hides in any case what they are across."""
     for w in range(len(run.mode)):
         mode = run.mode[w]
         for side in range(contact_count(mode)):
-            if creeping(mode, side) and run.monitors[w].slip_square[side] > CREEP_SPEED**2:
-                course = course_of(parameters, run, w, side)
-                untold = not mode.foreseen[side] or fleeting(run.clock, course)
-                lost = untold and course.across > unseen(run.clock, True, course.speed)
-                if lost or course.attraction * run.clock.dt < STILL_TURNED:
-                    mode.grip[side] = SLIP
+            if not creeping(mode, side):
+                continue
+            mode.period[side] = math.inf
+            if run.monitors[w].slip_square[side] <= CREEP_SPEED**2:
+                continue
+            course = course_of(parameters, run, w, side)
+            hidden = course.across <= unseen(run.clock, True, course.speed)
+            if not hidden:
+                mode.period[side] = creeping_period(course)
+            turned = course.attraction * min(run.clock.dt, mode.period[side])
+            if turned < STILL_TURNED or not (hidden or mode.foreseen[side]):
+                mode.grip[side] = SLIP
 
 
 @kernel
@@ -217,6 +226,7 @@ def begin_to_stop(parameters, run, t):
                 mode.grip[side], mode.stopping[side] = CREEP, 1
                 mode.creep[side, 0], mode.creep[side, 1] = course.h, course.k
                 mode.foreseen[side], mode.veering[side] = how == NEAR, course.turning
+                mode.period[side] = creeping_period(course) if how == NEAR else math.inf
                 mode.veer[side, 0], mode.veer[side, 1] = 0.0, HELD if how == NEAR else 0.0
     refresh(parameters, run, t)
     for w in range(len(run.mode)):

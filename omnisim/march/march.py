@@ -9,6 +9,7 @@ from omnisim.base.status import (
     COMPLETE,
     CROWDED,
     EVENTS_PER_STEP,
+    HOVERING,
     LOG_FULL,
     LOST_TRACK,
     NOT_FINITE,
@@ -38,7 +39,7 @@ from omnisim.march.onset import stand
 from omnisim.march.roller_exchange import release_rollers
 from omnisim.march.runge_kutta import accept, copy, refresh
 from omnisim.march.spatial_contacts import release, stand_in_space
-from omnisim.march.spatial_events import of_state_alone
+from omnisim.march.spatial_events import PRESS, of_state_alone
 from omnisim.march.substeps import step_length
 from omnisim.march.thin_layer import any_layered, follow_layer, relax_slips
 from omnisim.march.validity import check, check_energy, too_fast, too_stiff
@@ -46,6 +47,7 @@ from omnisim.march.validity import check, check_energy, too_fast, too_stiff
 TURNS_PER_STEP = 1000  # reversals of spin, swings about an edge that never come to rest on both rollers
 CUTS_PER_STEP = 1000  # changes of friction, in a step that no branch of the law survives
 TOLD = 1e-9  # of a step: a shorter one, which rounding left over at a knot, tells of no rate
+PRESSES_PER_STEP = 1000  # of a roller that its friction lifts as soon as it presses
 UNBENT = 1e-9  # of inputs and their slopes, by which rounding may change them at a knot
 SLIPS_PER_STEP = 10**6  # sub-steps of slow slip in one step
 
@@ -188,6 +190,7 @@ def grid_step(parameters, method, run, rows, log):
     first_event = clock.events
     turns = 0
     others = 0
+    presses = 0
     slips = 0
     clock.elapsed = 0.0
     while step_left(clock):
@@ -225,6 +228,7 @@ def grid_step(parameters, method, run, rows, log):
                 others += kind not in (TURN, EXIT)
             else:
                 others += not of_state_alone(kind)
+                presses += kind == PRESS
         elif h < whole:
             slips += 1
         elif knot:
@@ -245,6 +249,8 @@ def grid_step(parameters, method, run, rows, log):
             clock.wheel = max(w, 0)
         elif others > CUTS_PER_STEP:
             clock.status, clock.wheel = RESTLESS, w
+        elif presses > PRESSES_PER_STEP:
+            clock.status, clock.wheel = HOVERING, w
         elif clock.events - first_event > EVENTS_PER_STEP:
             clock.status, clock.wheel = CROWDED, w
             if too_fast(parameters, run, w):

@@ -44,7 +44,7 @@ def step_length(parameters, run, t, h):
     machine = parameters.machine
     clock = run.clock
     floor = machine.slip_floor
-    # rates at which friction relaxes slip or a roller's rate, or a current settles; at which slip turns; changes, 1/s
+    # rates at which friction relaxes slip or a roller's rate, or a current settles; turns slip; and slip changes, 1/s
     relaxation = max(machine.bearing_relaxation, machine.current_relaxation, TINY)
     turning = TINY
     pace = TINY
@@ -57,7 +57,7 @@ def step_length(parameters, run, t, h):
             if parameters.workspace.resting is not None and grip == CREEP:  # it will stop soon, or go its own way
                 rate, _, _ = slip_rate(parameters, run.mode[w], w, side, run.y, run.slopes[0])
                 speed = max(math.sqrt(run.monitors[w].slip_square[side]), LEAST_CREEPING)
-                h = min(h, creeping_time(parameters, run, creep_of(parameters, w, side), rate, speed))
+                h = min(h, creeping_time(run, w, side, creep_of(parameters, w, side), rate, speed))
             elif grip == SLIP and factor > 0.0:
                 rate, slip, a = slip_rate(parameters, run.mode[w], w, side, run.y, run.slopes[0])
                 mobility = largest(a)
@@ -67,17 +67,18 @@ def step_length(parameters, run, t, h):
                 size = math.sqrt((rate.h * rate.h + rate.k * rate.k) * scale)
                 sine = abs(slip.h * rate.k - slip.k * rate.h) / max(size, TINY)
                 pace, relaxation = max(pace, size / scale), max(relaxation, factor * mobility)
-                attracted = attraction(run.monitors[w], side, rate, slip, turning_mobility(parameters, run, w, side, a))
-                run.mode[w].pull[side] = attracted / scale
-                angle = sine * size / max(attracted, TINY)
-                share = sine if angle >= sine**5 else angle**0.2  # the lesser of both: a root takes as long as a stage
-                turning = max(turning, share * factor * mobility)
+                if run.newton is None:
+                    a = turning_mobility(parameters, run, w, side, a)
+                    attracted = attraction(run.monitors[w], side, rate, slip, a)
+                    run.mode[w].pull[side] = attracted / scale
+                    angle = sine * size / max(attracted, TINY)
+                    part = turning_part(clock, size / scale, sine, angle, math.sqrt(scale))
+                    turning = max(turning, factor * mobility / part)
     if run.newton is None:
         clock.implicit = False
         fraction = slip_fraction(SLIP_FRACTION, pace, clock)
         stable = TURN_FRACTION * clock.stability_limit
-        turn = fraction / SLIP_FRACTION
-        return min(h, min(fraction / pace, min(stable / relaxation, turn * stable / turning)))
+        return min(h, min(fraction / pace, stable / max(relaxation, turning)))
     h_explicit = h
     # viscous friction relaxes slip as fast where it is large
     fraction = LAYER * FINE_FRACTION if machine.law == VISCOUS else slip_fraction(FINE_FRACTION, pace, clock)
@@ -90,13 +91,28 @@ def step_length(parameters, run, t, h):
 
 
 @kernel
-def creeping_time(parameters, run, u, rate, speed):
-    """How long creeping slip may be stepped at once, s: a little beyond its end; where its direction does not turn as
-    the stages say, only until it has doubled as well."""
+def turning_part(clock, pace, sine, angle, speed):
+    """Part of the largest stable step for slip that friction turns: the less, the further it is from the direction that
+    attracts it; but none that leaves less of that than the error of a step hides.
+
+    pace: 1 / s in which the slip changes; sine: of the angle between its change and itself; angle: to that direction,
+    rad; speed: m/s.
+    """
+    share = sine if angle >= sine**5 else angle**0.2  # the lesser of both: a root takes as long as a stage
+    part = slip_fraction(SLIP_FRACTION, pace, clock) / (SLIP_FRACTION * max(share, TINY))
+    return part if part >= 1.0 else max(part, (clock.aligned / (angle * speed)) ** 0.2)
+
+
+@kernel
+def creeping_time(run, w, side, u, rate, speed):
+    """How long creeping slip may be stepped at once, s: a little beyond its end; where its direction turns as the
+    stages say, for its period, and where it does not, only until it has doubled."""
     change = math.sqrt(rate.h * rate.h + rate.k * rate.k)
-    if run.newton is None and u.h * rate.h + u.k * rate.k >= 0.0:
-        return math.inf
-    return CREEP_STEP * speed / max(change, TINY)
+    end = CREEP_STEP * speed / max(change, TINY)
+    if run.newton is not None:
+        return end
+    period = run.mode[w].period[side]
+    return period if u.h * rate.h + u.k * rate.k >= 0.0 else min(period, end)
 
 
 @outlined

@@ -81,3 +81,11 @@ def test_one_of_them_is_right_and_the_claim_counts_faults():
     (claim,) = claims(result)
     assert claim.value == 1 and not claim.met and "of 100" in claim.text
     assert "| 14 |" in report(result)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("number", [9036, 5329])
+def test_a_roller_that_its_friction_lifts_as_soon_as_it_presses_stops_the_run_and_its_reference_alike(number):
+    """Viscous friction is there as soon as the rubber presses, and these rollers would hover: no step goes on."""
+    found = outcome(number)
+    assert found.verdict == STOPPED and "lifts it as soon as it presses" in found.said, found

@@ -174,6 +174,7 @@ SPATIAL_MODE = np.dtype(
         ("veer", np.float64, (SLOTS, 2)),
         ("veering", np.float64, (SLOTS,)),
         ("foreseen", np.int64, (SLOTS,)),
+        ("period", np.float64, (SLOTS,)),
         ("pull", np.float64, (SLOTS,)),
         ("settled", np.float64, (SLOTS,)),
         ("strayed", np.float64, (SLOTS,)),
