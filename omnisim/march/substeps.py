@@ -44,7 +44,7 @@ def step_length(parameters, run, t, h):
     machine = parameters.machine
     clock = run.clock
     floor = machine.slip_floor
-    # rates at which friction relaxes slip or a roller's rate, or a current settles; turns slip; and slip changes, 1/s
+    # rates at which friction relaxes slip or a roller's rate, or a current settles; at which slip turns; changes, 1/s
     relaxation = max(machine.bearing_relaxation, machine.current_relaxation, TINY)
     turning = TINY
     pace = TINY
@@ -72,13 +72,14 @@ def step_length(parameters, run, t, h):
                     attracted = attraction(run.monitors[w], side, rate, slip, a)
                     run.mode[w].pull[side] = attracted / scale
                     angle = sine * size / max(attracted, TINY)
-                    part = turning_part(clock, size / scale, sine, angle, math.sqrt(scale))
-                    turning = max(turning, factor * mobility / part)
+                    share = sine if angle >= sine**5 else angle**0.2  # the lesser: a root takes as long as a stage
+                    turning = max(turning, share * factor * mobility)
     if run.newton is None:
         clock.implicit = False
         fraction = slip_fraction(SLIP_FRACTION, pace, clock)
         stable = TURN_FRACTION * clock.stability_limit
-        return min(h, min(fraction / pace, stable / max(relaxation, turning)))
+        turn = fraction / SLIP_FRACTION
+        return min(h, min(fraction / pace, min(stable / relaxation, turn * stable / turning)))
     h_explicit = h
     # viscous friction relaxes slip as fast where it is large
     fraction = LAYER * FINE_FRACTION if machine.law == VISCOUS else slip_fraction(FINE_FRACTION, pace, clock)
@@ -88,19 +89,6 @@ def step_length(parameters, run, t, h):
         stiffness = h_explicit * relaxation
     clock.implicit = clock.choice == IMPLICIT or stiffness > AUTO_STIFF
     return min(h, fraction / pace) if clock.implicit else min(h_explicit, AUTO_ACCURATE / relaxation)
-
-
-@kernel
-def turning_part(clock, pace, sine, angle, speed):
-    """Part of the largest stable step for slip that friction turns: the less, the further it is from the direction that
-    attracts it; but none that leaves less of that than the error of a step hides.
-
-    pace: 1 / s in which the slip changes; sine: of the angle between its change and itself; angle: to that direction,
-    rad; speed: m/s.
-    """
-    share = sine if angle >= sine**5 else angle**0.2  # the lesser of both: a root takes as long as a stage
-    part = slip_fraction(SLIP_FRACTION, pace, clock) / (SLIP_FRACTION * max(share, TINY))
-    return part if part >= 1.0 else max(part, (clock.aligned / (angle * speed)) ** 0.2)
 
 
 @kernel
