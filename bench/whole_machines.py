@@ -15,10 +15,10 @@ from typing import NamedTuple
 import numpy as np
 
 import omnisim
+from bench import outside
 from bench.common import Claim, bare_wheel, interleaved, marching, median_ratio, ready, simulation, table
 from bench.machine_scenes import END, MOTIONS, platform, ring
 from omnisim.results.trajectory import Trajectory
-from omnisim.run.loop import Loop
 
 AT_EVENTS = (
     "Four fifths of its instructions are right-hand sides, 3.5 times as many as its steps have stages: those of "
@@ -35,8 +35,6 @@ WHEELS, FEWEST, MOST = (3, 4, 6, 8, 12), 3, 12
 ROLLERS = (8, 64)
 FINE = 2e-5  # s
 STUCK = 0.2  # s: until then no wheel of a ring has come to its next roller
-STEPS = 1000  # of the kiwi drive, stepped from outside: half a second, while its command rises by KIWI_RISE
-KIWI_RISE = 0.3  # m/s^2
 FULL_ROUNDS = 5  # fewer rounds are for the short ladder
 
 
@@ -55,7 +53,7 @@ def measure(rounds: int) -> dict:
         "platform": measure_platform(rounds, steps),
         "wheels": measure_wheels(rounds),
         "rollers": measure_rollers(rounds),
-        "loop": measure_loop(rounds),
+        "loop": outside.measure(rounds),
         "steps": measure_steps(rounds),
     }
 
@@ -196,66 +194,6 @@ def measure_steps(rounds: int) -> dict:
     return {name: row | {"ratio": median_ratio(seconds[name], seconds[bare])} for name, row in found.items()}
 
 
-# --- stepping from outside ------------------------------------------------------------------------
-
-
-def at_once(loop: Loop) -> None:
-    loop.advance(STEPS * loop.run.clock.dt)
-
-
-def one_by_one(loop: Loop) -> None:
-    step = loop.run.clock.dt
-    for _ in range(STEPS):
-        loop.advance(step)
-
-
-def driven(loop: Loop) -> None:
-    """The back wheel gets the input that it has anyway: 0, as the kiwi goes forward."""
-    step = loop.run.clock.dt
-    for _ in range(STEPS):
-        loop.drive("back", 0.0)
-        loop.advance(step)
-
-
-def commanded(loop: Loop) -> None:
-    """The rise of the kiwi's own command as stairs."""
-    step = loop.run.clock.dt
-    for _ in range(STEPS):
-        loop.command(KIWI_RISE * loop.time, 0.0, 0.0)
-        loop.advance(step)
-
-
-CALLS = {
-    f"one advance of {STEPS} steps": at_once,
-    f"{STEPS} times: advance": one_by_one,
-    f"{STEPS} times: drive, advance": driven,
-    f"{STEPS} times: command, advance": commanded,
-}
-
-
-def measure_loop(rounds: int) -> dict:
-    """Microseconds per step of each way to step the kiwi; beyond one advance, and that of the set input alone."""
-    scene = omnisim.load("kiwi")
-    contestants = {name: (lambda call=call: partial(call, Loop(scene))) for name, call in CALLS.items()}
-    seconds = interleaved(contestants, rounds)
-    whole, single = list(CALLS)[:2]
-    return {
-        name: {
-            "us": statistics.median(times) / STEPS * 1e6,
-            "beyond": difference(times, seconds[whole]),
-            "input": difference(times, seconds[single]) if name not in (whole, single) else None,
-            "ratio": median_ratio(times, seconds[whole]),
-            "real_time": STEPS * scene.config.time.step / statistics.median(times),
-        }
-        for name, times in seconds.items()
-    }
-
-
-def difference(times: list[float], others: list[float]) -> float:
-    """Median over the rounds, microseconds per step."""
-    return statistics.median(a - b for a, b in zip(times, others, strict=True)) / STEPS * 1e6
-
-
 # --- report ---------------------------------------------------------------------------------------
 
 
@@ -284,7 +222,7 @@ def report(result: dict) -> str:
             "One RK4 step by the number of rollers, rings of four omni wheels:",
             rollers_table(result["rollers"]),
             "The kiwi drive stepped from outside, by its own step of 0.5 ms:",
-            loop_table(result["loop"]),
+            outside.loop_table(result["loop"]),
             f"One RK4 step of {FINE:.0e} s, in marches of 1 s, with the events of the run:",
             steps_table(result["steps"]),
         ]
@@ -365,22 +303,6 @@ def rollers_table(rings: dict) -> str:
             f"{row['ratio']:.3f}",
         ]
         for law, row in rings.items()
-    ]
-    return table(header, rows)
-
-
-def loop_table(calls: dict) -> str:
-    header = ["calls", "microseconds per step", "beyond the march", "the input alone", "ratio", "times real time"]
-    rows = [
-        [
-            name,
-            f"{row['us']:.2f}",
-            f"{row['beyond']:.2f}",
-            "-" if row["input"] is None else f"{row['input']:.2f}",
-            f"{row['ratio']:.2f}",
-            f"{row['real_time']:.0f}",
-        ]
-        for name, row in calls.items()
     ]
     return table(header, rows)
 

@@ -15,7 +15,7 @@ import pytest
 from helpers.stages import either
 
 import omnisim
-from bench import laws, limit, machine_scenes, memory, precision, run, scaling, targets, whole_machines
+from bench import laws, limit, machine_scenes, memory, outside, precision, run, scaling, targets, whole_machines
 from bench.common import Claim, bare_wheel, claims_table, ready, table
 from bench.peers import c_loop
 from omnisim.cad.geometry import roller_frames
@@ -212,7 +212,7 @@ def test_every_contact_of_a_ring_sticks_throughout(wheels):
 def test_stepping_from_outside_leaves_the_motion_as_it_is():
     scene = omnisim.load("kiwi")
     poses = []
-    for call in whole_machines.CALLS.values():
+    for call in outside.CALLS.values():
         loop = Loop(scene)
         call(loop)
         assert loop.time == pytest.approx(0.5)
