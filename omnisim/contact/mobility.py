@@ -44,6 +44,12 @@ def inverse(a, determinant):
 
 
 @kernel
+def applied(a, h, k):
+    """Components of a (h, k)."""
+    return a.hh * h + a.hk * k, a.hk * h + a.kk * k
+
+
+@kernel
 def solution(a, b):
     """x in a x = b, both Slip."""
     determinant = a.hh * a.kk - a.hk * a.hk

@@ -17,7 +17,7 @@ from typing import NamedTuple
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.vector import Vec3, combine, cross, dot, plus, times
 from omnisim.contact.frame import Slip
-from omnisim.contact.mobility import Symmetric
+from omnisim.contact.mobility import Symmetric, applied
 from omnisim.contact.patch import coordinates_of, patch, turning_of_normal
 from omnisim.contact.support import support
 from omnisim.dynamics.spatial.pose import mounted, outward, tangent_of
@@ -86,12 +86,6 @@ def curvature(parameters, meeting, place, h, k):
     h, k = outward(rotation, outward(axes, h)), outward(rotation, outward(axes, k))
     by_h, by_k = turning_of_normal(ground, h), turning_of_normal(ground, k)
     return Symmetric(dot(by_h, h), dot(by_h, k), dot(by_k, k))
-
-
-@kernel
-def applied(matrix, h, k):
-    """A Symmetric times a vector."""
-    return matrix.hh * h + matrix.hk * k, matrix.hk * h + matrix.kk * k
 
 
 @outlined
