@@ -17,7 +17,7 @@ import math
 
 from omnisim.base.kernel import kernel, outlined
 from omnisim.contact.frame import Slip
-from omnisim.contact.set_valued import CREEP, SLIP, STICK
+from omnisim.contact.set_valued import CREEP, SLIP, STICK, TINY
 from omnisim.dynamics.impulses import align_slip, change_slip
 from omnisim.dynamics.indices import contact_count
 from omnisim.march.creeping import (
@@ -41,12 +41,12 @@ from omnisim.march.slip_bounds import (
     unseen,
     youth,
 )
+from omnisim.march.substeps import SLIP_FRACTION, slip_fraction
 from omnisim.march.thin_layer import enter_layer
 
 DRIFTED = 0.01  # of the square of slip that no longer matters: more drift of a sticking contact is taken away
 MOST_FREED = 20  # times in a step, after which slip is followed by sub-steps to its end
-FEW_STEPS = 8.0  # in which slip doubles or stops while its direction follows the contact equation at once, unless
-AT_EASE = 1000.0  # of the times in which friction turns it go by until it does: then that direction is a slow one
+AT_EASE = 1000.0  # times that friction turns slip while it changes, from which on its direction is a slow one
 NOT, SOON, NEAR = range(3)  # how slip goes on in the direction of the contact equation
 CREEP_ROUNDING = 1e-3  # of the slip that no longer matters: what contacts that let go together may slip back
 CONE = 1e-12  # of mu times load and weight, by which a sticking force may pass the cone in rounding
@@ -95,7 +95,7 @@ def stops(parameters, run, w, side):
     followed = run.newton is None
     across = strayed(mode, side, course) if followed else course.across
     turned = course.attraction * dt > LEAST_TURNED
-    follows = followed and course.attraction * min(dt, creeping_period(course)) > LEAST_TURNED
+    follows = followed and course.attraction * min(dt, creeping_period(run.clock, course)) > LEAST_TURNED
     foreign = min(across, course.speed * math.exp(-mode.settled[side]))  # not by the turning of that direction itself
     if follows and foreign * course.attraction * dt < hidden:
         return NEAR
@@ -105,13 +105,14 @@ def stops(parameters, run, w, side):
 
 
 @kernel
-def creeping_period(course):
-    """How long slip may go on in the direction of the contact equation at once, s: a part of the time in which it
-    doubles, stops or passes by rest, as that direction turns with it; any, where friction turns it far faster."""
-    pace = math.hypot(course.growth, course.turning * course.speed)
-    if AT_EASE * pace <= course.attraction * course.speed:
+def creeping_period(clock, course):
+    """How long slip may go on in the direction of the contact equation at once, s: the part of the time in which it
+    doubles, stops or passes by rest that a sub-step may take, as that direction turns with it; any, if friction turns
+    it far faster."""
+    pace = max(math.hypot(course.growth / max(course.speed, TINY), course.turning), TINY)
+    if AT_EASE * pace <= course.attraction:
         return math.inf
-    return course.speed / (FEW_STEPS * pace)
+    return slip_fraction(SLIP_FRACTION, pace, clock) / pace
 
 
 @kernel
@@ -138,7 +139,7 @@ def slip_freely(parameters, run):
             course = course_of(parameters, run, w, side)
             hidden = course.across <= unseen(run.clock, True, course.speed)
             if not hidden:
-                mode.period[side] = creeping_period(course)
+                mode.period[side] = creeping_period(run.clock, course)
             turned = course.attraction * min(run.clock.dt, mode.period[side])
             if turned < STILL_TURNED or not (hidden or mode.foreseen[side]):
                 mode.grip[side] = SLIP
@@ -226,7 +227,7 @@ def begin_to_stop(parameters, run, t):
                 mode.grip[side], mode.stopping[side] = CREEP, 1
                 mode.creep[side, 0], mode.creep[side, 1] = course.h, course.k
                 mode.foreseen[side], mode.veering[side] = how == NEAR, course.turning
-                mode.period[side] = creeping_period(course) if how == NEAR else math.inf
+                mode.period[side] = creeping_period(run.clock, course) if how == NEAR else math.inf
                 mode.veer[side, 0], mode.veer[side, 1] = 0.0, HELD if how == NEAR else 0.0
     refresh(parameters, run, t)
     for w in range(len(run.mode)):

@@ -22,7 +22,7 @@ from omnisim.dynamics.wheel import contact_state
 from omnisim.march.creeping import CREEP_SPEED, creep_of
 from omnisim.march.slip import attraction, slip_rate, turning_mobility
 
-SLIP_FRACTION = 0.9  # of the time in which slip could stop, that one explicit sub-step may take at most
+SLIP_FRACTION = 0.9  # of the time in which slip could stop or turn, that one explicit sub-step may take at most
 FINE_FRACTION = 0.2  # the same for methods "auto" and "radau5", which are there for their accuracy
 LAYER = 0.25  # of that, with a smooth law
 OUTRUN = 20.0  # stable steps by the end of an explicit one that is taken again at half its length
