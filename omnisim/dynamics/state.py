@@ -143,6 +143,7 @@ TURNING = [
     ("node", np.float64, (NODES,)),  # the part of the step at each, 1
     ("angle", np.float64, (NODES,)),  # of the direction there from that at the start, rad, and
     ("difference", np.float64, (NODES,)),  # divided differences of these, rad
+    ("missed", np.float64),  # by which the last of them is off the polynomial through those before it, rad
     ("veering", np.float64),  # rate at which it turns at the end of a step, rad/s
 ]
 MODE = np.dtype(

@@ -148,7 +148,8 @@ def see_turning(parameters, run, c):
                     value, product = value + course.difference[i] * product, product * (c - course.node[i])
                 course.node[course.nodes] = c
                 course.angle[course.nodes] = angle
-                course.difference[course.nodes] = (angle - value) / product
+                course.missed = angle - value
+                course.difference[course.nodes] = course.missed / product
                 course.nodes += 1
 
 

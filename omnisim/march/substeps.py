@@ -19,8 +19,9 @@ from omnisim.dynamics.spatial.pose import body_of
 from omnisim.dynamics.spatial.running import streaming as spatial_streaming
 from omnisim.dynamics.twist import body_motion
 from omnisim.dynamics.wheel import contact_state
-from omnisim.march.creeping import CREEP_SPEED, creep_of
+from omnisim.march.creeping import CREEP_SPEED, creep_of, creeping, turning_of
 from omnisim.march.slip import attraction, slip_rate, turning_mobility
+from omnisim.march.slip_bounds import LEAST_STIFF
 
 SLIP_FRACTION = 0.9  # of the time in which slip could stop or turn, that one explicit sub-step may take at most
 FINE_FRACTION = 0.2  # the same for methods "auto" and "radau5", which are there for their accuracy
@@ -145,14 +146,32 @@ def fineness(part: float, choice: int, order: int, smooth: bool) -> float:
 
 @kernel
 def outrun(parameters, run, h):
-    """Whether an explicit trial step of coulomb friction has become far too long for the slip that it ended with."""
+    """Whether an explicit trial step of coulomb friction has become far too long for the slip that it ended with, or for
+    how creeping slip turns."""
     clock = run.clock
     if parameters.workspace.resting is None or clock.implicit:
         return False
     for w in range(len(run.mode)):
         for side in range(contact_count(run.mode[w])):
-            relaxation = run.monitors_end[w].factor[side] * parameters.machine.slip_mobility
-            stiff = run.mode[w].grip[side] == SLIP and h * relaxation > OUTRUN * clock.stability_limit
+            relaxation = h * run.monitors_end[w].factor[side] * parameters.machine.slip_mobility
+            stiff = run.mode[w].grip[side] == SLIP and relaxation > OUTRUN * clock.stability_limit
             if stiff or not math.isfinite(run.monitors_end[w].slip_square[side]):
                 return True
+            if run.newton is None and turns_unforeseen(parameters, run, w, side, relaxation):
+                return True
     return False
+
+
+@kernel
+def turns_unforeseen(parameters, run, w, side, relaxation):
+    """Whether creeping slip of contact `side` of wheel w ended a trial step in another direction than its stages
+    foretold, by more than the error of a step hides: where slip begins or a load goes to zero, friction is so weak for
+    some microseconds that the direction turns as slowly as slip grows. relaxation: of the slip in the step, 1."""
+    if not creeping(run.mode[w], side):
+        return False
+    begins = run.monitors[w].slip_square[side] <= CREEP_SPEED**2
+    let_go = parameters.space is not None and relaxation < LEAST_STIFF  # upright machines stop where a wheel lifts
+    if not (begins or let_go):
+        return False
+    missed = turning_of(parameters, w, side).missed * math.sqrt(run.monitors_end[w].slip_square[side])
+    return abs(missed) > run.clock.aligned
