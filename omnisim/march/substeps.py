@@ -146,8 +146,8 @@ def fineness(part: float, choice: int, order: int, smooth: bool) -> float:
 
 @kernel
 def outrun(parameters, run, h):
-    """Whether an explicit trial step of coulomb friction has become far too long for the slip that it ended with, or for
-    how creeping slip turns."""
+    """Whether an explicit trial step of coulomb friction has become far too long for the slip that it ended with, or
+    for how creeping slip turns."""
     clock = run.clock
     if parameters.workspace.resting is None or clock.implicit:
         return False
