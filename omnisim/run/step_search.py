@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import count, pairwise
 
-from omnisim.base.methods import AUTO, METHODS
+from omnisim.base.methods import METHODS
 from omnisim.base.status import CURABLE, INTERRUPTED, RUNNING
 from omnisim.results.comparison import distance
 from omnisim.results.trajectory import Trajectory
@@ -18,6 +18,10 @@ ROUNDING = 1e-12  # m, rad: differences below it tell nothing
 SLOWEST = 0.9  # differences that hardly fall, or grow, count as if they fell by so much
 UNSEEN = {2: SLOWEST, 3: 0.75}  # by how many differences there are: ratio of those to come, at least
 LEAST = 10.0 * ROUNDING  # m, rad: an estimate that no shorter step makes smaller
+# Methods whose own differences do not tell how far they are off, and the one that does with the same step: "auto" takes
+# other steps implicit with another step of time, and none with the shortest; where rollers rattle on an edge, errors of
+# "heun" are ten thousand times those of order 4 and do not fall with the step.
+CHECKED_BY = {"auto": "radau5", "heun": "rk4"}
 
 
 def search(scene: Scene, run: Callable[[Scene], SceneMarch]) -> Trajectory:
@@ -50,8 +54,8 @@ def search(scene: Scene, run: Callable[[Scene], SceneMarch]) -> Trajectory:
         gaps = [*gaps, distance(best, latest)] if best is not None and code == before else []
         best = latest
         error = estimate(gaps, order)
-        if error <= enough and METHODS[solver.method].choice == AUTO:  # though this run may be explicit throughout
-            other = run(by_radau5(candidate))
+        if error <= enough and solver.method in CHECKED_BY:
+            other = run(by_method(candidate, CHECKED_BY[solver.method]))
             checked = int(other.run.clock.status)
             error = max(error, distance(latest, other.trajectory())) if checked == code else math.inf
             if checked == INTERRUPTED:
@@ -100,9 +104,7 @@ def estimate(gaps: Sequence[float], order: int) -> float:
     return max(last, before * 2.0**-order) * max(1.0, ratio / (1.0 - ratio))
 
 
-def by_radau5(scene: Scene) -> Scene:
-    """The scene by the implicit method: "auto" takes other steps implicit with another step of time, and none with the
-    shortest, so that its own differences do not tell how far its explicit ones are off.
-    """
-    solver = scene.config.solver.model_copy(update={"method": "radau5"})
+def by_method(scene: Scene, method: str) -> Scene:
+    """The scene by another method."""
+    solver = scene.config.solver.model_copy(update={"method": method})
     return replace(scene, config=scene.config.model_copy(update={"solver": solver}))
