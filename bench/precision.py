@@ -82,12 +82,14 @@ ENTRIES = {
     "near_limit": Entry(
         lambda: parse(NEAR_LIMIT.read_text(encoding="utf-8"), "near_limit"),
         {"rk4": 5e-5, "dopri5": 5e-7},
+        steps=(1e-2, 5e-3, 2.5e-3, 2e-3, 1e-3, 5e-4),
         speeds=(Speed(1e-5, 1000.0, 250.0),),
     ),
     "kiwi": Entry(partial(omnisim.load, "kiwi"), {"rk4": 1e-10}),
     "platform": Entry(
         lambda: parse(platform("diagonal with yaw", "rate", "rk4", 1e-3).text, "platform", [PLATFORM_TITLE]),
         {"rk4": 1e-7},
+        steps=(1e-2, 0.1 / 12, 5e-3, 2e-3, 1e-3, 0.1 / 150, 5e-4),
         speeds=(Speed(1e-9, 500.0, 60.0),),
     ),
     "authors_vehicle": Entry(

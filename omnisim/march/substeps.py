@@ -169,7 +169,7 @@ def turns_unforeseen(parameters, run, w, side, relaxation):
     some microseconds that the direction turns as slowly as slip grows. relaxation: of the slip in the step, 1."""
     if not creeping(run.mode[w], side):
         return False
-    begins = run.monitors[w].slip_square[side] <= CREEP_SPEED**2
+    begins = run.monitors[w].slip_square[side] <= (CREEP_SPEED + parameters.machine.slip_layer) ** 2
     let_go = parameters.space is not None and relaxation < LEAST_STIFF  # upright machines stop where a wheel lifts
     if not (begins or let_go):
         return False

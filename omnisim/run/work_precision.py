@@ -14,6 +14,7 @@ from omnisim.run.timing import interleaved
 from omnisim.scene.scene import Scene, SceneError, parse
 
 FACTORS = (10.0, 5.0, 2.0, 1.0, 0.5)  # of the scene's step: the ladder
+APART = 1.5  # ratio of steps whose errors tell an order, at least
 FINER = 5  # how often a step of the reference goes into the finest of the ladder
 CLEAR = 10.0  # errors tell an order if they are so many times what the reference can be trusted to,
 ROUNDING = 1e-11  # and not so small that rounding and the location of events decide
@@ -183,8 +184,9 @@ def pareto(points: Sequence[tuple[float, ...]]) -> list[bool]:
 
 
 def order(row: Row, rows: Iterable[Row], trusted: float) -> float | None:
-    """log(error / longer error) / log(step / longer step), with the next longer step of the same method."""
-    longer = [other for other in rows if other[:2] == row[:2] and other.step > row.step]
+    """log(error / longer error) / log(step / longer step), with the next step of the same method that is longer by half
+    or more: errors of closer ones differ by chance as well."""
+    longer = [other for other in rows if other[:2] == row[:2] and other.step >= APART * row.step]
     if row.error is None or not longer or row.error <= max(CLEAR * trusted, ROUNDING):
         return None
     other = min(longer, key=lambda candidate: candidate.step)
