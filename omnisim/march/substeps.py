@@ -21,7 +21,6 @@ from omnisim.dynamics.twist import body_motion
 from omnisim.dynamics.wheel import contact_state
 from omnisim.march.creeping import CREEP_SPEED, creep_of, creeping, turning_of
 from omnisim.march.slip import attraction, slip_rate, turning_mobility
-from omnisim.march.slip_bounds import LEAST_STIFF
 
 SLIP_FRACTION = 0.9  # of the time in which slip could stop or turn, that one explicit sub-step may take at most
 FINE_FRACTION = 0.2  # the same for methods "auto" and "radau5", which are there for their accuracy
@@ -30,6 +29,7 @@ OUTRUN = 20.0  # stable steps by the end of an explicit one that is taken again 
 FOLLOWED, FINER = 4, 0.5  # order up to which whole steps err more than the coarsest sub-steps, and what finer ones are
 AUTO_STIFF = 4.0  # relaxation of slip within a step, beyond which "auto" makes it implicit
 AUTO_ACCURATE = 0.5  # and up to which its explicit steps go
+LET_GO = 0.25  # part of the rate at which friction turns slip, that a step leaves of it where a load goes to zero
 TURN_FRACTION = 0.7  # of the largest stable step of the method for the turning of the slip's direction
 LEAST_CREEPING = 2.0 * CREEP_SPEED  # m/s: creeping slip that is slower is stepped as if it were that fast
 CREEP_STEP = 1.01  # of the time in which creeping slip doubles or stops, for one step: a little beyond its end
@@ -153,25 +153,27 @@ def outrun(parameters, run, h):
         return False
     for w in range(len(run.mode)):
         for side in range(contact_count(run.mode[w])):
-            relaxation = h * run.monitors_end[w].factor[side] * parameters.machine.slip_mobility
-            stiff = run.mode[w].grip[side] == SLIP and relaxation > OUTRUN * clock.stability_limit
+            relaxation = run.monitors_end[w].factor[side] * parameters.machine.slip_mobility
+            stiff = run.mode[w].grip[side] == SLIP and h * relaxation > OUTRUN * clock.stability_limit
             if stiff or not math.isfinite(run.monitors_end[w].slip_square[side]):
                 return True
-            if run.newton is None and turns_unforeseen(parameters, run, w, side, relaxation):
+            if run.newton is None and turns_unforeseen(parameters, run, w, side):
                 return True
     return False
 
 
 @kernel
-def turns_unforeseen(parameters, run, w, side, relaxation):
+def turns_unforeseen(parameters, run, w, side):
     """Whether creeping slip of contact `side` of wheel w ended a trial step in another direction than its stages
     foretold, by more than the error of a step hides: where slip begins or a load goes to zero, friction is so weak for
-    some microseconds that the direction turns as slowly as slip grows. relaxation: of the slip in the step, 1."""
+    some microseconds that the direction turns as slowly as slip grows."""
     if not creeping(run.mode[w], side):
         return False
-    begins = run.monitors[w].slip_square[side] <= (CREEP_SPEED + parameters.machine.slip_layer) ** 2
-    let_go = parameters.space is not None and relaxation < LEAST_STIFF  # upright machines stop where a wheel lifts
+    start, end = run.monitors[w], run.monitors_end[w]
+    begins = start.slip_square[side] <= (CREEP_SPEED + parameters.machine.slip_layer) ** 2
+    # upright machines stop where a wheel lifts
+    let_go = parameters.space is not None and end.factor[side] < LET_GO * start.factor[side]
     if not (begins or let_go):
         return False
-    missed = turning_of(parameters, w, side).missed * math.sqrt(run.monitors_end[w].slip_square[side])
+    missed = turning_of(parameters, w, side).missed * math.sqrt(end.slip_square[side])
     return abs(missed) > run.clock.aligned
