@@ -101,7 +101,8 @@ def test_a_roller_that_its_friction_lifts_as_soon_as_it_presses_stops_the_run_an
 )
 def test_slip_that_weak_friction_turns_slowly_is_not_stepped_over(number, most):
     """Free machines under set-valued friction: a roller begins to slip under a tenth of a newton (7575), or goes on
-    while its load falls to zero (4866, 2618, 1052); its slip turns within 3e-6 s. Steps five times shorter saw no change."""
+    while its load falls to zero (4866, 2618, 1052); its slip turns within 3e-6 s, unseen by
+    steps five times shorter as well."""
     found = outcome(number)
     assert found.verdict == RIGHT and found.error < most, found
 
