@@ -20,8 +20,8 @@ HEADER = (
 WORDS = 3  # columns of words, which stand to the left
 LEGEND = (
     "error: the largest over all rows, of position (m), yaw and spin angles (rad). order: observed, from the next "
-    "longer step. s per s: wall time of the march per simulated second. whole: wall time of the whole call. "
-    "evaluations: right-hand sides. *: on the Pareto front, nobody is as fast and as accurate."
+    "step longer by half or more. s per s: wall time of the march per simulated second. whole: wall time of the whole "
+    "call. evaluations: right-hand sides. *: on the Pareto front, nobody is as fast and as accurate."
 )
 
 

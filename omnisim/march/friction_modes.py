@@ -17,7 +17,7 @@ import math
 
 from omnisim.base.kernel import kernel, outlined
 from omnisim.contact.frame import Slip
-from omnisim.contact.set_valued import CREEP, SLIP, STICK, TINY
+from omnisim.contact.set_valued import CREEP, SLIP, STICK
 from omnisim.dynamics.impulses import align_slip, change_slip
 from omnisim.dynamics.indices import contact_count
 from omnisim.march.creeping import (
@@ -109,8 +109,8 @@ def creeping_period(clock, course):
     """How long slip may go on in the direction of the contact equation at once, s: the part of the time in which it
     doubles, stops or passes by rest that a sub-step may take, as that direction turns with it; any, if friction turns
     it far faster."""
-    pace = max(math.hypot(course.growth / max(course.speed, TINY), course.turning), TINY)
-    if AT_EASE * pace <= course.attraction:
+    pace = math.hypot(course.growth / course.speed, course.turning)
+    if AT_EASE * pace <= max(course.attraction, 0.0):
         return math.inf
     return slip_fraction(SLIP_FRACTION, pace, clock) / pace
 

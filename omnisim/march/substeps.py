@@ -157,7 +157,7 @@ def outrun(parameters, run, h):
             stiff = run.mode[w].grip[side] == SLIP and h * relaxation > OUTRUN * clock.stability_limit
             if stiff or not math.isfinite(run.monitors_end[w].slip_square[side]):
                 return True
-            if run.newton is None and turns_unforeseen(parameters, run, w, side):
+            if h > 0.0 and run.newton is None and turns_unforeseen(parameters, run, w, side):
                 return True
     return False
 

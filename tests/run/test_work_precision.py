@@ -80,6 +80,11 @@ def test_the_order_is_that_between_neighbours_of_the_ladder():
     ]
 
 
+def test_a_step_that_is_hardly_longer_tells_no_order():
+    rows = [row(1.6e-3, 1.0, 2e-3), row(1e-4, 1.0, 1.1e-3), row(1e-4, 1.0, 1e-3)]
+    assert precision.judged(rows, 0.0)[-1].order == pytest.approx(4.0)  # 0 from that at 1.1e-3 s
+
+
 def test_the_fastest_is_accurate_as_far_as_the_reference_can_tell(measured):
     assert precision.fastest(measured, 1e-7).method == "rk4"
     assert precision.fastest(measured, math.inf).march == min(found.march for found in measured.rows)
