@@ -46,7 +46,7 @@ def test_bodies_move_as_the_reduced_equations_say():
     assert multibody["constraints/position"].max() < 1e-13  # measured: 3e-16
 
 
-@pytest.mark.parametrize("law", ["regularized", "coulomb"])
+@pytest.mark.parametrize("law", ["regularized", pytest.param("coulomb", marks=pytest.mark.long)])  # a minute to compile
 def test_a_machine_free_in_space_stands_on_its_springs(law):
     """For 2 ms, in which its drives have hardly begun."""
     run = omnisim.simulate(omnisim.load("cable_duct", [

@@ -11,6 +11,7 @@ from scenes import of_wheels, simulate
 
 from bench.random_scenes import random_scene
 
+pytestmark = pytest.mark.long  # their kernels take a minute to compile
 G = 9.81
 FRICTION = 0.6
 RADIUS = TYPES["mecanum"]["radius"]
@@ -50,7 +51,6 @@ def moved(motion) -> float:
     return float(np.linalg.norm(motion["body/position"][-1] - motion["body/position"][0]))
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("uphill_deg", STEEPEST)
 def test_below_the_limit_of_friction_nothing_moves(uphill_deg):
     motion = run(locked(0.98, uphill_deg, 1.0))
@@ -58,14 +58,12 @@ def test_below_the_limit_of_friction_nothing_moves(uphill_deg):
     assert np.abs(motion["body/velocity"]).max() < 1e-13  # m/s
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(("uphill_deg", "method", "step"), [(0.0, "rk4", 1e-3), (45.0, "radau5", 0.1)])
 def test_just_below_it_stands_for_a_thousand_seconds(uphill_deg, method, step):
     motion = run(locked(RHO, uphill_deg, 1000.0), f"solver.method={method}", f"time.step={step!r}")
     assert moved(motion) < 1e-12  # m: a creep of 1e-15 m/s; radau5 measured 2.8e-13
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("uphill_deg", STEEPEST)
 def test_above_it_slides_with_what_friction_leaves(uphill_deg):
     """g cos S (tan S - tan S*) at 1.5 tan S*, but for the small inertia of rollers that turn."""
@@ -75,7 +73,6 @@ def test_above_it_slides_with_what_friction_leaves(uphill_deg):
     assert abs(2.0 * moved(motion) / 0.2**2 / expected - 1.0) < 0.02
 
 
-@pytest.mark.long
 def test_smooth_friction_tends_to_it_as_slip_speed_falls():
     """By its power 4/5 where wheels break away, 6.3 times by decade: there m v' = s t + mu N e^2 / (2 v^2), e the
     slip speed and s the rate at which force rises, leaves a speed ~ e^(4/5)."""
@@ -90,7 +87,6 @@ def test_smooth_friction_tends_to_it_as_slip_speed_falls():
     assert errors[0] / errors[1] > 4.5 and errors[1] / errors[2] > 6.0  # measured 5.3, 6.7
 
 
-@pytest.mark.long
 def test_energy_is_balanced_through_sticking_and_slipping():
     motion = simulate("spatial_kiwi_slope", "friction={law='coulomb',coefficient=0.5}", "time.step=5e-5",
                       "time.end=0.4", "time.output_interval=0.01")  # fmt: skip
@@ -113,7 +109,6 @@ def exact():
     return final("radau5", 6.25e-5)  # good to 1e-13 m and 1e-12 rad; dopri5 errs by 1e-14 m
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("method", "steps"), [("rk4", (1e-4, 5e-5)), ("rk4", (1.25e-4, 2.5e-5)), ("dopri5", (5e-4, 6.25e-5))]
 )

@@ -79,7 +79,8 @@ def test_slip_changes_in_closed_form_as_it_does_along_the_motion(name, tmp_path)
     assert len(apart) > FEW and max(apart) < 1e-9 * largest, (max(apart), largest)  # measured: 5e-11
 
 
-@pytest.mark.parametrize("name", either(CASES, ["kiwi_slope"]))
+@pytest.mark.long
+@pytest.mark.parametrize("name", CASES)
 def test_forces_of_contacts_at_rest_do_what_the_oracle_says(name):
     scene = gripping(name)
     machine, pairs = Machine(scene), Pairs()
@@ -100,7 +101,8 @@ def test_forces_of_contacts_at_rest_do_what_the_oracle_says(name):
     assert_equal(pairs, dict.fromkeys(LOADS, 1e-10))  # measured: 1e-13
 
 
-@pytest.mark.parametrize("name", either(CASES, ["kiwi_slope"]))
+@pytest.mark.long
+@pytest.mark.parametrize("name", CASES)
 def test_slip_that_sticks_does_not_change_and_slip_that_creeps_changes_along_itself(name):
     scene = gripping(name)
     machine = Machine(scene)

@@ -78,6 +78,7 @@ def hold(machine: Machine, now: Coordinates, names: list) -> np.ndarray:
     return np.linalg.svd(response, compute_uv=False)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("tilt", TILTS)
 @pytest.mark.parametrize("w", range(3))
 def test_what_holds_a_wheel_on_a_line_is_what_least_squares_find(tilt, w):
