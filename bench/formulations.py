@@ -113,16 +113,12 @@ def report(result: dict) -> str:
 
 def of_a_step(recovery: dict) -> str:
     """What the loads of all bearings cost beside a step: the largest between rows are those of the whole march."""
-    without, added = (1e6 * ms / recovery["steps"] for ms in (recovery["ms"]["without"], added_ms(recovery)))
+    step, with_loads = (recovery["ms"][name] / recovery["steps"] * 1e6 for name in ("without", "with"))
+    bearings = recovery["bearings"]
     return (
-        f"For the largest between rows, forces and moments at {recovery['bearings']} bearings are found after every "
-        f"step: {added / recovery['bearings']:.0f} ns each beside {without:.0f} ns of the step and its share of all else"
+        f"For the largest between rows, forces and moments at {bearings} bearings are found after every step: "
+        f"{(with_loads - step) / bearings:.0f} ns each beside {step:.0f} ns of the step and its share of all else"
     )
-
-
-def added_ms(recovery: dict) -> float:
-    """How much longer `simulate` takes with the loads of all bearings, ms."""
-    return recovery["ms"]["with"] - recovery["ms"]["without"]
 
 
 def claims(result: dict) -> list[Claim]:
