@@ -170,6 +170,7 @@ MODE = np.dtype(
         ("pull", np.float64, (TOUCHING,)),  # rate at which friction turns slip as the contact equation says, 1/s
         ("settled", np.float64, (TOUCHING,)),  # how often it has done so since forces have jumped, 1
         ("strayed", np.float64, (TOUCHING,)),  # angle of slip from that direction, at most, rad
+        ("seen", np.float64, (4,)),  # of slow slip at contact 0: b, mu N tr A (m/s^2) and when, s; < 0: not yet
         ("layer", np.float64, (2,)),  # slip of a sticking contact 0 within slip_layer, m/s,
         ("easing", np.float64, (2,)),  # its rate, m/s^2, as seen since
         ("eased", np.float64, (2,)),  # it was this, m/s,
@@ -233,6 +234,7 @@ CLOCK = np.dtype(
         ("fineness", np.float64),  # of sub-steps of slip: march/substeps.py
         ("aligned", np.float64),  # slip across its final direction that does not matter, m/s: march/slip_bounds.py
         ("stopping", np.float64),  # twice the same along slip about to stop, m/s
+        ("ended", np.float64),  # change of a speed by what changes in the last of slip, that does not matter, m/s
         ("elapsed", np.float64),  # in the grid step under way, s
         ("late", np.float64),  # by which that has gone on beyond the event that is to be made, s
         ("smooth", np.float64),  # length of the last step, if nothing has jumped or bent since it began, else 0, s

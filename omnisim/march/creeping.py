@@ -187,12 +187,14 @@ def keep_turning(parameters, run, h):
 
 
 @kernel
-def forget_turning(run):
+def forget_turning(parameters, run):
     """Forces have jumped: nothing tells any more how creeping slips turn."""
     for w in range(len(run.mode)):
         for side in range(contact_count(run.mode[w])):
             run.mode[w].foreseen[side] = 0
             run.mode[w].settled[side] = run.mode[w].strayed[side] = 0.0
+        if parameters.space is None:
+            run.mode[w].seen[3] = -1.0
 
 
 @kernel

@@ -15,7 +15,7 @@ from omnisim.base.status import (
 )
 from omnisim.contact.set_valued import CREEP
 from omnisim.dynamics.state import places
-from omnisim.march.creeping import creep_of
+from omnisim.march.creeping import creep_of, creeping
 from omnisim.march.events import (
     EXIT,
     GRIP,
@@ -37,6 +37,7 @@ from omnisim.march.trial import advance, advance_again, reach, slide
 
 AHEAD = 1.5  # times the way of a step, at the rate of its start: what is further away is no aim
 SHRINKING = 2.0**-5  # of a step, in the search for a point inside
+CREEP_REACH = 0.05  # of a step, by which its end is moved on to the end of creeping slip
 NEAR = 1e-3  # of a step, between two iterates that tell how good the root is
 REACH_GROWTH = 2.0  # of an implicit step over the last one that converged
 GRID_ROUNDING = 1e-14  # of a step and of the time: what is left of a step that is none
@@ -46,12 +47,12 @@ HERMITE_ITERATIONS = 5  # Newton's, from the end of a step
 
 
 @kernel
-def step_to_event(parameters, method, run, t, h):
-    """A trial step of at most h, up to its first event: its length, and the Guard that fired or NO_GUARD."""
+def step_to_event(parameters, method, run, t, h, longest):
+    """A trial step of at most h, up to its first event: its length, and the Guard that fired or NO_GUARD. longest: a
+    length up to which its end may be moved on, if it is aimed at an event."""
     clock = run.clock
     if run.newton is not None and clock.implicit:
         h = min(h, REACH_GROWTH * clock.reach)
-    longest = h
     h, aimed = aim(parameters, run, h)
     while True:
         advance(parameters, method, run, t, h)
@@ -77,6 +78,8 @@ def aim(parameters, run, h):
     aimed = NO_GUARD
     if parameters.space is not None:
         return h, aimed
+    if parameters.workspace.resting is not None and run.newton is None:
+        aimed = ending_creep(parameters, run, h)
     spins = places(parameters).spin_rate
     for w in range(len(run.mode)):
         which = Guard(EXIT, w, 0)
@@ -90,11 +93,25 @@ def aim(parameters, run, h):
 
 
 @kernel
+def ending_creep(parameters, run, h):
+    """The Guard of the first creeping slip that comes to its end by about the end of a step h, or NO_GUARD."""
+    aimed, first = NO_GUARD, AHEAD * h
+    for w in range(len(run.mode)):
+        if creeping(run.mode[w], 0):
+            which = Guard(GRIP, w, 0)
+            time = -guard(parameters, run, which, False) / guard_rate(parameters, run, which, False)
+            if 0.0 < time < first:
+                aimed, first = which, time
+    return aimed
+
+
+@kernel
 def move_on(parameters, run, aimed, h, longest):
     """Move the end of a trial step h, in which nothing fired, on to the exchange that it was aimed at, if that is near
     and no further than the `longest` step: its length, and the Guard of that exchange or NO_GUARD."""
     correction = to_root(parameters, run, aimed, h)
-    if abs(correction) <= reach(run.clock) * h and h + correction <= longest:
+    further = CREEP_REACH if aimed.kind == GRIP else reach(run.clock)
+    if abs(correction) <= further * h and h + correction <= longest:
         slide(parameters, run, h, correction)
         return h + correction, aimed
     return h, NO_GUARD

@@ -170,7 +170,7 @@ def transition(parameters, run, log, fired, time):
     if parameters.space is not None:
         change_in_space(parameters, run, log, fired.kind, fired.wheel, fired.side, time)
     else:
-        forget_turning(run)
+        forget_turning(parameters, run)
         change_mode(parameters, run, log, fired, time)
 
 

@@ -192,7 +192,7 @@ def come_to_rest(parameters, run, w, side, others, t):
                     enter_layer(mode)
                 if parameters.space is None and mode.shared:
                     change_slip(parameters, run, v, other, Slip(0.0, 0.0))
-    forget_turning(run)
+    forget_turning(parameters, run)
     align_slip(parameters, run)
     refresh(parameters, run, t)
     for v in range(len(run.mode)):

@@ -14,7 +14,7 @@ from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.spatial.records import SPATIAL_MODE, SPATIAL_MONITORS
 from omnisim.dynamics.spatial.swings import fastest_swing
 from omnisim.dynamics.state import CLOCK, EXTREME, MODE, MONITORS, YAW, Newton, Recording, Run, places_in
-from omnisim.march.slip_bounds import alignment, stopping_alignment
+from omnisim.march.slip_bounds import alignment, ending, stopping_alignment
 from omnisim.march.spatial_start import pose_at_start, state_in_space
 from omnisim.march.stiffness import resolve
 from omnisim.march.substeps import fineness
@@ -56,6 +56,7 @@ def clock_at_start(time: Time, method: Method, choice: int, parameters: Paramete
     lightness = parameters.machine["mass"] * parameters.machine["slip_mobility"]
     clock["fineness"] = fineness(part, choice, method.tableau.order, parameters.workspace.resting is None)
     clock["aligned"] = alignment(part, choice, method.tableau.order)
+    clock["ended"] = ending(part, method.tableau.order)
     clock["stopping"] = stopping_alignment(part, choice, method.tableau.order, lightness)
     return clock
 

@@ -35,6 +35,7 @@ from omnisim.march.events import (
 from omnisim.march.extremes import begin_interval, follow, follow_again
 from omnisim.march.friction_modes import NOT, begin_to_stop, rests, slip_freely, stops, take_drift_away
 from omnisim.march.grip_events import end_slips
+from omnisim.march.last_slip import end_slip, ends_slips
 from omnisim.march.onset import stand
 from omnisim.march.roller_exchange import release_rollers
 from omnisim.march.runge_kutta import accept, copy, refresh
@@ -111,7 +112,7 @@ def sampled(parameters, run, again):
             sample(parameters, run.mode[w], clock.piece, clock.step * clock.dt, w, run.y, again)
             due = True
     if due:
-        forget_turning(run)
+        forget_turning(parameters, run)
     return due
 
 
@@ -149,7 +150,7 @@ def next_piece(parameters, run, t):
         goes_on = goes_on and abs(begins[i, 1] - ends[i, 1]) <= UNBENT * (abs(begins[i, 1]) + abs(ends[i, 1]))
     clock.piece += 1
     if not goes_on:
-        forget_turning(run)
+        forget_turning(parameters, run)
 
 
 @outlined
@@ -199,9 +200,7 @@ def grid_step(parameters, method, run, rows, log):
         whole = h
         if parameters.workspace.resting is not None:
             end_old_slips(parameters, run, rows, log, t)
-        if parameters.workspace.resting is not None or run.newton is not None:
-            h = step_length(parameters, run, t, h)
-        h, fired = step_to_event(parameters, method, run, t, h)
+        h, fired = next_step(parameters, method, run, t, h)
         if parameters.space is not None:
             copy(run.y, parameters.space.last)
         accept(run)
@@ -257,6 +256,19 @@ def grid_step(parameters, method, run, rows, log):
                 too_stiff(parameters, run, w, CROWDED)
         if clock.status != RUNNING:
             return
+
+
+@kernel
+def next_step(parameters, method, run, t, h):
+    """A trial step of at most h, up to its first event: its length, and the Guard that fired or NO_GUARD."""
+    if parameters.workspace.resting is not None and run.newton is None and ends_slips(parameters):
+        s, fired = end_slip(parameters, run, t, h)
+        if fired.kind >= 0:
+            return s, fired
+    longest = h
+    if parameters.workspace.resting is not None or run.newton is not None:
+        h = step_length(parameters, run, t, h)
+    return step_to_event(parameters, method, run, t, h, longest)
 
 
 @kernel

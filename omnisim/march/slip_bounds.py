@@ -18,6 +18,7 @@ REST = 1e-11  # of 1 m/s and of the speeds that make up the slip, below which it
 ALIGNED, FINE_ALIGNED = 3e-4, 1e-6  # m/s; the second for methods "auto" and "radau5"
 FINE_POWER = 4  # of the step, of the second
 STOPPING = 2.4e-5  # m/s of v_n^2 / v, explicit methods
+ENDING = 1e-8  # m/s of the machine, of the coarsest step
 LEAST_ALIGNED = 1e-13  # m/s of slip, of the finest step: taking the last slip away at REST costs more
 STOPPED = 0.1  # of the slip that no longer matters, at which creeping slip has come to its end, or
 STOPPED_OF_STOPPING = 1e-4  # of that which may be taken away across its direction
@@ -47,6 +48,12 @@ def stopping_alignment(part: float, choice: int, order: int, lightness: float) -
     slip, 1.
     """
     return lightness * STOPPING * part ** (2 * order) if choice == EXPLICIT else 0.0
+
+
+def ending(part: float, order: int) -> float:
+    """Change of a speed, m/s, by what changes in the last of a slip (last_slip.py), which a step does not see:
+    ~ dt^order, as its error. part: the step by a coarse one, at most 1; order of the method."""
+    return ENDING * part**order
 
 
 @kernel

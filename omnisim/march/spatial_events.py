@@ -170,7 +170,7 @@ def clearance(parameters, y):
 def change_in_space(parameters, run, log, kind, w, side, time):
     """Change the modes after a guard fired at `time`, of contacts all that change with it, and the derivative."""
     mode, changes = run.mode[w], parameters.space.changes
-    forget_turning(run)
+    forget_turning(parameters, run)
     if kind == DOWN:
         run.clock.status, run.clock.wheel = CHASSIS_DOWN, -1
     elif kind == LIMIT:

@@ -1,0 +1,182 @@
+"""The last of a slip: how it comes to rest while nothing else changes.
+
+Near its end slip v obeys v' = b - S v / |v|, S = mu N A, where b, the slip acceleration without this friction, and S
+are as good as constant, while the direction of v turns ever faster: steps through it would have to be ever shorter. But
+what this friction does to the machine until v = 0 depends on the time T alone that this takes,
+
+    v + b T = A P        P: the impulse that friction takes away
+
+So the equation of v, two numbers, is solved for T, the machine goes on for T as it moves, and an impulse takes away
+what slip is left (impulses.py). That errs by what b and S change meanwhile, ~ T^2.
+"""
+
+import math
+
+from omnisim.base.kernel import kernel, outlined
+from omnisim.contact.frame import Slip
+from omnisim.contact.kinematics import slip_jacobian
+from omnisim.contact.mobility import Symmetric, across, applied
+from omnisim.contact.set_valued import SLIP, STICK
+from omnisim.dynamics.contact_forces import contact_mobility
+from omnisim.dynamics.normal_forces.solution import loads_known
+from omnisim.dynamics.planar_body import free_equations, held_equations, inverse, set_contact, set_lever
+from omnisim.dynamics.state import places
+from omnisim.dynamics.twist import body_motion
+from omnisim.dynamics.wheel import contact_state
+from omnisim.march.events import EXIT, GRIP, NO_GUARD, TURN, Guard, guard
+from omnisim.march.slip import slip_rate
+
+BEFORE = 20.0  # times the angle by which a wheel may turn: when b and S are looked at first
+PRECISE = 1e-3  # part of T that it is off by, half as much again at worst
+ANSWER = 0.2  # part of a load that may change as friction turns, where contacts carry roll and pitch
+SAME = 0.99  # cosine of the angle up to which slip has not turned
+UNTURNED = 0.1  # rad, by which friction may turn slip of others meanwhile
+SURELY = 0.9  # part of |v| / |v'| that slip lasts at least
+FRACTION = 0.4  # of the time in which slip stops or turns, that one step of its equation takes
+STABLE = 0.7  # relaxation of its direction by one step
+STRAIGHT = 3e-4  # part of its slowing down that slip misses by its angle from its final direction: nearly straight
+LEFT = 1e-6  # part of slip that is none
+MOST_STEPS = 50
+
+
+@kernel
+def ends_slips(parameters):
+    """Whether slip of a machine may end this way: not where bodies follow the speeds, spins give no way, or rollers
+    resist their turning."""
+    machine, whole = parameters.machine, parameters.workspace.articulated is None and parameters.space is None
+    return whole and not machine.follows and not machine.rolling
+
+
+@kernel
+def end_slip(parameters, run, t, h):
+    """Let the slip of a contact come to rest within a piece h, if the error of a step hides what changes meanwhile: the
+    time that this takes, s, and the Guard of its end, or NO_GUARD. The trial is the state then."""
+    spins, soon = places(parameters).spin_rate, BEFORE * math.sqrt(2.0 * run.clock.ended)
+    for w in range(len(run.mode)):
+        mode, monitors = run.mode[w], run.monitors[w]
+        slips = mode.grip[0] == SLIP and not mode.shared
+        relaxing = monitors.factor[0] * parameters.machine.slip_mobility  # slip lasts longer than 1 / relaxing
+        if slips and relaxing * soon > abs(run.y[spins + w]):
+            time = time_left(parameters, run, w, t)
+            if time < h and nothing_else_ends(parameters, run, w, time):
+                return time, Guard(GRIP, w, 0)
+    return 0.0, NO_GUARD
+
+
+@outlined
+def time_left(parameters, run, w, t):
+    """Time in which the slip of wheel w comes to rest, s; infinite if it does not, or if an error would show.
+
+    How fast b and S change is seen from what they were when this was last asked.
+    """
+    mode, clock = run.mode[w], run.clock
+    rate, slip, _ = slip_rate(parameters, mode, w, 0, run.y, run.slopes[0])
+    a, factor = mobility_beside(parameters, run, w), run.monitors[w].factor[0]
+    pushed_h, pushed_k = applied(a, slip.h, slip.k)
+    b = Slip(rate.h + factor * pushed_h, rate.k + factor * pushed_k)
+    speed = math.sqrt(slip.h * slip.h + slip.k * slip.k)
+    limit = factor * speed
+    s = Symmetric(limit * a.hh, limit * a.hk, limit * a.kk)
+    whole, size, seen = s.hh + s.kk, math.sqrt(b.h * b.h + b.k * b.k), mode.seen
+    change = math.sqrt((b.h - seen[0]) ** 2 + (b.k - seen[1]) ** 2) + size * abs(1.0 - seen[2] / whole)
+    drift = 0.5 * change / (t - seen[3]) if seen[3] >= 0.0 else math.inf
+    seen[0], seen[1], seen[2], seen[3] = b.h, b.k, whole, t
+    least = SURELY * speed / math.sqrt(rate.h * rate.h + rate.k * rate.k)
+    if not (PRECISE * size + drift * least) * least <= clock.ended:
+        return math.inf
+    time, turns = time_to_rest(b, s, slip)
+    missed = (PRECISE * size + drift * time) * time
+    if not loads_known(parameters.machine):
+        missed += ANSWER * size * turns
+    turned = run.y[places(parameters).spin_rate + w] * time
+    return time if missed + 0.5 * turned * turned <= clock.ended else math.inf
+
+
+@outlined
+def time_to_rest(b, s, v):
+    """The time T after which slip v comes to rest, s, infinite if it does not, and for how much of it it has turned.
+    b in m/s^2, s: S in m/s^2, v in m/s."""
+    h, k, t = v.h, v.k, 0.0
+    straight, first = 0.0, 1.0 / math.sqrt(h * h + k * k)
+    for _ in range(MOST_STEPS):
+        rest = 1.0 / math.sqrt(h * h + k * k)
+        u_h, u_k = h * rest, k * rest
+        if (u_h * v.h + u_k * v.k) * first > SAME:
+            straight = t
+        s_h, s_k = applied(s, u_h, u_k)
+        rate_h, rate_k = b.h - s_h, b.k - s_k
+        along, turn = u_h * rate_h + u_k * rate_k, u_h * rate_k - u_k * rate_h
+        drawn = across(s, u_h, u_k) + along
+        if drawn > 0.0 and turn * turn <= STRAIGHT * drawn * abs(along):
+            bend, curve = turn - (u_h * s_k - u_k * s_h), u_h * s_h + u_k * s_k + along - 2.0 * drawn
+            time = t + straight_on(along, turn, drawn, bend, curve) / rest
+            return time, time - straight
+        if first < LEFT * rest:
+            return t, t - straight
+        step = FRACTION / (rest * math.sqrt(along * along + turn * turn))
+        if drawn * step * rest > STABLE:
+            step = STABLE / (rest * drawn)
+        half = 0.5 * step
+        h_2, k_2 = slowing(b, s, h + half * rate_h, k + half * rate_k)
+        h_3, k_3 = slowing(b, s, h + half * h_2, k + half * k_2)
+        h_4, k_4 = slowing(b, s, h + step * h_3, k + step * k_3)
+        h += step / 6.0 * (rate_h + 2.0 * (h_2 + h_3) + h_4)
+        k += step / 6.0 * (rate_k + 2.0 * (k_2 + k_3) + k_4)
+        t += step
+    return math.inf, math.inf
+
+
+@kernel
+def slowing(b, s, h, k):
+    """v' (h, k) of slip v = (h, k)."""
+    size = 1.0 / math.sqrt(h * h + k * k)
+    s_h, s_k = applied(s, h, k)
+    return b.h - size * s_h, b.k - size * s_k
+
+
+@kernel
+def straight_on(along, turn, drawn, bend, curve):
+    """T by the speed, of slip near its final direction, to the second order in the angle from it; that falls with a
+    power of the speed that is left. along, turn: v' along and across v, m/s^2; drawn: by how much the second falls with
+    the angle; bend, curve: first and second derivative of the first by the angle."""
+    angle = -turn / drawn
+    final = along - bend * angle + 0.5 * curve * angle * angle
+    return (bend * angle / (final - drawn) - 1.0) / final if final < 0.0 else math.inf
+
+
+@kernel
+def mobility_beside(parameters, run, w):
+    """A of the contact of wheel w, which slips, while others that stick hold (Symmetric, 1/kg)."""
+    machine, contacts = parameters.machine, parameters.workspace.contacts
+    equations = free_equations(machine, 0.0, 0.0, 0.0)
+    for v in range(len(run.mode)):
+        if run.mode[v].grip[0] == STICK:
+            equations = held_equations(contacts[parameters.wheels[v].contacts], equations)
+    wheel = parameters.wheels[w]
+    contact = contacts[wheel.contacts]
+    state = contact_state(parameters, run.mode[w], w, 0, body_motion(parameters, run.y), run.y)
+    j = slip_jacobian(wheel, state.axis, state.contact)
+    set_contact(contact, state, j, False)
+    set_lever(wheel, contact, state.axis, j)
+    return contact_mobility(wheel, contact, inverse(machine, equations))
+
+
+@kernel
+def nothing_else_ends(parameters, run, w, time):
+    """Whether, until a time, s, no wheel but w is about to slip otherwise, and none comes to the end of its roller or
+    turns back; the trial is what the state is then, if nothing changes."""
+    for m in range(len(run.y)):
+        run.increment[m] = run.carry[m] + time * run.slopes[0, m]
+        run.trial[m] = run.y[m] + run.increment[m]
+        run.slopes[-1, m] = run.slopes[0, m]
+    for v in range(len(run.mode)):
+        run.monitors_end[v] = run.monitors[v]
+        mode, factor = run.mode[v], run.monitors[v].factor[0]
+        if mode.shared or (v != w and time * factor * parameters.machine.slip_mobility > UNTURNED):
+            return False
+        if (
+            guard(parameters, run, Guard(TURN, v, 0), True) < 0.0
+            or guard(parameters, run, Guard(EXIT, v, 0), True) < 0.0
+        ):
+            return False
+    return True
