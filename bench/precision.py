@@ -71,8 +71,9 @@ class Entry(NamedTuple):
 ENTRIES = {
     "six_rollers": Entry(partial(omnisim.load, "six_rollers"), {"rk4": 1e-9}, tracked=("rk4", "dopri5")),
     "coulomb_wheel": Entry(
-        partial(omnisim.load, "coulomb_wheel"),
+        partial(omnisim.load, "coulomb_wheel", ["time.output_interval=0.1"]),
         {"rk4": 5e-9, "dopri5": 1e-10},
+        steps=(1.25e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4),
         reasons={"dopri5": COARSE_SUB_STEPS},
         speeds=(Speed(1e-6, 10000.0, 2000.0),),
     ),

@@ -44,6 +44,7 @@ GRID_ROUNDING = 1e-14  # of a step and of the time: what is left of a step that 
 MOST_ITERATIONS = 60  # for a root, of which halving alone would need 50
 HALVING = 4  # every so many iterations halve what is left: a chord may creep along a guard that bends
 HERMITE_ITERATIONS = 5  # Newton's, from the end of a step
+FOUND = 1e-6  # part of the furthest way to a root, that the last of them takes at most if there is one
 
 
 @kernel
@@ -220,16 +221,18 @@ def locate(parameters, method, run, t, h, which, value):
 
 @kernel
 def to_root(parameters, run, which, h):
-    """Time from the end of the trial step h to the root of the cubic that a Guard with a rate follows, s."""
+    """Time from the end of the trial step h to the root of the cubic that a Guard with a rate follows, s; infinite if
+    Newton's method finds none: beyond its end a guard may turn back."""
     g_0, g_1 = guard(parameters, run, which, False), guard(parameters, run, which, True)
     d_0, d_1 = h * guard_rate(parameters, run, which, False), h * guard_rate(parameters, run, which, True)
-    x = 1.0
+    x, change = 1.0, 0.0
     for _ in range(HERMITE_ITERATIONS):
         y = 1.0 - x
         value = y * y * ((1.0 + 2.0 * x) * g_0 + x * d_0) + x * x * ((1.0 + 2.0 * y) * g_1 - y * d_1)
         slope = 6.0 * x * y * (g_1 - g_0) + y * (1.0 - 3.0 * x) * d_0 + x * (3.0 * x - 2.0) * d_1
-        x -= value / slope
-    return (x - 1.0) * h
+        change = value / slope
+        x -= change
+    return (x - 1.0) * h if abs(change) <= FOUND * reach(run.clock) else math.inf
 
 
 @kernel

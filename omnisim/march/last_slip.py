@@ -32,7 +32,7 @@ ANSWER = 0.2  # part of a load that may change as friction turns, where contacts
 SAME = 0.99  # cosine of the angle up to which slip has not turned
 UNTURNED = 0.1  # rad, by which friction may turn slip of others meanwhile
 SURELY = 0.9  # part of |v| / |v'| that slip lasts at least
-FRACTION = 0.4  # of the time in which slip stops or turns, that one step of its equation takes
+FRACTION = 0.5  # of the time in which slip stops or turns, that one step of its equation takes
 STABLE = 0.7  # relaxation of its direction by one step
 STRAIGHT = 3e-4  # part of its slowing down that slip misses by its angle from its final direction: nearly straight
 LEFT = 1e-6  # part of slip that is none
@@ -113,9 +113,7 @@ def time_to_rest(b, s, v):
             return time, time - straight
         if first < LEFT * rest:
             return t, t - straight
-        step = FRACTION / (rest * math.sqrt(along * along + turn * turn))
-        if drawn * step * rest > STABLE:
-            step = STABLE / (rest * drawn)
+        step = 1.0 / (rest * max((abs(along) + abs(turn)) / FRACTION, drawn / STABLE))
         half = 0.5 * step
         h_2, k_2 = slowing(b, s, h + half * rate_h, k + half * rate_k)
         h_3, k_3 = slowing(b, s, h + half * h_2, k + half * k_2)
