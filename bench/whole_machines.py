@@ -240,7 +240,7 @@ def ladder_table(ladder: list[dict]) -> str:
         "simulate / march",
     ]
     rows = [
-        [row["drive"], row["motion"], row["method"], f"{row['step']:.0e}", f"{row['error_at_end']:.1e}"]
+        [row["drive"], row["motion"], row["method"], f"{row['step']:g}", f"{row['error_at_end']:.1e}"]
         + [f"{row['error']:.1e}", row["events"], row["evaluations"]]
         + [f"{row[what] * 1e3:.2f}" for what in ("march", "simulate")]
         + [f"{END / row[what]:.0f}" for what in ("march", "simulate")]
@@ -253,7 +253,7 @@ def ladder_table(ladder: list[dict]) -> str:
 def fastest_table(ladder: list[dict]) -> str:
     header = ["drives", "motion", "method", "step, s", "error, m", "times real time, march", "simulate"]
     rows = [
-        [row["drive"], row["motion"], row["method"], f"{row['step']:.0e}", f"{row['error']:.1e}"]
+        [row["drive"], row["motion"], row["method"], f"{row['step']:g}", f"{row['error']:.1e}"]
         + [f"{END / row[what]:.0f}" for what in ("march", "simulate")]
         for drive in ("rate", "torque")
         for row in fastest(ladder, drive)
