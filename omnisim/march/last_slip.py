@@ -27,6 +27,7 @@ from omnisim.march.events import EXIT, GRIP, NO_GUARD, TURN, Guard, guard
 from omnisim.march.slip import slip_rate
 
 BEFORE = 20.0  # times the angle by which a wheel may turn: when b and S are looked at first
+LEAST_SIZE = 1.0  # m/s^2 of b, at least: where it is less, T is still the time of an event
 PRECISE = 1e-3  # part of T that it is off by, half as much again at worst
 ANSWER = 0.2  # part of a load that may change as friction turns, where contacts carry roll and pitch
 SAME = 0.99  # cosine of the angle up to which slip has not turned
@@ -59,8 +60,19 @@ def end_slip(parameters, run, t, h):
         if slips and relaxing * soon > abs(run.y[spins + w]):
             time = time_left(parameters, run, w, t)
             if time < h and nothing_else_ends(parameters, run, w, time):
+                lose_heat(parameters, run, w, time)
                 return time, Guard(GRIP, w, 0)
     return 0.0, NO_GUARD
+
+
+@kernel
+def lose_heat(parameters, run, w, time):
+    """Heat of the friction of wheel w in the trial by the mean of slip: that falls to nothing meanwhile."""
+    rate, slip, _ = slip_rate(parameters, run.mode[w], w, 0, run.y, run.slopes[0])
+    less = 0.5 * time * time * run.monitors[w].factor[0] * (slip.h * rate.h + slip.k * rate.k)
+    loss = places(parameters).friction_loss
+    run.increment[loss] += less
+    run.trial[loss] = run.y[loss] + run.increment[loss]
 
 
 @outlined
@@ -77,7 +89,7 @@ def time_left(parameters, run, w, t):
     speed = math.sqrt(slip.h * slip.h + slip.k * slip.k)
     limit = factor * speed
     s = Symmetric(limit * a.hh, limit * a.hk, limit * a.kk)
-    whole, size, seen = s.hh + s.kk, math.sqrt(b.h * b.h + b.k * b.k), mode.seen
+    whole, size, seen = s.hh + s.kk, max(math.sqrt(b.h * b.h + b.k * b.k), LEAST_SIZE), mode.seen
     change = math.sqrt((b.h - seen[0]) ** 2 + (b.k - seen[1]) ** 2) + size * abs(1.0 - seen[2] / whole)
     drift = 0.5 * change / (t - seen[3]) if seen[3] >= 0.0 else math.inf
     seen[0], seen[1], seen[2], seen[3] = b.h, b.k, whole, t
@@ -89,7 +101,8 @@ def time_left(parameters, run, w, t):
     if not loads_known(parameters.machine):
         missed += ANSWER * size * turns
     turned = run.y[places(parameters).spin_rate + w] * time
-    return time if missed + 0.5 * turned * turned <= clock.ended else math.inf
+    fallen = parameters.machine.mobility * limit * time * time  # how far friction moves the machine meanwhile
+    return time if missed + 0.5 * (turned * turned + fallen) <= clock.ended else math.inf
 
 
 @outlined
