@@ -74,8 +74,8 @@ def step_to_event(parameters, method, run, t, h, longest):
 
 @kernel
 def aim(parameters, run, h):
-    """A step of at most h that ends at the first exchange which a Taylor series foretells: its length, and the Guard
-    of that exchange or NO_GUARD."""
+    """A step of at most h that ends at the first exchange which a Taylor series foretells, or about where creeping slip
+    does: its length, and the Guard of that event or NO_GUARD."""
     aimed = NO_GUARD
     if parameters.space is not None:
         return h, aimed
@@ -108,8 +108,8 @@ def ending_creep(parameters, run, h):
 
 @kernel
 def move_on(parameters, run, aimed, h, longest):
-    """Move the end of a trial step h, in which nothing fired, on to the exchange that it was aimed at, if that is near
-    and no further than the `longest` step: its length, and the Guard of that exchange or NO_GUARD."""
+    """Move the end of a trial step h, in which nothing fired, on to the event that it was aimed at, if that is near and
+    no further than the `longest` step: its length, and the Guard of that event or NO_GUARD."""
     correction = to_root(parameters, run, aimed, h)
     further = CREEP_REACH if aimed.kind == GRIP else reach(run.clock)
     if abs(correction) <= further * h and h + correction <= longest:

@@ -59,20 +59,27 @@ def end_slip(parameters, run, t, h):
         relaxing = monitors.factor[0] * parameters.machine.slip_mobility  # slip lasts longer than 1 / relaxing
         if slips and relaxing * soon > abs(run.y[spins + w]):
             time = time_left(parameters, run, w, t)
-            if time < h and nothing_else_ends(parameters, run, w, time):
-                lose_heat(parameters, run, w, time)
-                return time, Guard(GRIP, w, 0)
+            if time < h:
+                go_on(parameters, run, w, time)
+                if nothing_else_ends(parameters, run, w, time):
+                    return time, Guard(GRIP, w, 0)
     return 0.0, NO_GUARD
 
 
 @kernel
-def lose_heat(parameters, run, w, time):
-    """Heat of the friction of wheel w in the trial by the mean of slip: that falls to nothing meanwhile."""
+def go_on(parameters, run, w, time):
+    """The trial: what the state is after a time, s, if nothing changes but the slip of wheel w, which falls to nothing,
+    so that its heat goes by the mean of it."""
+    for m in range(len(run.y)):
+        run.increment[m] = run.carry[m] + time * run.slopes[0, m]
+        run.slopes[-1, m] = run.slopes[0, m]
     rate, slip, _ = slip_rate(parameters, run.mode[w], w, 0, run.y, run.slopes[0])
-    less = 0.5 * time * time * run.monitors[w].factor[0] * (slip.h * rate.h + slip.k * rate.k)
-    loss = places(parameters).friction_loss
-    run.increment[loss] += less
-    run.trial[loss] = run.y[loss] + run.increment[loss]
+    slowed = 0.5 * time * time * (slip.h * rate.h + slip.k * rate.k)
+    run.increment[places(parameters).friction_loss] += run.monitors[w].factor[0] * slowed
+    for m in range(len(run.y)):
+        run.trial[m] = run.y[m] + run.increment[m]
+    for v in range(len(run.mode)):
+        run.monitors_end[v] = run.monitors[v]
 
 
 @outlined
@@ -175,19 +182,12 @@ def mobility_beside(parameters, run, w):
 @kernel
 def nothing_else_ends(parameters, run, w, time):
     """Whether, until a time, s, no wheel but w is about to slip otherwise, and none comes to the end of its roller or
-    turns back; the trial is what the state is then, if nothing changes."""
-    for m in range(len(run.y)):
-        run.increment[m] = run.carry[m] + time * run.slopes[0, m]
-        run.trial[m] = run.y[m] + run.increment[m]
-        run.slopes[-1, m] = run.slopes[0, m]
+    turns back in the trial."""
     for v in range(len(run.mode)):
-        run.monitors_end[v] = run.monitors[v]
         mode, factor = run.mode[v], run.monitors[v].factor[0]
         if mode.shared or (v != w and time * factor * parameters.machine.slip_mobility > UNTURNED):
             return False
-        if (
-            guard(parameters, run, Guard(TURN, v, 0), True) < 0.0
-            or guard(parameters, run, Guard(EXIT, v, 0), True) < 0.0
-        ):
-            return False
+        for kind in (TURN, EXIT):
+            if guard(parameters, run, Guard(kind, v, 0), True) < 0.0:
+                return False
     return True
