@@ -41,29 +41,31 @@ MOST_STEPS = 50
 
 
 @kernel
-def ends_slips(parameters):
-    """Whether slip of a machine may end this way: not where bodies follow the speeds, spins give no way, or rollers
-    resist their turning."""
-    machine, whole = parameters.machine, parameters.workspace.articulated is None and parameters.space is None
-    return whole and not machine.follows and not machine.rolling
+def end_slip(parameters, run, t, h):
+    """Let the slip of a contact come to rest within a piece h, if the error of a step hides what changes meanwhile: the
+    time that this takes, s, and the Guard of its end, or NO_GUARD. The trial is the state then.
+
+    Not where bodies follow the speeds, spins give no way, or rollers resist their turning.
+    """
+    if parameters.space is None and parameters.workspace.articulated is None and gives_way(parameters.machine):
+        spins, soon = places(parameters).spin_rate, BEFORE * math.sqrt(2.0 * run.clock.ended)
+        for w in range(len(run.mode)):
+            mode, monitors = run.mode[w], run.monitors[w]
+            slips = mode.grip[0] == SLIP and not mode.shared
+            relaxing = monitors.factor[0] * parameters.machine.slip_mobility  # slip lasts longer than 1 / relaxing
+            if slips and relaxing * soon > abs(run.y[spins + w]):
+                time = time_left(parameters, run, w, t)
+                if time < h:
+                    go_on(parameters, run, w, time)
+                    if nothing_else_ends(parameters, run, w, time):
+                        return time, Guard(GRIP, w, 0)
+    return 0.0, NO_GUARD
 
 
 @kernel
-def end_slip(parameters, run, t, h):
-    """Let the slip of a contact come to rest within a piece h, if the error of a step hides what changes meanwhile: the
-    time that this takes, s, and the Guard of its end, or NO_GUARD. The trial is the state then."""
-    spins, soon = places(parameters).spin_rate, BEFORE * math.sqrt(2.0 * run.clock.ended)
-    for w in range(len(run.mode)):
-        mode, monitors = run.mode[w], run.monitors[w]
-        slips = mode.grip[0] == SLIP and not mode.shared
-        relaxing = monitors.factor[0] * parameters.machine.slip_mobility  # slip lasts longer than 1 / relaxing
-        if slips and relaxing * soon > abs(run.y[spins + w]):
-            time = time_left(parameters, run, w, t)
-            if time < h:
-                go_on(parameters, run, w, time)
-                if nothing_else_ends(parameters, run, w, time):
-                    return time, Guard(GRIP, w, 0)
-    return 0.0, NO_GUARD
+def gives_way(machine):
+    """Whether all speeds answer to the force of a contact, and at once, as mobility_beside has it."""
+    return not machine.follows and not machine.rolling
 
 
 @kernel

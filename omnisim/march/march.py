@@ -35,7 +35,7 @@ from omnisim.march.events import (
 from omnisim.march.extremes import begin_interval, follow, follow_again
 from omnisim.march.friction_modes import NOT, begin_to_stop, rests, slip_freely, stops, take_drift_away
 from omnisim.march.grip_events import end_slips
-from omnisim.march.last_slip import end_slip, ends_slips
+from omnisim.march.last_slip import end_slip
 from omnisim.march.onset import stand
 from omnisim.march.roller_exchange import release_rollers
 from omnisim.march.runge_kutta import accept, copy, refresh
@@ -261,7 +261,7 @@ def grid_step(parameters, method, run, rows, log):
 @kernel
 def next_step(parameters, method, run, t, h):
     """A trial step of at most h, up to its first event: its length, and the Guard that fired or NO_GUARD."""
-    if parameters.workspace.resting is not None and run.newton is None and ends_slips(parameters):
+    if parameters.workspace.resting is not None and run.newton is None:
         s, fired = end_slip(parameters, run, t, h)
         if fired.kind >= 0:
             return s, fired
