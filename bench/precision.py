@@ -20,7 +20,7 @@ from omnisim.scene.scene import Scene, parse
 from omnisim_cli.bench_report import GOALS, LEGEND, scene_data, section, winner
 
 NEAR_LIMIT = Path(__file__).parent / "scenes/near_limit.toml"
-METHODS = ("heun", "rk4", "dopri5", "radau5", "auto")
+METHODS = ("heun", "rk4", "dopri5", "bs5", "radau5", "auto")
 TARGETS = {"heun": 1.9, "rk4": 3.8, "dopri5": 4.7}  # orders
 ALARMS = {"heun": 1.7, "rk4": 3.5, "dopri5": 4.3}
 PLATFORM_TITLE = "title='A platform on four mecanum wheels, diagonal with yaw by rate drives'"

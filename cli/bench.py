@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from omnisim.scene.scene import Scene
 
 SCENES = ("six_rollers", "coulomb_wheel", "kiwi")
-METHODS = ("heun", "rk4", "dopri5", "radau5", "auto")
+METHODS = ("heun", "rk4", "dopri5", "bs5", "radau5", "auto")
 LAWS = ("regularized", "saturated", "coulomb", "brush", "viscous", "none")
 
 

@@ -56,7 +56,7 @@ def test_a_machine_free_in_space_stands_on_its_springs(law):
     assert np.abs(run["body/position"] - run["body/position"][0]).max() < 1e-6
 
 
-@pytest.mark.parametrize("method", ["heun", "rk4", "dopri5"])
+@pytest.mark.parametrize("method", ["heun", "rk4", "dopri5", "bs5"])
 @pytest.mark.parametrize("law", LAWS)
 def test_energy_is_balanced_for_every_law_and_method(law, method):
     run = simulate(

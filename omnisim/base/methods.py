@@ -4,7 +4,8 @@ A method is its Butcher tableau. Order conditions are asserted when this module 
 coefficient cannot run; stages and stability limit are derived from the coefficients.
 
 Sources: Butcher, Numerical Methods for Ordinary Differential Equations (2016), sections 23 and 31; Dormand & Prince,
-J. Comput. Appl. Math. 6 (1980) 19-26 (the weights of order 5; fixed steps need no error estimate);
+J. Comput. Appl. Math. 6 (1980) 19-26 (the weights of order 5; fixed steps need no error estimate); Bogacki & Shampine,
+Comput. Math. Appl. 32 (1996) 15-28 (likewise; its terms of order 6 are a tenth of those, for one stage more);
 Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I (1993), section II.6 (its continuous extension);
 Hairer & Wanner, Solving Ordinary Differential Equations II (1996), section IV.8 (Radau IIA).
 """
@@ -214,6 +215,37 @@ TABLEAUX = {
                 "701980252875/199316789632",
                 "-1453857185/822651844",
                 "69997945/29380423",
+            ],
+        ),
+        tableau(
+            "bs5",
+            5,
+            [
+                [],
+                ["1/6"],
+                ["2/27", "4/27"],
+                ["183/1372", "-162/343", "1053/1372"],
+                ["68/297", "-4/11", "42/143", "1960/3861"],
+                ["597/22528", "81/352", "63099/585728", "58653/366080", "4617/20480"],
+                [
+                    "174197/959244",
+                    "-30942/79937",
+                    "8152137/19744439",
+                    "666106/1039181",
+                    "-29421/29068",
+                    "482048/414219",
+                ],
+            ],
+            ["587/8064", "0", "4440339/15491840", "24353/124800", "387/44800", "2152/5985", "7267/94080"],
+            [  # two are free: near those with the least terms of order 5
+                "-3767/2688",
+                "0",
+                "384669/163072",
+                "3871/8320",
+                "-873/8960",
+                "-8/3",
+                "-7267/6272",
+                "5/2",
             ],
         ),
     )

@@ -59,7 +59,7 @@ if TYPE_CHECKING:  # to a type checker a word is a word
     Frame = str
 else:
     Upright = choice("servo", "contacts", "free")
-    Method = choice("heun", "rk4", "dopri5", "radau5", "auto")
+    Method = choice("heun", "rk4", "dopri5", "bs5", "radau5", "auto")
     Tracking = choice("explicit", "implicit")
     Formulation = choice("reduced", "multibody")
     Law = choice(*FRICTION_KEYS)

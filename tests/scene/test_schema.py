@@ -146,11 +146,11 @@ DEFECTS = {
     ),
     "implicit steps of bodies": (
         '"rk4"', '"radau5"\nformulation = "multibody"', 11, "solver.method = 'radau5'",
-        "must be one of 'heun', 'rk4', 'dopri5' with formulation = 'multibody'",
+        "must be one of 'heun', 'rk4', 'dopri5', 'bs5' with formulation = 'multibody'",
     ),
     "loads in words": ("[time]", "[output]\nbearing_loads = 'yes'\n[time]", 7, "output.bearing_loads = 'yes'", "true or false"),
     "misspelt law": ('"regularized"', '"Regularised"', 14, "friction.law = 'Regularised'", "mean 'regularized'?"),
-    "list for a word": ('"rk4"', '["rk4"]', 11, "solver.method = ['rk4']", 'must be "heun", "rk4", "dopri5", "radau5" or "auto"'),
+    "list for a word": ('"rk4"', '["rk4"]', 11, "solver.method = ['rk4']", 'must be "heun", "rk4", "dopri5", "bs5", "radau5" or "auto"'),
     "bad wheel name": ('"wheel"', '"1 wheel"', 25, "wheels[0].name = '1 wheel'", "must be a name (a letter"),
     "bad type name": ("omni]", '"om ni"]', 17, "wheel_types.'om ni' = {", "must be a name (a letter, then"),
     "unknown wheel type": ('"omni"', '"onmi"', 26, "wheels.wheel.type = 'onmi'", "did you mean 'omni'? Wheel types"),
