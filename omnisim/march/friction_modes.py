@@ -20,6 +20,7 @@ from omnisim.contact.frame import Slip
 from omnisim.contact.set_valued import CREEP, SLIP, STICK
 from omnisim.dynamics.impulses import align_slip, change_slip
 from omnisim.dynamics.indices import contact_count
+from omnisim.dynamics.state import Stage
 from omnisim.march.creeping import (
     CREEP_SPEED,
     HELD,
@@ -27,9 +28,10 @@ from omnisim.march.creeping import (
     forget_turning,
     hold_direction,
     keep_creep,
+    turned_by,
     turning_of,
 )
-from omnisim.march.runge_kutta import refresh
+from omnisim.march.runge_kutta import evaluate, refresh
 from omnisim.march.slip import course_of
 from omnisim.march.slip_bounds import (
     LEAST_STIFF,
@@ -46,6 +48,8 @@ from omnisim.march.thin_layer import enter_layer
 
 DRIFTED = 0.01  # of the square of slip that no longer matters: more drift of a sticking contact is taken away
 MOST_FREED = 20  # times in a step, after which slip is followed by sub-steps to its end
+AHEAD = 0.1  # of the time to a stop, after which the direction of slip is looked at
+MOST_LAG = 0.1  # rad, from which on slip does not follow that direction
 AT_EASE = 1000.0  # times that friction turns slip while it changes, from which on its direction is a slow one
 NOT, SOON, NEAR = range(3)  # how slip goes on in the direction of the contact equation
 CREEP_ROUNDING = 1e-3  # of the slip that no longer matters: what contacts that let go together may slip back
@@ -91,7 +95,7 @@ def stops(parameters, run, w, side):
     if stiffness(parameters, run.clock, monitors, side) <= LEAST_STIFF:  # as nearly always
         return NOT
     dt, course = run.clock.dt, course_of(parameters, run, w, side)
-    hidden = unseen(run.clock, True, course.speed)
+    hidden = unseen(run.clock, course)
     followed = run.newton is None
     across = strayed(mode, side, course) if followed else course.across
     turned = course.attraction * dt > LEAST_TURNED
@@ -137,7 +141,7 @@ def slip_freely(parameters, run):
             if run.monitors[w].slip_square[side] <= CREEP_SPEED**2:
                 continue
             course = course_of(parameters, run, w, side)
-            hidden = course.across <= unseen(run.clock, True, course.speed)
+            hidden = course.across <= unseen(run.clock, course)
             if not hidden:
                 mode.period[side] = creeping_period(run.clock, course)
             turned = course.attraction * min(run.clock.dt, mode.period[side])
@@ -234,9 +238,52 @@ def begin_to_stop(parameters, run, t):
         for side in range(contact_count(run.mode[w])):
             if creeping(run.mode[w], side):
                 keep_creep(parameters, run, w, side)
+    if run.newton is None:
+        foresee_stops(parameters, run, t)
+    for w in range(len(run.mode)):
+        for side in range(contact_count(run.mode[w])):
+            if creeping(run.mode[w], side):
                 hold_direction(run, w, side, turning_of(parameters, w, side).slip)
     align_slip(parameters, run)
     refresh(parameters, run, t)
+
+
+@kernel
+def foresee_stops(parameters, run, t):
+    """At which rate the direction of the contact equation turns for slips that are about to stop, by a state a little
+    later; slip lags behind that direction by what it turns while friction draws slip there."""
+    ahead = math.inf
+    for w in range(len(run.mode)):
+        for side in range(contact_count(run.mode[w])):
+            if unforeseen(run.mode[w], side):
+                course = course_of(parameters, run, w, side)
+                ahead = min(ahead, AHEAD * course.speed / abs(course.growth))
+    if ahead == math.inf:
+        return
+    for m in range(len(run.y)):
+        run.trial[m] = run.y[m] + ahead * run.slopes[0, m]
+    evaluate(
+        parameters, Stage(run.mode, run.clock.piece, t + ahead, run.trial, run.slopes[-1], run.monitors_end, False)
+    )
+    run.clock.rhs += 1
+    for w in range(len(run.mode)):
+        mode = run.mode[w]
+        for side in range(contact_count(mode)):
+            if unforeseen(mode, side):
+                creep, course = mode.creep[side], course_of(parameters, run, w, side)
+                turning = turned_by(creep, turning_of(parameters, w, side).creep) / ahead
+                if abs(turning) < MOST_LAG * course.attraction:
+                    mode.foreseen[side], mode.veering[side] = 1, turning
+                    lag = turning / course.attraction
+                    h, k = creep[0] + lag * creep[1], creep[1] - lag * creep[0]
+                    size = math.sqrt(h * h + k * k)
+                    creep[0], creep[1] = h / size, k / size
+
+
+@kernel
+def unforeseen(mode, side):
+    """Whether slip is about to stop in a direction of which nothing tells how it turns."""
+    return creeping(mode, side) and mode.stopping[side] == 1 and not mode.foreseen[side]
 
 
 @kernel

@@ -53,11 +53,10 @@ def clock_at_start(time: Time, method: Method, choice: int, parameters: Paramete
     """The record CLOCK at t = 0."""
     clock = np.frombuffer(bytearray(clock_of(time, method, choice)), recorded(CLOCK))[0]
     part = min(1.0, float(clock["dt"]) / coarse_step(parameters, choice))
-    lightness = parameters.machine["mass"] * parameters.machine["slip_mobility"]
     clock["fineness"] = fineness(part, choice, method.tableau.order, parameters.workspace.resting is None)
     clock["aligned"] = alignment(part, choice, method.tableau.order)
     clock["ended"] = ending(part, method.tableau.order)
-    clock["stopping"] = stopping_alignment(part, choice, method.tableau.order, lightness)
+    clock["stopping"] = stopping_alignment(part, choice, method.tableau.order)
     return clock
 
 

@@ -21,8 +21,9 @@ from omnisim.march.slip_bounds import STILL_STIFF, stiffness
 
 class Course(NamedTuple):
     """How slip v goes on: v / |v|, |v| (m/s), its growth v . v' / |v| (m/s^2), the rate at which it turns (rad/s), that
-    at which friction draws it into the direction of the contact equation (1/s), and what it is across that direction by
-    its turning (m/s; infinite where that does not attract)."""
+    at which friction draws it into the direction of the contact equation (1/s), what it is across that direction by its
+    turning (m/s; infinite where that does not attract), and the mass of the machine by that with which it resists a
+    change of |v|."""
 
     h: float
     k: float
@@ -31,6 +32,7 @@ class Course(NamedTuple):
     turning: float
     attraction: float
     across: float
+    lightness: float
 
 
 @kernel
@@ -106,4 +108,6 @@ def course_of(parameters, run, w, side):
     along, turn = slip.h * rate.h + slip.k * rate.k, slip.h * rate.k - slip.k * rate.h
     attracted = attraction(monitors, side, rate, slip, turning_mobility(parameters, run, w, side, mobility))
     off = abs(turn) * speed / attracted if attracted > 0.0 else math.inf
-    return Course(slip.h / speed, slip.k / speed, speed, along / speed, turn / square, attracted / square, off)
+    h, k = slip.h / speed, slip.k / speed
+    lightness = parameters.machine.mass * across(mobility, -k, h)
+    return Course(h, k, speed, along / speed, turn / square, attracted / square, off, lightness)

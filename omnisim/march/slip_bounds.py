@@ -17,7 +17,7 @@ from omnisim.march.creeping import CREEP_SPEED
 REST = 1e-11  # of 1 m/s and of the speeds that make up the slip, below which it no longer matters
 ALIGNED, FINE_ALIGNED = 3e-4, 1e-6  # m/s; the second for methods "auto" and "radau5"
 FINE_POWER = 4  # of the step, of the second
-STOPPING = 2.4e-5  # m/s of v_n^2 / v, explicit methods
+STOPPING = 2.4e-3  # m/s of the machine by v_n^2 / v, of the coarsest step, explicit methods
 ENDING = 1e-8  # m/s of the machine, of the coarsest step
 LEAST_ALIGNED = 1e-13  # m/s of slip, of the finest step: taking the last slip away at REST costs more
 STOPPED = 0.1  # of the slip that no longer matters, at which creeping slip has come to its end, or
@@ -38,16 +38,15 @@ def alignment(part: float, choice: int, order: int) -> float:
     return max(coarsest * part**power, LEAST_ALIGNED)
 
 
-def stopping_alignment(part: float, choice: int, order: int, lightness: float) -> float:
-    """Twice the error in the speed of slip that is about to stop, which a step does not see, m/s.
+def stopping_alignment(part: float, choice: int, order: int) -> float:
+    """Twice the error in a speed of the machine by slip that is about to stop, which a step does not see, m/s.
 
     Friction would have turned it soon in any case: what remains of slip v_n across slip v is a speed v_n^2 / 2 v along
     it, and of that what the contact gives the machine. Where other contacts slip as well, v_n itself counts, by a small
     part: so v_n ~ dt^order stays with the method's own error. Implicit steps follow it at no cost.
-    part: the step by a coarse one, at most 1; lightness: mass of the machine by that with which a contact resists its
-    slip, 1.
+    part: the step by a coarse one, at most 1.
     """
-    return lightness * STOPPING * part ** (2 * order) if choice == EXPLICIT else 0.0
+    return STOPPING * part ** (2 * order) if choice == EXPLICIT else 0.0
 
 
 def ending(part: float, order: int) -> float:
@@ -57,9 +56,10 @@ def ending(part: float, order: int) -> float:
 
 
 @kernel
-def unseen(clock, stopping, speed):
-    """Slip across the direction of the contact equation that a step does not see, m/s, of slip of this speed."""
-    return max(clock.aligned, math.sqrt(clock.stopping * speed)) if stopping else clock.aligned
+def unseen(clock, course):
+    """What slip that is about to stop may be across the direction of the contact equation unseen by a step, m/s, by its
+    Course."""
+    return max(clock.aligned, math.sqrt(clock.stopping * course.lightness * course.speed))
 
 
 @kernel
@@ -80,7 +80,7 @@ def youth(parameters, clock, mode, monitors, side):
     the direction of the contact equation that the error of a step hides it, while sub-steps would have to be short."""
     speed = math.sqrt(monitors.slip_square[side])
     hidden = min(
-        unseen(clock, mode.stopping[side], speed) - slip_across(monitors, side),
+        clock.aligned - slip_across(monitors, side),
         stiffness(parameters, clock, monitors, side) - STILL_STIFF,
     )
     return max(CREEP_SPEED - speed, hidden)
