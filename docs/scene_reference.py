@@ -37,7 +37,7 @@ step = 1e-3                   # fixed; events are located inside it
 output_interval = 0.01
 
 [solver]
-method = "rk4"                # heun, rk4, dopri5; radau5 (implicit), auto (rk4, and radau5 where it is stiff)
+method = "rk4"                # heun, rk4, dopri5, bs5; radau5 (implicit), auto (rk4, and radau5 where stiff)
 tracking = "explicit"         # or implicit
 formulation = "reduced"       # or multibody: every roller a body, every joint a multiplier
 # error = 1e-6                # m, rad: a step is picked for it, and time.step is not used
@@ -81,7 +81,7 @@ bearing_loads = true          # force and moment of every bearing
 RULES = """## Rules across keys
 
 - `output_interval / step` and `end / output_interval` are integers, to 1e-9; a run has at most 1e10 steps.
-- `formulation = "multibody"` takes `heun`, `rk4` or `dopri5`. `contact_torque = "contensou"` needs the regularized law.
+- `formulation = "multibody"` takes an explicit method. `contact_torque = "contensou"` needs the regularized law.
 - `roller_distance` is at most `radius cos(pi / roller_count)`, where the tips of the rollers are points; with `rows`,
   `radius cos(pi / (roller_count * rows))`.
 - `rows` of an upright machine take turns: their `phase_deg` are `360 / (roller_count * rows)` apart, in any order, so that

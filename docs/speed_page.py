@@ -13,7 +13,7 @@ from docs.speed_short import in_short
 
 HERE = Path(__file__).parent
 RESULTS, FOLDER = HERE.parent / "bench/results", HERE / "pages/speed"
-EXPLICIT, DEFAULT = ("heun", "rk4", "dopri5"), "rk4"
+EXPLICIT, DEFAULT = ("heun", "rk4", "dopri5", "bs5"), "rk4"
 METHODS = (*EXPLICIT, "radau5", "auto")
 ERRORS = (1e-6, 1e-9)  # m, rad
 LONG = 12  # rows: longer tables are folded
@@ -113,7 +113,7 @@ def recommendation(scenes: dict[str, dict]) -> str:
             f"`{DEFAULT}`, the default, with a step from `solver.error`: of {len(scenes)} scenes there are "
             f"{len(behind)} on which it is the fastest with errors below {ERRORS[0]:.0e}, or another explicit one at "
             f"most {max(behind):.2f} times as fast. Smaller errors of a bare wheel, and a wheel near its limit of "
-            "friction, are faster by `dopri5`; where friction is stiff, `auto` or `radau5`. The fastest "
+            "friction, are faster by `dopri5` or `bs5`; where friction is stiff, `auto` or `radau5`. The fastest "
             "march of each, times real time:",
             table(["scene", "errors below", *METHODS], lines),
         ]

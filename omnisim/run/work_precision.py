@@ -144,7 +144,7 @@ def _tell(progress: Callable[[float], object], fraction: float, _: float) -> obj
 
 def converged(scene: Scene, step: float, progress: Callable[[float], object]) -> Reference:
     """Two explicit methods with one step; where they stop, the implicit one with this step and with half of it."""
-    explicit = Setting("dopri5", "explicit", step), Setting("rk4", "explicit", step)
+    explicit = Setting("bs5", "explicit", step), Setting("dopri5", "explicit", step)
     implicit = Setting("radau5", "explicit", step / 2), Setting("radau5", "explicit", step)
     for pair in (explicit, implicit):
         runs = []

@@ -59,7 +59,7 @@ def test_nodes_are_row_sums_and_weights_add_up_to_one(method):
 
 @pytest.mark.parametrize("method", TABLEAUX.values(), ids=TABLEAUX)
 def test_the_continuous_extension_errs_within_a_step_with_its_order(method):
-    """y' = -y^2 t, y = 2 / (2 / y_0 + t^2 - t_0^2): by h^(order + 1), at most h^5, and those of order 5 need no more."""
+    """y' = -y^2 t, y = 2 / (2 / y_0 + t^2 - t_0^2): by h^(order + 1), at most h^5, which order 5 gives as it is."""
 
     def slope(t, y):
         return -y * y * t

@@ -30,7 +30,7 @@ def test_the_table_fits_a_terminal_and_ends_in_a_verdict(folder):
     assert max(map(len, result.stdout.splitlines())) <= WIDTH
     assert result.stdout.count("  heun  ") == 2 and result.stdout.count("  rk4 ") == 2
     assert re.search(r"^\*  rk4 +explicit +0.0005 +1.1e-08 ", result.stdout, re.MULTILINE)
-    assert "confirmed by rk4" in result.stdout
+    assert "confirmed by dopri5" in result.stdout
     assert "Fastest with errors below 1e-06: " in result.stdout and "below 1e-09: none" in result.stdout
     assert "pair of steps: heun 2." in result.stdout.replace("\n", " ")  # measured: 2.30
     assert os.listdir(folder) == []
