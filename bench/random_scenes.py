@@ -38,6 +38,7 @@ LONGEST = 60.0  # s of wall time for one run
 END, INTERVAL = 0.4, 0.05  # s, of upright machines
 END_FREE, INTERVAL_FREE = 0.1, 0.0125  # s, of machines free in space, which take so much longer
 FREE, EVERY_BODY = 0.25, 0.2  # shares of machines that are free; of all others, that go by the multibody formulation
+BY_BS5 = 0.5  # share of the scenes by a method of order 5 that are by this one
 THIN_LAYERS = 0.3  # share of the saturated law by "auto" whose layer of slip is thin
 EXPLICIT, IMPLICIT = ("heun", "rk4", "dopri5"), ("radau5", "auto")
 RIGHT, STOPPED, LESS, LONG, UNSURE, WRONG, RAISED, IMPOSSIBLE = VERDICTS = (
@@ -97,6 +98,8 @@ def random_scene(number: int) -> dict[str, Any]:
         scene["chassis"] = {"mass": rng.uniform(4.0, 15.0), "center_of_mass": place, "inertia": inertia.tolist()}
         if rng.random() < 0.3:
             scene["floor"] = {"slope_deg": rng.uniform(0.0, 12.0), "uphill_deg": rng.uniform(-180.0, 180.0)}
+    if scene["solver"]["method"] == "dopri5" and np.random.default_rng([22, number]).random() < BY_BS5:
+        scene["solver"]["method"] = "bs5"
     if free:
         scene["scene"] = {"upright": "free"}
     elif law == "saturated" and scene["solver"]["method"] == "auto":
