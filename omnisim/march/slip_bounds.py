@@ -17,8 +17,8 @@ from omnisim.march.creeping import CREEP_SPEED
 REST = 1e-11  # of 1 m/s and of the speeds that make up the slip, below which it no longer matters
 ALIGNED, FINE_ALIGNED = 3e-4, 1e-6  # m/s; the second for methods "auto" and "radau5"
 FINE_POWER = 4  # of the step, of the second
-STOPPING = 7e-4  # m/s of the machine by v_n^2 / v, of the coarsest step, explicit methods
-ENDING = 3e-8  # m/s of the machine, of the coarsest step
+STOPPING = 1.7e-3  # m/s of the machine by v_n^2 / v, of the coarsest step, explicit methods
+ENDING = 1e-8  # m/s of the machine, of the coarsest step
 LEAST_ALIGNED = 1e-13  # m/s of slip, of the finest step: taking the last slip away at REST costs more
 STOPPED = 0.1  # of the slip that no longer matters, at which creeping slip has come to its end, or
 STOPPED_OF_STOPPING = 1e-4  # of that which may be taken away across its direction
