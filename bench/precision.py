@@ -42,8 +42,8 @@ COARSE_SUB_STEPS = (
     "2e-3 to 5e-4 s the order is 5.0 (`tests/laws/test_slow_slip.py`), by errors too small to tell one here"
 )
 FEWER_SUB_STEPS = (
-    "By it sub-steps of slip err more than whole steps do: with half their length, which takes {} more right-hand sides, "
-    "the error at 5e-4 s is {} of what it is. `bs5` keeps its order"
+    "By it sub-steps of slip err more than whole steps do: with half their length, which takes {} more right-hand "
+    "sides, the error at 5e-4 s is {} of what it is. `bs5` keeps its order"
 )
 
 

@@ -15,7 +15,14 @@ from matplotlib.ticker import LogLocator
 from omnisim.base.files import write_whole
 
 # Okabe & Ito: told apart with any colour vision
-COLOURS = {"heun": "#E69F00", "rk4": "#0072B2", "dopri5": "#009E73", "bs5": "#F0E442", "radau5": "#D55E00", "auto": "#CC79A7"}
+COLOURS = {
+    "heun": "#E69F00",
+    "rk4": "#0072B2",
+    "dopri5": "#009E73",
+    "bs5": "#56B4E9",
+    "radau5": "#D55E00",
+    "auto": "#CC79A7",
+}
 STYLES = {"explicit": ("-", "o"), "implicit": ("--", "s")}
 PANEL = (4.6, 4.0)  # inches
 
