@@ -282,8 +282,8 @@ def foresee_stops(parameters, run, t):
 
 @kernel
 def unforeseen(mode, side):
-    """Whether slip is about to stop in a direction of which nothing tells how it turns."""
-    return creeping(mode, side) and mode.stopping[side] == 1 and not mode.foreseen[side]
+    """Whether slip is about to stop in a direction of which nothing tells how it turns, nor anything holds it."""
+    return creeping(mode, side) and mode.stopping[side] == 1 and not mode.foreseen[side] and mode.veer[side, 1] == 0.0
 
 
 @kernel
