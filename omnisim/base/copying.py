@@ -6,7 +6,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from omnisim.base.blocks import APART
-from omnisim.base.records import copy_of
+from omnisim.base.records import copy_of, single
 
 Kept = TypeVar("Kept", bound=np.ndarray | np.generic | tuple | float | None)
 Tuple = TypeVar("Tuple", bound=tuple)
@@ -50,5 +50,5 @@ class Template(Generic[Tuple]):
         shape, dtype, at, new = array.shape, array.dtype, len(self._content), np.ndarray.__new__
         self._content += array.tobytes().ljust(-(-array.nbytes // APART) * APART)
         if isinstance(part, np.void):
-            return lambda memory: new(np.ndarray, (1,), dtype, memory, at)[0]
+            return lambda memory: single(dtype, memory, at)
         return lambda memory: new(kind, shape, dtype, memory, at)

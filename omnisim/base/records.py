@@ -25,6 +25,28 @@ class Packer(NamedTuple):
     bytes: struct.Struct
 
 
+class AsNumPy:
+    """The `data` of a record that has none of its own: as NumPy has it."""
+
+    def __get__(self, record: Any, kind: type) -> Any:
+        return np.record.data.__get__(record, kind)
+
+
+class Record(np.record):  # type: ignore[misc]  # not final when it runs
+    """A record that kernels are given by itself. At each call Numba asks every record for its `data`, and for that
+    NumPy spells out all of its fields, 2 us long. These have it ready."""
+
+    data = AsNumPy()
+
+
+def single(dtype: np.dtype, memory: Any, at: int = 0) -> Record:
+    """The Record in this memory, which may be an array of one, from a byte on."""
+    array: Any = np.ndarray.__new__(np.ndarray, (1,), of_class(Record, dtype), memory, at)
+    found = array[0]
+    vars(found)["data"] = np.frombuffer(memory, np.uint8, dtype.itemsize, at).data
+    return found
+
+
 def blank(dtype: np.dtype, *shape: int) -> np.recarray:
     """Records of zeros."""
     return np.zeros(shape, recorded(dtype)).view(np.recarray)
@@ -49,8 +71,10 @@ def copy_of(array: Any) -> Any:
     """A copy of a record or of records in one piece."""
     if not array.size:
         return array.copy()
-    copy = np.frombuffer(bytearray(array.tobytes()), array.dtype)
-    return copy[0] if isinstance(array, np.void) else copy.reshape(array.shape).view(type(array))
+    content = bytearray(array.tobytes())
+    if isinstance(array, np.void):
+        return single(array.dtype, content)
+    return np.frombuffer(content, array.dtype).reshape(array.shape).view(type(array))
 
 
 def plain(record: np.record) -> Any:
@@ -59,10 +83,15 @@ def plain(record: np.record) -> Any:
     return SimpleNamespace(**dict(zip(record.dtype.names or (), record.item(), strict=True)))
 
 
-@lru_cache
 def recorded(dtype: np.dtype) -> np.dtype:
     """Of np.record with these fields."""
-    return np.dtype((np.record, dtype))
+    return of_class(np.record, dtype)
+
+
+@lru_cache
+def of_class(kind: type[np.record], dtype: np.dtype) -> np.dtype:
+    """Of records of a class, with these fields."""
+    return np.dtype((kind, dtype))
 
 
 @lru_cache

@@ -8,7 +8,7 @@ import numpy as np
 
 from omnisim.base.blocks import cleared
 from omnisim.base.keeping import Ask, alone, kept
-from omnisim.base.records import records
+from omnisim.base.records import records, single
 from omnisim.base.trigonometry import exact_cos_sin
 from omnisim.contact.friction import LAWS
 from omnisim.contact.mobility import HEAVY
@@ -85,7 +85,7 @@ def pack(config: Config, ask: Ask[Config] = alone) -> Parameters:
         bounds = [slip_mobility_bound(machine, offset, found) for offset, found in reaches]
     machine["slip_mobility"] = max(bounds)
     return Parameters(
-        records(MACHINE, [machine])[0],
+        single(MACHINE, records(MACHINE, [machine])),
         wheel_records(ask(wheel_bytes, config), OWN, placed),
         rows_of(ask(offsets_of, config), placed),
         ask(sectors_of, config),
@@ -158,7 +158,7 @@ def blank_workspace(config: Config, most: int) -> Workspace:
     return Workspace(
         contacts,
         parts,
-        loads[0],
+        single(LOADS, loads),
         resting if coulomb else None,
         articulated if multibody else None,
         joints if multibody else None,

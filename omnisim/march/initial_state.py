@@ -8,7 +8,7 @@ import numpy as np
 from omnisim.base.blocks import cleared
 from omnisim.base.keeping import Ask, alone, kept
 from omnisim.base.methods import EXPLICIT, METHODS, Method
-from omnisim.base.records import recorded, records
+from omnisim.base.records import Record, recorded, records, single
 from omnisim.dynamics.packing import machine_kind, shared_of, types_of
 from omnisim.dynamics.parameters import Parameters
 from omnisim.dynamics.spatial.records import SPATIAL_MODE, SPATIAL_MONITORS
@@ -49,9 +49,9 @@ def begin(config: Config, parameters: Parameters, ask: Ask[Config] = alone) -> R
     )
 
 
-def clock_at_start(time: Time, method: Method, choice: int, parameters: Parameters) -> np.record:
+def clock_at_start(time: Time, method: Method, choice: int, parameters: Parameters) -> Record:
     """The record CLOCK at t = 0."""
-    clock = np.frombuffer(bytearray(clock_of(time, method, choice)), recorded(CLOCK))[0]
+    clock = single(CLOCK, bytearray(clock_of(time, method, choice)))
     part = min(1.0, float(clock["dt"]) / coarse_step(parameters, choice))
     clock["fineness"] = fineness(part, choice, method.tableau.order, parameters.workspace.resting is None)
     clock["aligned"] = alignment(part, choice, method.tableau.order)

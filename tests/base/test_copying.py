@@ -1,12 +1,14 @@
 """Copies of what a march works on, from one piece of memory."""
 
+import copy
+import pickle
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 from omnisim.base.copying import Template
-from omnisim.base.records import blank, records
+from omnisim.base.records import blank, copy_of, records, single
 
 pytestmark = pytest.mark.short
 PAIR = np.dtype([("number", "f8"), ("three", "f8", 3), ("count", "i8"), ("seed", "u4")])  # 44 bytes
@@ -37,7 +39,7 @@ def original() -> Outer:
     return Outer(
         np.linspace(0.1, 0.7, 5),
         records(PAIR, [row, row | {"number": 1 / 3}, row | {"count": 2**62}]),
-        Inner(records(PAIR, [row])[0], None, np.array([[True, False, True]])),
+        Inner(single(PAIR, records(PAIR, [row])), None, np.array([[True, False, True]])),
         np.zeros((0, 4)),
         None,
         0.3,
@@ -132,3 +134,16 @@ def test_rows_of_records_without_a_row_stay_records():
     rows = blank(PAIR, 0)
     copy = Template(Rows(rows)).copy().rows
     assert (type(copy), copy.dtype, copy.number.shape) == (np.recarray, rows.dtype, (0,))
+
+
+def test_a_single_record_shows_the_memory_it_stands_in_and_its_copies_their_own():
+    row = {"number": 0.1, "three": [1.0, 2.0, 3.0], "count": -7, "seed": 3}
+    one = single(PAIR, bytearray(8) + records(PAIR, [row]).tobytes(), 8)
+    others = copy_of(one), copy.deepcopy(one), pickle.loads(pickle.dumps(one))
+    one["count"] = 5
+    one.number = 1 / 3
+    assert bytes(one.data) == one.tobytes() and (one.count, one["number"]) == (5, 1 / 3)
+    others[0].seed = 4
+    for other, seed in zip(others, (4, 3, 3), strict=True):
+        assert bytes(other.data) == other.tobytes() and (other.count, other.number, other.seed) == (-7, 0.1, seed)
+    assert one.seed == 3

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from omnisim.base.records import blank
+from omnisim.base.records import Record, blank, single
 from omnisim.base.trigonometry import exact_cos_sin
 from omnisim.contact.floor import floor_of
 from omnisim.contact.support import MOST_ARCS, NO_ENVELOPE, SHAPE
@@ -112,8 +112,8 @@ def holding(wheels: int, carriers: int) -> Holding:
     return Holding(blank(HELD, contacts), levers[0], levers[1], equations[0], equations[1], np.zeros(count))
 
 
-def record(dtype: np.dtype, values: dict) -> np.record:
-    return array_of(dtype, [values])[0]
+def record(dtype: np.dtype, values: dict) -> Record:
+    return single(dtype, array_of(dtype, [values]))
 
 
 def array_of(dtype: np.dtype, rows: list[dict]) -> np.recarray:
