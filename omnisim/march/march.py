@@ -211,11 +211,11 @@ def grid_step(parameters, method, run, rows, log):
         if parameters.workspace.articulated is not None:
             project_bodies(parameters, run, True)
         clock.elapsed += h
-        if run.newton is None and h > TOLD * clock.dt:
-            keep_turning(parameters, run, h)
-        if parameters.space is None and parameters.workspace.resting is not None and any_layered(parameters, run):
-            follow_layer(parameters, run, h)
         if parameters.workspace.resting is not None:
+            if run.newton is None and h > TOLD * clock.dt:
+                keep_turning(parameters, run, h)
+            if parameters.space is None and any_layered(parameters, run):
+                follow_layer(parameters, run, h)
             take_drift_away(parameters, run, start + clock.elapsed, kind >= 0 and kind != TURN)
         if kind >= 0:
             transition(parameters, run, log, fired, start + clock.elapsed)
