@@ -81,6 +81,7 @@ def reduced_rhs(parameters, stage):
         part = workspace.parts[w]
         part.slides = slides_alone(machine, mode[w])
         if part.slides:
+            part.sought = 0  # it may have crept before
             equations, loss, work = slide_wheel(parameters, stage, w, body, share, equations)
             heat, power = heat + loss, power + work
         else:
