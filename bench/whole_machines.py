@@ -48,7 +48,7 @@ class Setting(NamedTuple):
 
 
 def measure(rounds: int) -> dict:
-    steps = (1.25e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4) if rounds >= FULL_ROUNDS else (1e-2, 2e-3)
+    steps = (0.1 / 7, 1.25e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4) if rounds >= FULL_ROUNDS else (1e-2, 2e-3)
     return {
         "platform": measure_platform(rounds, steps),
         "wheels": measure_wheels(rounds),
