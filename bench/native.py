@@ -179,5 +179,9 @@ def claims(result: dict) -> list[Claim]:
     for name, seconds in result["fmpy"].items():
         mean = quiet(seconds)
         text = f"speed of FMPy with all outputs at 10 ms, by that of omnisim.simulate with all datasets: {name}"
-        found.append(Claim(text, mean[DATASETS] / mean[ALL], "at least", 0.5, 0.25))
+        reason = (
+            f"Of its {1e3 * mean[ALL]:.2f} ms the march is {1e3 * mean[MARCH]:.2f}; for the rest FMPy asks for every "
+            "output every 10 ms, from Python, and is answered"
+        )
+        found.append(Claim(text, mean[DATASETS] / mean[ALL], "at least", 0.5, 0.25, reason))
     return found

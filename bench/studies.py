@@ -210,7 +210,7 @@ def report(result: dict) -> str:
 def claims(result: dict) -> list[Claim]:
     rates = result["rates"]
     one, all_of_them, _, _, one_idle, all_idle, *theirs = rates
-    times = median_ratio(rates[all_of_them], rates[one])
+    times, idle = median_ratio(rates[all_of_them], rates[one]), median_ratio(rates[all_idle], rates[one_idle])
     found = [
         Claim(
             f"a study of {RUNS} runs on {result['cores']} cores, runs a second by those on one",
@@ -218,10 +218,11 @@ def claims(result: dict) -> list[Claim]:
             "at least",
             0.95 * result["cores"],
             0.5 * result["cores"],
+            f"Processes that share nothing and wait for nobody make {idle:.2f}",
         ),
         Claim(
             "that, by the same of idle processes that share nothing: what the machine gives",
-            times / median_ratio(rates[all_idle], rates[one_idle]),
+            times / idle,
             "at least",
             0.95,
             0.6,
