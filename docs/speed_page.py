@@ -40,8 +40,8 @@ INTRODUCTION = f"""# Speed and accuracy
 {WRITTEN}. Ratios are medians of rounds in which the contestants took
 turns, beside the C loops and for rollers and rows those of the quietest tenth of hundreds; the rules stand in `bench/README.md`. The machine
 is a share of a larger one, whose neighbours slow both sides of a ratio, and omnisim more than a C loop. Times real time are what it gave
-then: of `near_limit`, with errors below 1e-5, three benches within an hour said 537, 1150 and 1160, and of `coulomb_wheel`
-3250, 6020 and 5870, where a quieter one had said 6900 the day before."""
+then: of `coulomb_wheel`, with errors below 1e-6, four benches of one evening said 10900, 9730, 10200 and 10200, of the platform
+below 1e-9 535, 507, 500 and 510; on a busier machine, the day before, 3250 to 6900 and 184 to 319, of much the same code."""
 CLAIMS = """A target is what is aimed at. Beyond its alarm a value is no noise of a machine; `python -m bench --check` fails."""
 
 
