@@ -190,7 +190,7 @@ def claims_table(claims: Iterable[Claim]) -> str:
     rows = [
         [
             claim.text,
-            f"{claim.value:.3g}",
+            f"{claim.value:.4g}",
             f"{claim.bound} {claim.target:g}",
             "met" if claim.met else "**missed**",
             f"{claim.alarm:g}",

@@ -87,7 +87,7 @@ def contents(records: dict[str, dict]) -> str:
 def verdict(claims: list[Claim]) -> str:
     """How many targets are met, and a line for each that is not, with the reason if one is known."""
     missed = [
-        f"- {claim.text}: {claim.value:.3g}, to be {claim.bound} {claim.target:g}"
+        f"- {claim.text}: {claim.value:.4g}, to be {claim.bound} {claim.target:g}"
         + (f". {claim.reason}" if claim.reason else "")
         for claim in claims
         if not claim.met
