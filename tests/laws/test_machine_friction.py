@@ -8,9 +8,10 @@ from scenes import final_state, of_wheels, reference_scene
 import omnisim
 from omnisim.contact.set_valued import CREEP, SLIP, STICK
 from omnisim.dynamics.impulses import align_slip
-from omnisim.dynamics.state import places_in
+from omnisim.dynamics.state import Stage, places_in
 from omnisim.dynamics.twist import body_motion
 from omnisim.dynamics.wheel import contact_state
+from omnisim.march.runge_kutta import evaluate
 from omnisim.scene.ideal_kinematics import wheel_rows
 
 COULOMB = {"law": "coulomb", "coefficient": 0.5}
@@ -253,3 +254,22 @@ def test_impulses_that_take_slip_away_cost_what_friction_is_said_to_lose(seed):
     loss = run.y[at.friction_loss] - lost
     assert loss > 1e-3 * before
     assert abs(before - kinetic(parameters, run) - loss) < 1e-12 * before
+
+
+def test_a_wheel_that_slides_after_it_has_crept_seeks_no_force():
+    """Wheel 3 has crept, and slides beside one that creeps: the forces are those of a machine that never crept there,
+    to the last bit, and without a search for its own."""
+    found = []
+    for before in (CREEP, SLIP):
+        loop = omnisim.Loop(scene(driven() | {"solver": {"method": "rk4"}}))
+        parameters, run, at = loop.parameters, loop.run, places_in(loop.parameters)
+        loop.march(0)
+        run.y[at.velocity : at.integral] += 1e-3 * np.random.default_rng(0).normal(size=at.integral - at.velocity)
+        run.mode.creep[2:, 0] = 0.8, -0.6
+        for last in (before, SLIP):
+            run.mode.grip[:, 0] = STICK, STICK, CREEP, last
+            parameters.workspace.contacts["creep"] = 0.0  # a search begins with the direction of the mode
+            evaluate(parameters, Stage(run.mode, 0, 0.0, run.y, run.slopes[0], run.monitors, True))
+        found.append(run.slopes[0].tobytes())
+        assert parameters.workspace.parts["sought"].tolist() == [0, 0, 1, 0]
+    assert found[0] == found[1]
