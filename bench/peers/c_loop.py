@@ -170,9 +170,7 @@ MACHINE = Loop(
     1.25,
     3.0,
 )
-BY_PROCESSOR = (
-    "That differs by processor: of the machine 1.04 on an AMD EPYC, 1.25 to 1.28 on an Intel Xeon within an hour"
-)
+BY_PROCESSOR = "That differs by processor: of the machine 1.04 on an AMD EPYC, 1.25 to 1.26 on an Intel Xeon"
 LOOPS = {"bare wheel": WHEEL, "mecanum machine": MACHINE}
 
 
