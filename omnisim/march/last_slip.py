@@ -6,38 +6,28 @@ what this friction does to the machine until v = 0 depends on the time T alone t
 
     v + b T = A P        P: the impulse that friction takes away
 
-So the equation of v, two numbers, is solved for T, the machine goes on for T as it moves, and an impulse takes away
-what slip is left (impulses.py). That errs by what b and S change meanwhile, ~ T^2.
+So the equation of v, two numbers, is solved for T (turning_slip.py), the machine goes on for T as it moves, and an
+impulse takes away what slip is left (impulses.py). That errs by what b and S change meanwhile, ~ T^2.
 """
 
 import math
 
 from omnisim.base.kernel import kernel, outlined
 from omnisim.contact.frame import Slip
-from omnisim.contact.kinematics import slip_jacobian
-from omnisim.contact.mobility import Symmetric, across, applied
-from omnisim.contact.set_valued import SLIP, STICK
-from omnisim.dynamics.contact_forces import contact_mobility
+from omnisim.contact.mobility import across, applied
+from omnisim.contact.set_valued import SLIP
 from omnisim.dynamics.normal_forces.solution import loads_known
-from omnisim.dynamics.planar_body import free_equations, held_equations, inverse, set_contact, set_lever
 from omnisim.dynamics.state import places
-from omnisim.dynamics.twist import body_motion
-from omnisim.dynamics.wheel import contact_state
 from omnisim.march.events import EXIT, GRIP, NO_GUARD, TURN, Guard, guard
 from omnisim.march.slip import slip_rate
+from omnisim.march.turning_slip import gives_way, mobility_beside, one_friction, turn_in, unresisted
 
 BEFORE = 20.0  # times the angle by which a wheel may turn: when b and S are looked at first
 LEAST_SIZE = 1.0  # m/s^2 of b, at least: where it is less, T is still the time of an event
 PRECISE = 1e-3  # part of T that it is off by, half as much again at worst
 ANSWER = 0.2  # part of a load that may change as friction turns, where contacts carry roll and pitch
-SAME = 0.99  # cosine of the angle up to which slip has not turned
 UNTURNED = 0.1  # rad, by which friction may turn slip of others meanwhile
 SURELY = 0.9  # part of |v| / |v'| that slip lasts at least
-FRACTION = 0.5  # of the time in which slip stops or turns, that one step of its equation takes
-STABLE = 0.7  # relaxation of its direction by one step
-STRAIGHT = 3e-4  # part of its slowing down that slip misses by its angle from its final direction: nearly straight
-LEFT = 1e-6  # part of slip that is none
-MOST_STEPS = 50
 
 
 @kernel
@@ -60,12 +50,6 @@ def end_slip(parameters, run, t, h):
                     if nothing_else_ends(parameters, run, w, time):
                         return time, Guard(GRIP, w, 0)
     return 0.0, NO_GUARD
-
-
-@kernel
-def gives_way(machine):
-    """Whether all speeds answer to the force of a contact, and at once, as mobility_beside has it."""
-    return not machine.follows and not machine.rolling
 
 
 @kernel
@@ -93,19 +77,17 @@ def time_left(parameters, run, w, t):
     mode, clock = run.mode[w], run.clock
     rate, slip, _ = slip_rate(parameters, mode, w, 0, run.y, run.slopes[0])
     a, factor = mobility_beside(parameters, run, w), run.monitors[w].factor[0]
-    pushed_h, pushed_k = applied(a, slip.h, slip.k)
-    b = Slip(rate.h + factor * pushed_h, rate.k + factor * pushed_k)
+    b = unresisted(rate, a, Slip(-factor * slip.h, -factor * slip.k))
     speed = math.sqrt(slip.h * slip.h + slip.k * slip.k)
     limit = factor * speed
-    s = Symmetric(limit * a.hh, limit * a.hk, limit * a.kk)
-    whole, size, seen = s.hh + s.kk, max(math.sqrt(b.h * b.h + b.k * b.k), LEAST_SIZE), mode.seen
+    whole, size, seen = limit * (a.hh + a.kk), max(math.sqrt(b.h * b.h + b.k * b.k), LEAST_SIZE), mode.seen
     change = math.sqrt((b.h - seen[0]) ** 2 + (b.k - seen[1]) ** 2) + size * abs(1.0 - seen[2] / whole)
     drift = 0.5 * change / (t - seen[3]) if seen[3] >= 0.0 else math.inf
     seen[0], seen[1], seen[2], seen[3] = b.h, b.k, whole, t
     least = SURELY * speed / math.sqrt(rate.h * rate.h + rate.k * rate.k)
     if not (PRECISE * size + drift * least) * least <= clock.ended:
         return math.inf
-    time, turns = time_to_rest(b, s, slip)
+    time, turns = time_to_rest(b, a, limit, slip)
     missed = (PRECISE * size + drift * time) * time
     if not loads_known(parameters.machine):
         missed += ANSWER * size * turns
@@ -114,44 +96,24 @@ def time_left(parameters, run, w, t):
     return time if missed + 0.5 * (turned * turned + fallen) <= clock.ended else math.inf
 
 
-@outlined
-def time_to_rest(b, s, v):
-    """The time T after which slip v comes to rest, s, infinite if it does not, and for how much of it it has turned.
-    b in m/s^2, s: S in m/s^2, v in m/s."""
-    h, k, t = v.h, v.k, 0.0
-    straight, first = 0.0, 1.0 / math.sqrt(h * h + k * k)
-    for _ in range(MOST_STEPS):
-        rest = 1.0 / math.sqrt(h * h + k * k)
-        u_h, u_k = h * rest, k * rest
-        if (u_h * v.h + u_k * v.k) * first > SAME:
-            straight = t
-        s_h, s_k = applied(s, u_h, u_k)
-        rate_h, rate_k = b.h - s_h, b.k - s_k
-        along, turn = u_h * rate_h + u_k * rate_k, u_h * rate_k - u_k * rate_h
-        drawn = across(s, u_h, u_k) + along
-        if drawn > 0.0 and turn * turn <= STRAIGHT * drawn * abs(along):
-            bend, curve = turn - (u_h * s_k - u_k * s_h), u_h * s_h + u_k * s_k + along - 2.0 * drawn
-            time = t + straight_on(along, turn, drawn, bend, curve) / rest
-            return time, time - straight
-        if first < LEFT * rest:
-            return t, t - straight
-        step = 1.0 / (rest * max((abs(along) + abs(turn)) / FRACTION, drawn / STABLE))
-        half = 0.5 * step
-        h_2, k_2 = slowing(b, s, h + half * rate_h, k + half * rate_k)
-        h_3, k_3 = slowing(b, s, h + half * h_2, k + half * k_2)
-        h_4, k_4 = slowing(b, s, h + step * h_3, k + step * k_3)
-        h += step / 6.0 * (rate_h + 2.0 * (h_2 + h_3) + h_4)
-        k += step / 6.0 * (rate_k + 2.0 * (k_2 + k_3) + k_4)
-        t += step
-    return math.inf, math.inf
-
-
 @kernel
-def slowing(b, s, h, k):
-    """v' (h, k) of slip v = (h, k)."""
-    size = 1.0 / math.sqrt(h * h + k * k)
-    s_h, s_k = applied(s, h, k)
-    return b.h - size * s_h, b.k - size * s_k
+def time_to_rest(b, a, limit, v):
+    """The time T after which slip v (Slip, m/s) comes to rest, s, infinite if it does not, and for how much of it it
+    has turned. b in m/s^2, a in 1/kg, limit: mu N, N."""
+    turned = turn_in(b, a, one_friction(limit), v)
+    if turned.time == math.inf:
+        return math.inf, math.inf
+    rest = 1.0 / math.sqrt(turned.h * turned.h + turned.k * turned.k)
+    u_h, u_k = turned.h * rest, turned.k * rest
+    s_h, s_k = applied(a, limit * u_h, limit * u_k)
+    rate_h, rate_k = b.h - s_h, b.k - s_k
+    along, turn = u_h * rate_h + u_k * rate_k, u_h * rate_k - u_k * rate_h
+    drawn = limit * across(a, u_h, u_k) + along
+    time = turned.time
+    if not turned.gone:
+        bend, curve = turn - (u_h * s_k - u_k * s_h), u_h * s_h + u_k * s_k + along - 2.0 * drawn
+        time += straight_on(along, turn, drawn, bend, curve) / rest
+    return time, time - turned.straight
 
 
 @kernel
@@ -162,23 +124,6 @@ def straight_on(along, turn, drawn, bend, curve):
     angle = -turn / drawn
     final = along - bend * angle + 0.5 * curve * angle * angle
     return (bend * angle / (final - drawn) - 1.0) / final if final < 0.0 else math.inf
-
-
-@kernel
-def mobility_beside(parameters, run, w):
-    """A of the contact of wheel w, which slips, while others that stick hold (Symmetric, 1/kg)."""
-    machine, contacts = parameters.machine, parameters.workspace.contacts
-    equations = free_equations(machine, 0.0, 0.0, 0.0)
-    for v in range(len(run.mode)):
-        if run.mode[v].grip[0] == STICK:
-            equations = held_equations(contacts[parameters.wheels[v].contacts], equations)
-    wheel = parameters.wheels[w]
-    contact = contacts[wheel.contacts]
-    state = contact_state(parameters, run.mode[w], w, 0, body_motion(parameters, run.y), run.y)
-    j = slip_jacobian(wheel, state.axis, state.contact)
-    set_contact(contact, state, j, False)
-    set_lever(wheel, contact, state.axis, j)
-    return contact_mobility(wheel, contact, inverse(machine, equations))
 
 
 @kernel

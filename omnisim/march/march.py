@@ -33,7 +33,7 @@ from omnisim.march.events import (
     transition,
 )
 from omnisim.march.extremes import begin_interval, follow, follow_again
-from omnisim.march.friction_modes import NOT, begin_to_stop, rests, slip_freely, stops, take_drift_away
+from omnisim.march.friction_modes import rests, take_drift_away
 from omnisim.march.grip_events import end_slips
 from omnisim.march.last_slip import end_slip
 from omnisim.march.onset import stand
@@ -41,6 +41,7 @@ from omnisim.march.roller_exchange import release_rollers
 from omnisim.march.runge_kutta import accept, copy, refresh
 from omnisim.march.spatial_contacts import release, stand_in_space
 from omnisim.march.spatial_events import PRESS, of_state_alone
+from omnisim.march.stopping import NOT, begin_to_stop, slip_freely, stops
 from omnisim.march.substeps import step_length
 from omnisim.march.thin_layer import any_layered, follow_layer, relax_slips
 from omnisim.march.validity import check, check_energy, too_fast, too_stiff

@@ -24,7 +24,7 @@ def test_time_to_rest_where_friction_resists_alike_in_all_directions():
         b = s * rng.uniform(0, 0.8) * np.array([np.cos(angle), np.sin(angle)])
         v = 10.0 ** rng.uniform(-6, 0) * rng.normal(size=2)
         exact = (s * np.hypot(*v) + b @ v) / (s * s - b @ b)
-        worst = max(worst, abs(time_to_rest(Slip(*b), Symmetric(s, 0.0, s), Slip(*v))[0] / exact - 1.0))
+        worst = max(worst, abs(time_to_rest(Slip(*b), Symmetric(1.0, 0.0, 1.0), s, Slip(*v))[0] / exact - 1.0))
     assert worst < 2.0 * PRECISE  # measured 1.5e-3
 
 
@@ -50,7 +50,7 @@ def test_time_to_rest_where_a_roller_gives_way_more_than_the_machine(ratio):
         run = solve_ivp(rate, (0.0, 1e3), v, "LSODA", events=nearly, rtol=1e-10, atol=1e-14)
         end = run.y[:, -1]
         exact = run.t[-1] - end @ end / (end @ rate(0.0, end))
-        found, turned = time_to_rest(Slip(*b), Symmetric(s[0, 0], s[0, 1], s[1, 1]), Slip(*v))
+        found, turned = time_to_rest(Slip(*b), Symmetric(s[0, 0], s[0, 1], s[1, 1]), 1.0, Slip(*v))
         assert 0.0 <= turned <= found
         errors.append(abs(found / exact - 1.0))
     # measured, by ratio: 1.1e-3, 2.3e-4, 2.0e-4 at most; 1.9e-4, 4.9e-5, 2.3e-5 mostly
@@ -60,7 +60,7 @@ def test_time_to_rest_where_a_roller_gives_way_more_than_the_machine(ratio):
 @pytest.mark.short
 def test_slip_that_nothing_stops_takes_for_ever():
     """b beyond the cone: slip turns into its direction and grows."""
-    assert time_to_rest(Slip(3.0, 1.0), Symmetric(2.0, 0.0, 1.0), Slip(-1e-3, 1e-3))[0] == math.inf
+    assert time_to_rest(Slip(3.0, 1.0), Symmetric(2.0, 0.0, 1.0), 1.0, Slip(-1e-3, 1e-3))[0] == math.inf
 
 
 @pytest.mark.parametrize(("method", "bound", "work"), [("rk4", 1.2e-5, 1200), ("dopri5", 3e-7, 1800)])

@@ -1,0 +1,272 @@
+"""How a slip that comes to rest goes on until it does: in the direction of the contact equation, as creeping slip.
+
+    NEAR   friction turns it there as fast as that direction turns itself
+    SOON   it will be at rest soon, and the error of a step hides what it is across that direction
+    ONCE   friction turns it there at once, from whatever direction it has
+
+Where a roller has come down its contact slips as this roller rolls, which its small inertia resists, until what is left
+is slip along its axis, which the machine resists. Sub-steps would follow that turn. But it is over soon, and what it
+leaves can be told from the equation of slip alone (turning_slip.py): with v_f' the rate of slip along the final
+direction, slip ends as if it had begun as
+
+    v_f(0) = v(t) - v_f' t        t: when v(t) has come to that direction
+
+So an impulse gives it that slip at once, beyond the force that goes on along the final direction. In truth this impulse
+is spread over the turn, with its centre at the time
+
+    t_c = integral of (v - v_f) / (v(0) - v_f(0))        by what each of them is to the machine, A^-1
+
+until which the machine moves as it would without it: that is made up for by t_c times the change of the derivative.
+What remains is a part of the impulse that falls with the square of the turn's duration.
+"""
+
+import math
+
+from omnisim.base.kernel import kernel, outlined
+from omnisim.contact.frame import Slip
+from omnisim.contact.mobility import solution
+from omnisim.contact.set_valued import CREEP, SLIP, STICK
+from omnisim.dynamics.impulses import align_slip
+from omnisim.dynamics.indices import contact_count
+from omnisim.dynamics.state import Stage, places
+from omnisim.dynamics.wheel import roller_end
+from omnisim.march.creeping import CREEP_SPEED, HELD, creeping, hold_direction, keep_creep, turned_by, turning_of
+from omnisim.march.runge_kutta import copy, evaluate, refresh
+from omnisim.march.slip import course_of, slip_rate
+from omnisim.march.slip_bounds import LEAST_STIFF, LEAST_TURNED, STILL_TURNED, stiffness, unseen
+from omnisim.march.substeps import SLIP_FRACTION, slip_fraction
+from omnisim.march.turning_slip import gives_way, mobility_beside, turn_in, two_frictions, unresisted
+
+MOST_FREED = 20  # times in a step, after which slip is followed by sub-steps to its end
+AHEAD = 0.1  # of the time to a stop, after which the direction of slip is looked at
+MOST_LAG = 0.1  # rad, from which on slip does not follow that direction
+AT_EASE = 1000.0  # times that friction turns slip while it changes, from which on its direction is a slow one
+MARGIN = 10.0  # between what a turn errs by and the square of the part of a step that it takes, of its speed
+UNCHANGED = 2.0  # times as long as a turn takes no roller comes to its end
+ALIKE = 0.99  # cosine between final directions of slip by the contact equation and by the turn
+NOT, SOON, NEAR, ONCE = range(4)  # how slip goes on in the direction of the contact equation
+
+
+@kernel
+def stops(parameters, run, w, side):
+    """How a contact that slips goes on along the direction of the contact equation, which attracts its slip.
+
+    NEAR: of its own accord, as it turns: friction turns slip many times within a step that it may be given
+    (creeping_period), and has done so for so long that the error of the step hides what else turns it. SOON: its end is
+    near, and the error hides what the slip is across that direction. ONCE: its end is near, and friction turns it there
+    in so short a time that the error hides what else happens in it. Else NOT.
+    """
+    mode, monitors = run.mode[w], run.monitors[w]
+    if mode.shared or mode.grip[side] != SLIP or monitors.factor[side] == 0.0:
+        return NOT
+    if mode.freed_step == run.clock.step and mode.freed >= MOST_FREED:
+        return NOT
+    if stiffness(parameters, run.clock, monitors, side) <= LEAST_STIFF:  # as nearly always
+        return NOT
+    dt, course = run.clock.dt, course_of(parameters, run, w, side)
+    hidden = unseen(run.clock, course)
+    followed = run.newton is None
+    across = strayed(mode, side, course) if followed else course.across
+    turned = course.attraction * dt > LEAST_TURNED
+    follows = followed and course.attraction * min(dt, creeping_period(run.clock, course)) > LEAST_TURNED
+    foreign = min(across, course.speed * math.exp(-mode.settled[side]))  # not by the turning of that direction itself
+    if follows and foreign * course.attraction * dt < hidden:
+        return NEAR
+    if -course.growth * dt > course.speed:
+        if (turned or not followed) and across < hidden:
+            return SOON
+        if followed and (turned or course.attraction < 0.0) and turns_at_once(parameters, run, w, course):
+            return ONCE
+    return NOT
+
+
+@kernel
+def turns_at_once(parameters, run, w, course):
+    """Whether the slip of wheel w, of this Course, turns in so short a time that the error of a step hides what else
+    happens meanwhile, while all others stick and none comes to the end of its roller."""
+    clock = run.clock
+    if (
+        parameters.space is not None
+        or parameters.workspace.articulated is not None
+        or not gives_way(parameters.machine)
+    ):
+        return False
+    time = course.speed / -course.growth
+    part = time / clock.dt
+    if MARGIN * course.speed * part * part > clock.ended * course.lightness:
+        return False
+    at = places(parameters)
+    for v in range(len(run.mode)):
+        mode = run.mode[v]
+        if mode.shared or (v != w and mode.loaded and mode.grip[0] != STICK):
+            return False
+        angle, rate = run.y[at.spin_angle + v], run.y[at.spin_rate + v]
+        end = roller_end(parameters.wheels[v], mode.roller, mode.direction)
+        if mode.direction * (end - angle) < UNCHANGED * time * abs(rate):
+            return False
+    return True
+
+
+@kernel
+def creeping_period(clock, course):
+    """How long slip may go on in the direction of the contact equation at once, s: the part of the time in which it
+    doubles, stops or passes by rest that a sub-step may take, as that direction turns with it; any, if friction turns
+    it far faster."""
+    pace = math.hypot(course.growth / course.speed, course.turning)
+    if AT_EASE * pace <= max(course.attraction, 0.0):
+        return math.inf
+    return slip_fraction(SLIP_FRACTION, pace, clock) / pace
+
+
+@kernel
+def strayed(mode, side, course):
+    """What slip is across that direction, m/s: by its turning, and by what it was before and friction has left of that.
+    Slip that comes from afar and that direction turn into each other's way: for a moment it turns by nothing."""
+    mode.strayed[side] = max(mode.strayed[side], min(course.across / course.speed, 1.0))
+    return max(course.across, mode.strayed[side] * course.speed)
+
+
+@kernel
+def slip_freely(parameters, run):
+    """Let creeping contacts slip in the direction that they have: where friction no longer turns slip faster than a
+    step can follow, or where the step would err, as forces have jumped. Of the others, how long they may creep at
+    once, unless the error of a step hides in any case what they are across."""
+    for w in range(len(run.mode)):
+        mode = run.mode[w]
+        for side in range(contact_count(mode)):
+            if not creeping(mode, side):
+                continue
+            mode.period[side] = math.inf
+            if run.monitors[w].slip_square[side] <= CREEP_SPEED**2:
+                continue
+            course = course_of(parameters, run, w, side)
+            hidden = course.across <= unseen(run.clock, course)
+            if not hidden:
+                mode.period[side] = creeping_period(run.clock, course)
+            turned = course.attraction * min(run.clock.dt, mode.period[side])
+            if turned < STILL_TURNED or not (hidden or mode.foreseen[side]):
+                mode.grip[side] = SLIP
+
+
+@kernel
+def begin_to_stop(parameters, run, t):
+    """Let slips that are about to stop, or last, go on in the direction of the contact equation, in which they will."""
+    at_once, limit = -1, 0.0
+    for w in range(len(run.mode)):
+        mode = run.mode[w]
+        for side in range(contact_count(mode)):
+            how = stops(parameters, run, w, side)
+            if how != NOT:
+                course = course_of(parameters, run, w, side)
+                mode.creep[side, 0], mode.creep[side, 1] = course.h, course.k
+                if how == ONCE:
+                    at_once, limit = w, run.monitors[w].factor[side] * course.speed
+                    if course.attraction < 0.0:
+                        aim_across(parameters, run, w)
+                mode.grip[side], mode.stopping[side] = CREEP, 1
+                mode.foreseen[side], mode.veering[side] = how == NEAR, course.turning
+                mode.period[side] = creeping_period(run.clock, course) if how == NEAR else math.inf
+                mode.veer[side, 0], mode.veer[side, 1] = 0.0, HELD if how == NEAR else 0.0
+    refresh(parameters, run, t)
+    for w in range(len(run.mode)):
+        for side in range(contact_count(run.mode[w])):
+            if creeping(run.mode[w], side):
+                keep_creep(parameters, run, w, side)
+    if run.newton is None and at_once < 0:
+        foresee_stops(parameters, run, t)
+    for w in range(len(run.mode)):
+        for side in range(contact_count(run.mode[w])):
+            if creeping(run.mode[w], side):
+                hold_direction(run, w, side, turning_of(parameters, w, side).slip)
+    if at_once >= 0:
+        turn_at_once(parameters, run, at_once, limit, t)
+    else:
+        align_slip(parameters, run)
+        refresh(parameters, run, t)
+
+
+@outlined
+def aim_across(parameters, run, w):
+    """Where friction pushes slip of wheel w away from its own direction: begin the search for the final one at that in
+    which its contact gives way least, to the side to which slip will be when it has lost what is across."""
+    mode = run.mode[w]
+    rate, v, _ = slip_rate(parameters, mode, w, 0, run.y, run.slopes[0])
+    a, factor = mobility_beside(parameters, run, w), run.monitors[w].factor[0]
+    b = unresisted(rate, a, Slip(-factor * v.h, -factor * v.k))
+    angle = 0.5 * math.atan2(2.0 * a.hk, a.hh - a.kk)
+    h, k = -math.sin(angle), math.cos(angle)
+    time = abs((k * v.h - h * v.k) / (k * rate.h - h * rate.k))
+    side = math.copysign(1.0, h * (v.h + time * b.h) + k * (v.k + time * b.k))
+    mode.creep[0, 0], mode.creep[0, 1] = side * h, side * k
+
+
+@outlined
+def turn_at_once(parameters, run, w, limit, t):
+    """Turn the slip of wheel w into the direction in which its contact creeps from now on; limit: mu N by its direction
+    until now, N. It slips on as it did if it would not end there."""
+    mode = run.mode[w]
+    rate, v, _ = slip_rate(parameters, mode, w, 0, run.y, run.slopes[0])
+    a, u = mobility_beside(parameters, run, w), Slip(mode.creep[0, 0], mode.creep[0, 1])
+    final = parameters.machine.friction * max(run.monitors[w].normal_force, 0.0)
+    b = unresisted(rate, a, Slip(-final * u.h, -final * u.k))
+    turned = turn_in(b, a, two_frictions(v, limit, u, final), v)
+    slowing = -(rate.h * u.h + rate.k * u.k)
+    along = turned.h * u.h + turned.k * u.k
+    if turned.gone or slowing <= 0.0 or not along > ALIKE * math.hypot(turned.h, turned.k):
+        mode.grip[0] = SLIP
+        mode.freed, mode.freed_step = MOST_FREED, run.clock.step  # not to be tried again in this step
+        refresh(parameters, run, t)
+        return
+    speed = along + slowing * turned.time
+    change = solution(a, Slip(v.h - speed * u.h, v.k - speed * u.k))
+    ahead = turned.time * (speed - 0.5 * slowing * turned.time)
+    late = solution(a, Slip(turned.way_h - ahead * u.h, turned.way_k - ahead * u.k))
+    square = change.h * change.h + change.k * change.k
+    centre = (late.h * change.h + late.k * change.k) / square if square > 0.0 else 0.0
+    copy(run.slopes[0], run.slopes[-1])
+    mode.layer[0], mode.layer[1] = speed * u.h, speed * u.k
+    mode.grip[0] = STICK  # with this slip, for the impulse
+    align_slip(parameters, run)
+    mode.grip[0] = CREEP
+    mode.layer[0] = mode.layer[1] = 0.0
+    refresh(parameters, run, t)
+    for m in range(len(run.y)):
+        run.y[m] += centre * (run.slopes[-1, m] - run.slopes[0, m])
+
+
+@kernel
+def foresee_stops(parameters, run, t):
+    """At which rate the direction of the contact equation turns for slips that are about to stop, by a state a little
+    later; slip lags behind that direction by what it turns while friction draws slip there."""
+    ahead = math.inf
+    for w in range(len(run.mode)):
+        for side in range(contact_count(run.mode[w])):
+            if unforeseen(run.mode[w], side):
+                course = course_of(parameters, run, w, side)
+                ahead = min(ahead, AHEAD * course.speed / abs(course.growth))
+    if ahead == math.inf:
+        return
+    for m in range(len(run.y)):
+        run.trial[m] = run.y[m] + ahead * run.slopes[0, m]
+    evaluate(
+        parameters, Stage(run.mode, run.clock.piece, t + ahead, run.trial, run.slopes[-1], run.monitors_end, False)
+    )
+    run.clock.rhs += 1
+    for w in range(len(run.mode)):
+        mode = run.mode[w]
+        for side in range(contact_count(mode)):
+            if unforeseen(mode, side):
+                creep, course = mode.creep[side], course_of(parameters, run, w, side)
+                turning = turned_by(creep, turning_of(parameters, w, side).creep) / ahead
+                if abs(turning) < MOST_LAG * course.attraction:
+                    mode.foreseen[side], mode.veering[side] = 1, turning
+                    lag = turning / course.attraction
+                    h, k = creep[0] + lag * creep[1], creep[1] - lag * creep[0]
+                    size = math.sqrt(h * h + k * k)
+                    creep[0], creep[1] = h / size, k / size
+
+
+@kernel
+def unforeseen(mode, side):
+    """Whether slip is about to stop in a direction of which nothing tells how it turns, nor anything holds it."""
+    return creeping(mode, side) and mode.stopping[side] == 1 and not mode.foreseen[side] and mode.veer[side, 1] == 0.0
