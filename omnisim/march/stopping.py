@@ -35,13 +35,14 @@ from omnisim.march.runge_kutta import copy, evaluate, refresh
 from omnisim.march.slip import course_of, slip_rate
 from omnisim.march.slip_bounds import LEAST_STIFF, LEAST_TURNED, STILL_TURNED, stiffness, unseen
 from omnisim.march.substeps import SLIP_FRACTION, slip_fraction
-from omnisim.march.turning_slip import gives_way, mobility_beside, turn_in, two_frictions, unresisted
+from omnisim.march.turning_slip import axes_of, gives_way, mobility_beside, turn_in, two_frictions, unresisted
 
 MOST_FREED = 20  # times in a step, after which slip is followed by sub-steps to its end
 AHEAD = 0.1  # of the time to a stop, after which the direction of slip is looked at
 MOST_LAG = 0.1  # rad, from which on slip does not follow that direction
 AT_EASE = 1000.0  # times that friction turns slip while it changes, from which on its direction is a slow one
 MARGIN = 10.0  # between what a turn errs by and the square of the part of a step that it takes, of its speed
+PRECISE = 3e-5  # part of slip by which turning_slip.py may miss what a turn leaves of it
 UNCHANGED = 2.0  # times as long as a turn takes no roller comes to its end
 ALIKE = 0.99  # cosine between final directions of slip by the contact equation and by the turn
 NOT, SOON, NEAR, ONCE = range(4)  # how slip goes on in the direction of the contact equation
@@ -93,7 +94,7 @@ def turns_at_once(parameters, run, w, course):
         return False
     time = course.speed / -course.growth
     part = time / clock.dt
-    if MARGIN * course.speed * part * part > clock.ended * course.lightness:
+    if (PRECISE + MARGIN * part * part) * course.speed > clock.ended * course.lightness:
         return False
     at = places(parameters)
     for v in range(len(run.mode)):
@@ -104,7 +105,8 @@ def turns_at_once(parameters, run, w, course):
         end = roller_end(parameters.wheels[v], mode.roller, mode.direction)
         if mode.direction * (end - angle) < UNCHANGED * time * abs(rate):
             return False
-    return True
+    _, lasting = left_by_turn(parameters, run, w, course)
+    return (run.y[at.spin_rate + w] * lasting) ** 2 > 2.0 * clock.ended  # or last_slip.py ends it
 
 
 @kernel
@@ -161,8 +163,10 @@ def begin_to_stop(parameters, run, t):
                 mode.creep[side, 0], mode.creep[side, 1] = course.h, course.k
                 if how == ONCE:
                     at_once, limit = w, run.monitors[w].factor[side] * course.speed
-                    if course.attraction < 0.0:
-                        aim_across(parameters, run, w)
+                    if course.attraction < 0.0:  # it will not be found from there
+                        left, _ = left_by_turn(parameters, run, w, course)
+                        size = math.hypot(left.h, left.k)
+                        mode.creep[0, 0], mode.creep[0, 1] = left.h / size, left.k / size
                 mode.grip[side], mode.stopping[side] = CREEP, 1
                 mode.foreseen[side], mode.veering[side] = how == NEAR, course.turning
                 mode.period[side] = creeping_period(run.clock, course) if how == NEAR else math.inf
@@ -185,19 +189,16 @@ def begin_to_stop(parameters, run, t):
         refresh(parameters, run, t)
 
 
-@outlined
-def aim_across(parameters, run, w):
-    """Where friction pushes slip of wheel w away from its own direction: begin the search for the final one at that in
-    which its contact gives way least, to the side to which slip will be when it has lost what is across."""
-    mode = run.mode[w]
-    rate, v, _ = slip_rate(parameters, mode, w, 0, run.y, run.slopes[0])
-    a, factor = mobility_beside(parameters, run, w), run.monitors[w].factor[0]
+@kernel
+def left_by_turn(parameters, run, w, course):
+    """About what the slip of wheel w, of this Course, will be when it has lost that to which its contact gives way most
+    (Slip, m/s), and for how long that will last, s."""
+    rate, v, a = slip_rate(parameters, run.mode[w], w, 0, run.y, run.slopes[0])
+    factor, time = run.monitors[w].factor[0], course.speed / -course.growth
     b = unresisted(rate, a, Slip(-factor * v.h, -factor * v.k))
-    angle = 0.5 * math.atan2(2.0 * a.hk, a.hh - a.kk)
-    h, k = -math.sin(angle), math.cos(angle)
-    time = abs((k * v.h - h * v.k) / (k * rate.h - h * rate.k))
-    side = math.copysign(1.0, h * (v.h + time * b.h) + k * (v.k + time * b.k))
-    mode.creep[0, 0], mode.creep[0, 1] = side * h, side * k
+    p_h, p_k, _, least = axes_of(a)
+    left = p_h * (v.k + time * b.k) - p_k * (v.h + time * b.h)
+    return Slip(-left * p_k, left * p_h), abs(left) / (factor * course.speed * least)
 
 
 @outlined

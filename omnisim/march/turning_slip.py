@@ -72,12 +72,7 @@ def two_frictions(v, limit, u, final):
 @outlined
 def turn_in(b, a, friction, v):
     """Follow slip v (Slip, m/s) until it is Turned, or gone; b in m/s^2, a in 1/kg."""
-    mean, half = 0.5 * (a.hh + a.kk), 0.5 * (a.hh - a.kk)
-    root = math.sqrt(half * half + a.hk * a.hk)
-    p_rate, q_rate = mean + root, mean - root
-    x, y = (root + half, a.hk) if half > 0.0 else (a.hk, root - half)  # the axis that gives way most
-    size = math.sqrt(x * x + y * y)
-    x, y = (x / size, y / size) if size > 0.0 else (1.0, 0.0)
+    x, y, p_rate, q_rate = axes_of(a)
     b_p, b_q = x * b.h + y * b.k, x * b.k - y * b.h
     m_0, m_p, m_q = friction.mean, x * friction.h + y * friction.k, x * friction.k - y * friction.h
     p, q = x * v.h + y * v.k, x * v.k - y * v.h
@@ -112,6 +107,17 @@ def turn_in(b, a, friction, v):
         p = full_p * p + sixth * b_p * (full_p * c_1 + 2.0 * half_p * (c_2 + c_3) + c_4)
         q = full_q * q + sixth * b_q * (full_q * c_1 + 2.0 * half_q * (c_2 + c_3) + c_4)
     return Turned(False, math.inf, math.inf, 0.0, 0.0, 0.0, 0.0)
+
+
+@kernel
+def axes_of(a):
+    """The unit vector (h, k) along which a Symmetric is largest, and how large it is along that and across it."""
+    mean, half = 0.5 * (a.hh + a.kk), 0.5 * (a.hh - a.kk)
+    root = math.sqrt(half * half + a.hk * a.hk)
+    h, k = (root + half, a.hk) if half > 0.0 else (a.hk, root - half)
+    size = math.sqrt(h * h + k * k)
+    h, k = (h / size, k / size) if size > 0.0 else (1.0, 0.0)
+    return h, k, mean + root, mean - root
 
 
 @kernel
