@@ -28,12 +28,14 @@ from omnisim.contact.frame import Axis, Slip
 from omnisim.contact.kinematics import Jacobian
 from omnisim.contact.mobility import Symmetric, across, yielding_along
 from omnisim.contact.set_valued import CREEP, TINY, contact_forces, slip_direction, turned
-from omnisim.dynamics.normal_forces.solution import loads_known, solve
+from omnisim.dynamics.normal_forces.rigid_plane import carry
+from omnisim.dynamics.normal_forces.solution import carried_at_once, loads_known, solve
 from omnisim.dynamics.normal_forces.tilt import TILT_X, TILT_Y, place_load
 from omnisim.dynamics.planar_body import (
     free_rate,
     holding_force,
     holds,
+    inverse,
     push_of,
     pushed_equations,
     set_holding,
@@ -70,7 +72,8 @@ def find_forces(machine, wheels, workspace, load, equations, pushing, sought):
     if sought:
         acceleration, regular = find_contact_forces(machine, wheels, workspace, load, equations, pushing)
     else:
-        acceleration, _, regular = solve(machine, workspace, load, equations, pushing)
+        carried, mobility = carried_at_once(machine, workspace), inverse(machine, equations)
+        acceleration, regular = solve(machine, workspace, load, equations, mobility, carried, pushing)
     if workspace.resting is not None and machine.follows:
         acceleration, regular = hold_firmly(machine, wheels, workspace, load, (equations, acceleration), pushing)
     return acceleration, regular
@@ -110,7 +113,8 @@ def hold_firmly(machine, wheels, workspace, load, found, pushing):
         if any_sought(workspace):
             acceleration, regular = find_contact_forces(machine, wheels, workspace, load, equations, pushing)
         else:
-            acceleration, _, regular = solve(machine, workspace, load, equations, pushing)
+            carried, mobility = carried_at_once(machine, workspace), inverse(machine, equations)
+            acceleration, regular = solve(machine, workspace, load, equations, mobility, carried, pushing)
     return acceleration, regular
 
 
@@ -147,8 +151,10 @@ def find_contact_forces(machine, wheels, workspace, load, equations, pushing):
     acceleration = Acceleration(0.0, 0.0, 0.0)
     regular = 1.0
     last = math.inf
+    known, mobility = carried_at_once(machine, workspace), inverse(machine, equations)
     for _ in range(MOST_ROUNDS):
-        acceleration, mobility, regular = solve(machine, workspace, load, equations, pushing)
+        carried = known if loads_known(machine) else carry(machine, workspace, known, 1)
+        acceleration, regular = solve(machine, workspace, load, equations, mobility, carried, pushing)
         change = find_shared_forces(machine, wheels, workspace, mobility, acceleration)
         for w in range(len(wheels)):
             part = workspace.parts[w]

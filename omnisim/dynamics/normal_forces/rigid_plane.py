@@ -59,14 +59,26 @@ class LoadedPlaces(NamedTuple):
     yy: float
 
 
-@kernel
-def share_out(machine, workspace, load, mobility, motion):
-    """Normal forces into the workspace; the Acceleration with them, its Mobility, and how regular the loads are.
+class Carried(NamedTuple):
+    """What wheels carry: their Pushes by the loads, the rows of Tilt about -y and about x without the loads themselves,
+    and the LoadedPlaces."""
 
-    load: of all wheels, N; motion: the Acceleration without loads. Regular: the determinant of the equations of the
-    loads over that without friction.
+    pushes: Pushes
+    about_y: Tilt
+    about_x: Tilt
+    places: LoadedPlaces
+
+
+@kernel
+def share_out(workspace, load, mobility, motion, carried):
+    """Normal forces into the workspace; the Acceleration with them, and how regular the loads are.
+
+    load: of all wheels, N; motion: the Acceleration without loads; carried: by all wheels. Regular: the determinant of
+    the equations of the loads over that without friction.
     """
-    pushes, about_y, about_x, places = carry(machine, workspace)
+    pushes, places = carried.pushes, carried.places
+    about_y = standing(carried.about_y, places.x, places.xx, places.xy)
+    about_x = standing(carried.about_x, places.y, places.xy, places.yy)
     by_0 = yielding(mobility, pushes.x.one, pushes.y.one, pushes.yaw.one)  # the acceleration by b_0, b_1 and b_2
     by_1 = yielding(mobility, pushes.x.x, pushes.y.x, pushes.yaw.x)
     by_2 = yielding(mobility, pushes.x.y, pushes.y.y, pushes.yaw.y)
@@ -89,7 +101,7 @@ def share_out(machine, workspace, load, mobility, motion):
         motion.y + by_0.y * b_0 + by_1.y * b_1 + by_2.y * b_2,
         motion.yaw + by_0.yaw * b_0 + by_1.yaw * b_1 + by_2.yaw * b_2,
     )
-    return total, mobility, determinant / (xx * yy - xy * xy)
+    return total, determinant / (xx * yy - xy * xy)
 
 
 @kernel
@@ -108,16 +120,24 @@ def reduced(row, by, motion, x, y, mean):
 
 
 @kernel
-def carry(machine, workspace):
-    """What the loads do to the body: Pushes, the rows of Tilt about -y and about x, and the LoadedPlaces."""
-    nothing = ByLoad(0.0, 0.0, 0.0)
-    tilt = workspace.loads.tilt
-    push_x, push_y, push_yaw = nothing, nothing, nothing
+def nothing_carried(workspace):
+    """What is Carried without any wheel."""
+    nothing, tilt = ByLoad(0.0, 0.0, 0.0), workspace.loads.tilt
     about_y = Tilt(tilt[0, 0], tilt[0, 1], tilt[0, 2], nothing, tilt[0, 3])
     about_x = Tilt(tilt[1, 0], tilt[1, 1], tilt[1, 2], nothing, tilt[1, 3])
-    count, s_x, s_y, s_xx, s_xy, s_yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    return Carried(Pushes(nothing, nothing, nothing), about_y, about_x, LoadedPlaces(0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+
+
+@kernel
+def carry(machine, workspace, carried, sought):
+    """What is Carried by more wheels: those whose forces are sought (1), or all others (0)."""
+    pushes, about_y, about_x, places = carried
+    push_x, push_y, push_yaw = pushes
+    count, s_x, s_y, s_xx, s_xy, s_yy = places
     for w in range(len(workspace.parts)):
         part = workspace.parts[w]
+        if part.sought != sought:
+            continue
         about_y, about_x = resisted(about_y, part.tilt[0]), resisted(about_x, part.tilt[1])
         if not part.loaded:
             continue
@@ -148,12 +168,7 @@ def carry(machine, workspace):
                 if machine.law == VISCOUS:
                     by_y, by_x = tilt_of(machine, contact, contact.constant[0], contact.constant[1], 0.0, 0.0)
                     about_y, about_x = resisted(about_y, by_y), resisted(about_x, by_x)
-    return (
-        Pushes(push_x, push_y, push_yaw),
-        standing(about_y, s_x, s_xx, s_xy),
-        standing(about_x, s_y, s_xy, s_yy),
-        LoadedPlaces(count, s_x, s_y, s_xx, s_xy, s_yy),
-    )
+    return Carried(Pushes(push_x, push_y, push_yaw), about_y, about_x, LoadedPlaces(count, s_x, s_y, s_xx, s_xy, s_yy))
 
 
 @kernel

@@ -1,11 +1,11 @@
 """Loads and the acceleration of the body together: the questions that forces along the floor ask of normal forces."""
 
 from omnisim.base.kernel import kernel
-from omnisim.dynamics.normal_forces.rigid_plane import share_out
+from omnisim.dynamics.normal_forces.rigid_plane import carry, nothing_carried, share_out
 from omnisim.dynamics.normal_forces.servo import equal_load
 from omnisim.dynamics.normal_forces.tilt import TILT_X, TILT_Y, tilt_holding
 from omnisim.dynamics.parameters import SERVO
-from omnisim.dynamics.planar_body import BodyEquations, held_equations, holds, inverse, push_of, yielding
+from omnisim.dynamics.planar_body import BodyEquations, held_equations, holds, push_of, yielding
 
 
 @kernel
@@ -33,19 +33,26 @@ def held_body(machine, loads, contact, equations):
 
 
 @kernel
-def solve(machine, workspace, load, equations, pushing):
-    """The Acceleration of the body, its Mobility, and how regular the loads are; normal forces into the workspace.
+def carried_at_once(machine, workspace):
+    """What is Carried by all wheels but those whose forces are sought; nothing where loads are known."""
+    carried = nothing_carried(workspace)
+    return carried if loads_known(machine) else carry(machine, workspace, carried, 0)
 
-    load: M g - f_z, N; equations: what is known at once; pushing: whether some contact pushes by a load that is known,
-    or without. Regular: the determinant of the equations of the loads over that without friction.
+
+@kernel
+def solve(machine, workspace, load, equations, mobility, carried, pushing):
+    """The Acceleration of the body, and how regular the loads are; normal forces into the workspace.
+
+    load: M g - f_z, N; equations, mobility: what is known at once, and the inverse of that; carried: at once as well;
+    pushing: whether some contact pushes by a load that is known, or without. Regular: the determinant of the equations
+    of the loads over that without friction.
     """
     if pushing:
         equations = balanced_equations(machine, workspace, equations)
-    mobility = inverse(machine, equations)
     motion = yielding(mobility, equations.x, equations.y, equations.yaw)
     if loads_known(machine):
-        return motion, mobility, 1.0
-    return share_out(machine, workspace, load, mobility, motion)
+        return motion, 1.0
+    return share_out(workspace, load, mobility, motion, carried)
 
 
 @kernel
