@@ -24,12 +24,13 @@ contact equations of the one wheel, while the body's acceleration follows at onc
 import math
 
 from omnisim.base.kernel import kernel, outlined
+from omnisim.base.trigonometry import angle_of
 from omnisim.contact.frame import Axis, Slip
 from omnisim.contact.kinematics import Jacobian
 from omnisim.contact.mobility import Symmetric, across, yielding_along
 from omnisim.contact.set_valued import CREEP, TINY, contact_forces, slip_direction, turned
 from omnisim.dynamics.normal_forces.rigid_plane import carry
-from omnisim.dynamics.normal_forces.solution import carried_at_once, loads_known, solve
+from omnisim.dynamics.normal_forces.solution import carried_at_once, solve
 from omnisim.dynamics.normal_forces.tilt import TILT_X, TILT_Y, place_load
 from omnisim.dynamics.planar_body import (
     free_rate,
@@ -67,20 +68,22 @@ def seek(workspace, part, mode):
 
 
 @kernel
-def find_forces(machine, wheels, workspace, load, equations, pushing, sought):
-    """All loads, and forces that are sought: the Acceleration of the body, and how regular the loads are."""
+def find_forces(machine, wheels, workspace, load, equations, weighing, pushing, sought):
+    """All loads if they are sought (`weighing`), and forces that are: the Acceleration of the body, and how regular
+    the loads are."""
     if sought:
-        acceleration, regular = find_contact_forces(machine, wheels, workspace, load, equations, pushing)
+        acceleration, regular = find_contact_forces(machine, wheels, workspace, load, equations, weighing, pushing)
     else:
-        carried, mobility = carried_at_once(machine, workspace), inverse(machine, equations)
-        acceleration, regular = solve(machine, workspace, load, equations, mobility, carried, pushing)
+        carried, mobility = carried_at_once(machine, workspace, weighing), inverse(machine, equations)
+        acceleration, regular = solve(machine, workspace, load, equations, mobility, carried, weighing, pushing)
     if workspace.resting is not None and machine.follows:
-        acceleration, regular = hold_firmly(machine, wheels, workspace, load, (equations, acceleration), pushing)
+        found = equations, acceleration
+        acceleration, regular = hold_firmly(machine, wheels, workspace, load, found, weighing, pushing)
     return acceleration, regular
 
 
 @outlined
-def hold_firmly(machine, wheels, workspace, load, found, pushing):
+def hold_firmly(machine, wheels, workspace, load, found, weighing, pushing):
     """The same where sticking contacts hold wheels that follow angles: a spin gives no way, and they have been taken
     to turn as easily as HEAVY says. What they would turn is taken off the slip acceleration that the contacts hold.
 
@@ -102,7 +105,7 @@ def hold_firmly(machine, wheels, workspace, load, found, pushing):
                 more_h, more_k = hold_more(machine, wheel, contact, force_h, force_k)
                 push_x, push_y, push_yaw = push_of(machine, contact, more_h, more_k, 0.0, 0.0)
                 equations = pushed_equations(equations, push_x, push_y, push_yaw)
-                if not loads_known(machine):
+                if weighing:
                     push_tilt(workspace.loads.tilt[0], contact, TILT_Y, more_h, more_k)
                     push_tilt(workspace.loads.tilt[1], contact, TILT_X, more_h, more_k)
                 change = max(change, max(abs(more_h), abs(more_k)))
@@ -111,10 +114,10 @@ def hold_firmly(machine, wheels, workspace, load, found, pushing):
             break
         last = change / size
         if any_sought(workspace):
-            acceleration, regular = find_contact_forces(machine, wheels, workspace, load, equations, pushing)
+            acceleration, regular = find_contact_forces(machine, wheels, workspace, load, equations, weighing, pushing)
         else:
-            carried, mobility = carried_at_once(machine, workspace), inverse(machine, equations)
-            acceleration, regular = solve(machine, workspace, load, equations, mobility, carried, pushing)
+            carried, mobility = carried_at_once(machine, workspace, weighing), inverse(machine, equations)
+            acceleration, regular = solve(machine, workspace, load, equations, mobility, carried, weighing, pushing)
     return acceleration, regular
 
 
@@ -146,15 +149,15 @@ def any_sought(workspace):
 
 
 @outlined
-def find_contact_forces(machine, wheels, workspace, load, equations, pushing):
+def find_contact_forces(machine, wheels, workspace, load, equations, weighing, pushing):
     """Find the sought forces of an instant and all loads; returns what `solve` does."""
     acceleration = Acceleration(0.0, 0.0, 0.0)
     regular = 1.0
     last = math.inf
-    known, mobility = carried_at_once(machine, workspace), inverse(machine, equations)
+    known, mobility = carried_at_once(machine, workspace, weighing), inverse(machine, equations)
     for _ in range(MOST_ROUNDS):
-        carried = known if loads_known(machine) else carry(machine, workspace, known, 1)
-        acceleration, regular = solve(machine, workspace, load, equations, mobility, carried, pushing)
+        carried = carry(machine, workspace, known, 1) if weighing else known
+        acceleration, regular = solve(machine, workspace, load, equations, mobility, carried, weighing, pushing)
         change = find_shared_forces(machine, wheels, workspace, mobility, acceleration)
         for w in range(len(wheels)):
             part = workspace.parts[w]
@@ -285,7 +288,7 @@ def turn_creep(machine, wheel, workspace, w, mobility, acceleration):
         resisting = limit * across(a, u_h, u_k)
         along = rate_h * u_h + rate_k * u_k
         begun, speed = contact.begun, contact.slip[0] * u_h + contact.slip[1] * u_k
-        angle = math.atan2(begun[0] * u_k - begun[1] * u_h, begun[0] * u_h + begun[1] * u_k)
+        angle = angle_of(begun[0] * u_h + begun[1] * u_k, begun[0] * u_k - begun[1] * u_h)
         turning = speed * (contact.veer[0] + contact.veer[1] * angle)  # omega |v|
         rate_h, rate_k, resisting = rate_h + turning * u_k, rate_k - turning * u_h, resisting + speed * contact.veer[1]
         u_h, u_k, correction = turned(u_h, u_k, rate_h, rate_k, resisting, along, contact.turned)

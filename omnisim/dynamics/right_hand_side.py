@@ -20,7 +20,7 @@ from omnisim.dynamics.actuation import rest_motors
 from omnisim.dynamics.contact_forces import find_forces
 from omnisim.dynamics.indices import rho_place
 from omnisim.dynamics.multibody.right_hand_side import multibody_rhs
-from omnisim.dynamics.normal_forces.solution import given_load, loads_known
+from omnisim.dynamics.normal_forces.solution import given_load, loads_known, loads_sought
 from omnisim.dynamics.normal_forces.tilt import set_body_tilt
 from omnisim.dynamics.planar_body import free_equations, inclined_equations
 from omnisim.dynamics.sliding_wheel import press_wheel, slide_wheel, slides_alone
@@ -61,7 +61,8 @@ def reduced_rhs(parameters, stage):
     body = body_motion(parameters, y)
     wrench = external_wrench(parameters, stage.piece, stage.t, body)
     known = loads_known(machine)
-    if not known:
+    weighing = loads_sought(parameters, stage)
+    if weighing:
         set_body_tilt(machine, workspace.loads, wrench, body.twist.yaw)
     load = machine.mass * machine.gravity - wrench.z
     others = 0
@@ -91,12 +92,12 @@ def reduced_rhs(parameters, stage):
         for w in range(len(wheels)):
             part = workspace.parts[w]
             if not part.slides:
-                equations, work = observe_wheel(parameters, stage, w, body, share, equations)
+                equations, work = observe_wheel(parameters, stage, w, body, share, equations, weighing)
                 power = power + work
                 sought = sought + part.sought
                 pushing = pushing or mode[w].shared == 1
     if others or not known:
-        acceleration, regular = find_forces(machine, wheels, workspace, load, equations, pushing, sought)
+        acceleration, regular = find_forces(machine, wheels, workspace, load, equations, weighing, pushing, sought)
         for w in range(len(wheels)):
             if stage.monitoring:
                 stage.monitors[w].regular = regular

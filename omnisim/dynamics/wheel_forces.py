@@ -15,7 +15,7 @@ from omnisim.contact.tracking import roller_axis
 from omnisim.dynamics.actuation import actuate, follow_angles, followed
 from omnisim.dynamics.contact_forces import seek
 from omnisim.dynamics.indices import contact_count, rate_place, roller_of, sector_of
-from omnisim.dynamics.normal_forces.solution import held_body, loads_known
+from omnisim.dynamics.normal_forces.solution import held_body
 from omnisim.dynamics.normal_forces.tilt import place_load, rotor_part, set_tilt, tilt_rows
 from omnisim.dynamics.planar_body import (
     hold_against_rolling,
@@ -91,11 +91,11 @@ def monitor_wheel(free, load, monitors):
 
 
 @kernel
-def observe_wheel(parameters, stage, w, body, load, equations):
+def observe_wheel(parameters, stage, w, body, load, equations, weighing):
     """What a wheel finds at its contacts, into the workspace; the BodyEquations with its own moment, and the power of
     its drive.
 
-    load: of the wheel, N, unless the contacts carry roll and pitch.
+    load: of the wheel, N, unless the contacts carry roll and pitch; weighing: whether loads are sought.
     """
     part = parameters.workspace.parts[w]
     mode = stage.mode[w]
@@ -104,14 +104,14 @@ def observe_wheel(parameters, stage, w, body, load, equations):
     if stage.monitoring:
         monitor_wheel(free, load, stage.monitors[w])
     seek(parameters.workspace, part, mode)
-    observe_contact(parameters, mode, w, 0, body, free.state)
+    observe_contact(parameters, mode, w, 0, body, free.state, weighing)
     if mode.shared:
-        observe_contact(parameters, mode, w, 1, body, contact_state(parameters, mode, w, 1, body, stage.y))
-    if not loads_known(parameters.machine):
+        observe_contact(parameters, mode, w, 1, body, contact_state(parameters, mode, w, 1, body, stage.y), weighing)
+    if weighing:
         place_load(parameters.wheels[w], parameters.workspace, w)
     if parameters.workspace.resting is not None and holds(part, parameters.workspace.contacts[part.first]):
         equations = held_body(
-            parameters.machine, parameters.workspace.loads, parameters.workspace.contacts[part.first], equations
+            parameters.workspace.loads, parameters.workspace.contacts[part.first], equations, weighing
         )
     return pushed_equations(equations, 0.0, 0.0, free.yaw_moment), free.drive * free.state.twist.spin
 
@@ -133,7 +133,7 @@ def twist(axis, turn, torque, rolling, spin, heat):
 
 
 @kernel
-def observe_contact(parameters, mode, w, side, body, state):
+def observe_contact(parameters, mode, w, side, body, state, weighing):
     """A contact of wheel w and its friction by the load, into the workspace; state: its ContactState."""
     machine = parameters.machine
     wheel = parameters.wheels[w]
@@ -143,7 +143,7 @@ def observe_contact(parameters, mode, w, side, body, state):
     if machine.rolling:
         set_resistance(wheel, contact, state)
     set_lever(wheel, contact, state.axis, j)
-    if not loads_known(machine):
+    if weighing:
         set_tilt(machine, wheel, contact, mode.shared)
     find_friction(parameters, mode, w, side, body, state, j)
 

@@ -17,6 +17,7 @@ would have done (impulses.py).
 import math
 
 from omnisim.base.kernel import kernel, outlined
+from omnisim.base.trigonometry import angle_of
 from omnisim.contact.frame import Slip
 from omnisim.contact.set_valued import CREEP
 from omnisim.dynamics.indices import contact_count
@@ -200,4 +201,4 @@ def forget_turning(parameters, run):
 @kernel
 def turned_by(first, then):
     """Angle from one unit vector to another, rad."""
-    return math.atan2(first[0] * then[1] - first[1] * then[0], first[0] * then[0] + first[1] * then[1])
+    return angle_of(first[0] * then[0] + first[1] * then[1], first[0] * then[1] - first[1] * then[0])

@@ -101,7 +101,8 @@ def multibody_rhs(parameters, stage):
     load = -balance.known.z
     equations = equations_of(balance)
     set_tilt_rows(balance, workspace.loads.tilt)
-    pushing = loads_known(machine) or machine.law == VISCOUS
+    weighing = not loads_known(machine)
+    pushing = not weighing or machine.law == VISCOUS
     for w in range(len(wheels)):
         part = workspace.parts[w]
         part.normal_force = given_load(machine, load, len(wheels))
@@ -111,8 +112,8 @@ def multibody_rhs(parameters, stage):
         sought += part.sought
         pushing = pushing or mode[w].shared == 1
         if workspace.resting is not None and holds(part, workspace.contacts[part.first]):
-            equations = held_body(machine, workspace.loads, workspace.contacts[part.first], equations)
-    acceleration, regular = find_forces(machine, wheels, workspace, load, equations, pushing, sought)
+            equations = held_body(workspace.loads, workspace.contacts[part.first], equations, weighing)
+    acceleration, regular = find_forces(machine, wheels, workspace, load, equations, weighing, pushing, sought)
     angular = times(acceleration.yaw, UP)
     linear = plus(times(acceleration.x, carrier.x), times(acceleration.y, carrier.y))
     for w in range(len(wheels)):

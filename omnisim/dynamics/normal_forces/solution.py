@@ -1,6 +1,7 @@
 """Loads and the acceleration of the body together: the questions that forces along the floor ask of normal forces."""
 
 from omnisim.base.kernel import kernel
+from omnisim.contact.set_valued import STICK
 from omnisim.dynamics.normal_forces.rigid_plane import carry, nothing_carried, share_out
 from omnisim.dynamics.normal_forces.servo import equal_load
 from omnisim.dynamics.normal_forces.tilt import TILT_X, TILT_Y, tilt_holding
@@ -24,33 +25,46 @@ def given_load(machine, load, wheels):
 
 
 @kernel
-def held_body(machine, loads, contact, equations):
+def loads_sought(parameters, stage):
+    """Whether normal forces are unknowns that something of a Stage depends on: not inside a step while all wheels
+    stick, each on one roller that turns without resistance."""
+    machine, mode = parameters.machine, stage.mode
+    if loads_known(machine):
+        return False
+    sought = stage.monitoring or machine.rolling or parameters.workspace.resting is None
+    for w in range(len(mode)):
+        sought = sought or mode[w].grip[0] != STICK or mode[w].shared == 1
+    return sought
+
+
+@kernel
+def held_body(loads, contact, equations, weighing):
     """BodyEquations with a sticking contact, which goes into the rows of tilt as well if loads follow from them."""
-    if not loads_known(machine):
+    if weighing:
         tilt_holding(loads.tilt[0], contact, TILT_Y)
         tilt_holding(loads.tilt[1], contact, TILT_X)
     return held_equations(contact, equations)
 
 
 @kernel
-def carried_at_once(machine, workspace):
-    """What is Carried by all wheels but those whose forces are sought; nothing where loads are known."""
+def carried_at_once(machine, workspace, weighing):
+    """What is Carried by all wheels but those whose forces are sought; nothing where loads are not."""
     carried = nothing_carried(workspace)
-    return carried if loads_known(machine) else carry(machine, workspace, carried, 0)
+    return carry(machine, workspace, carried, 0) if weighing else carried
 
 
 @kernel
-def solve(machine, workspace, load, equations, mobility, carried, pushing):
-    """The Acceleration of the body, and how regular the loads are; normal forces into the workspace.
+def solve(machine, workspace, load, equations, mobility, carried, weighing, pushing):
+    """The Acceleration of the body, and how regular the loads are; normal forces into the workspace if they are sought.
 
     load: M g - f_z, N; equations, mobility: what is known at once, and the inverse of that; carried: at once as well;
-    pushing: whether some contact pushes by a load that is known, or without. Regular: the determinant of the equations
-    of the loads over that without friction.
+    weighing: whether loads are sought; pushing: whether some contact pushes by a load that is known, or without.
+    Regular: the determinant of the equations of the loads over that without friction.
     """
     if pushing:
         equations = balanced_equations(machine, workspace, equations)
     motion = yielding(mobility, equations.x, equations.y, equations.yaw)
-    if loads_known(machine):
+    if not weighing:
         return motion, 1.0
     return share_out(workspace, load, mobility, motion, carried)
 

@@ -17,6 +17,7 @@ slip across the line alone.
 import math
 
 from omnisim.base.kernel import kernel, outlined
+from omnisim.base.trigonometry import angle_of
 from omnisim.base.vector import plus, times
 from omnisim.contact.frame import Slip
 from omnisim.contact.mobility import Symmetric, across
@@ -190,7 +191,7 @@ def turn_creep(holding, m, count):
         along = rate_h * u_h + rate_k * u_k
         resisting = held.limit * across(a, u_h, u_k)
         begun, speed = held.begun, held.slip[0] * u_h + held.slip[1] * u_k
-        angle = math.atan2(begun[0] * u_k - begun[1] * u_h, begun[0] * u_h + begun[1] * u_k)
+        angle = angle_of(begun[0] * u_h + begun[1] * u_k, begun[0] * u_k - begun[1] * u_h)
         turning = speed * (held.veer[0] + held.veer[1] * angle)  # omega |v|
         rate_h, rate_k, resisting = rate_h + turning * u_k, rate_k - turning * u_h, resisting + speed * held.veer[1]
         u_h, u_k, correction = turned(u_h, u_k, rate_h, rate_k, resisting, along, held.turned)
