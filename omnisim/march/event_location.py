@@ -44,6 +44,7 @@ GRID_ROUNDING = 1e-14  # of a step and of the time: what is left of a step that 
 MOST_ITERATIONS = 60  # for a root, of which halving alone would need 50
 HALVING = 4  # every so many iterations halve what is left: a chord may creep along a guard that bends
 HERMITE_ITERATIONS = 5  # Newton's, from the end of a step
+AT_NO_RATE = 1e-9  # of what a guard changes by in a step: at its start it does not
 FOUND = 1e-6  # part of the furthest way to a root, that the last of them takes at most if there is one
 
 
@@ -181,7 +182,7 @@ def locate(parameters, method, run, t, h, which, value):
     s, g = h, value  # where the trial is
     s_last, g_last = 0.0, guard(parameters, run, which, False)
     if g_last <= 0.0:
-        at_once = leaves_at_once(parameters, run, which)
+        at_once = leaves_at_once(parameters, run, which, h, value)
         while g <= 0.0:
             s_last, g_last, high = s, g, s
             s *= SHRINKING
@@ -236,12 +237,15 @@ def to_root(parameters, run, which, h):
 
 
 @kernel
-def leaves_at_once(parameters, run, which):
-    """Whether a Guard that is on its root at the start of a step, or beyond, does not come back: spin that has no rate
-    or the other sense and goes on to gain it, and creeping slip that has turned."""
+def leaves_at_once(parameters, run, which, h, value):
+    """Whether a Guard that is on its root at the start of a step h, or beyond, and has the negative `value` at its end,
+    does not come back: creeping slip that has turned; and spin that has no rate or the other sense and goes on to gain
+    it, or begins to, by the cubic of the step, where it changes at no rate yet."""
     kind, w, _ = which
     if parameters.space is None and kind == TURN:
-        return run.mode[w].direction * run.slopes[0, places(parameters).spin_rate + w] < 0.0
+        spin, direction = places(parameters).spin_rate + w, run.mode[w].direction
+        first, last = h * direction * run.slopes[0, spin], h * direction * run.slopes[-1, spin]
+        return first < 0.0 or (first <= AT_NO_RATE * -value and 3.0 * value < last)
     return creeps(run, which)
 
 
