@@ -68,14 +68,15 @@ def seek(workspace, part, mode):
 
 
 @kernel
-def find_forces(machine, wheels, workspace, load, equations, weighing, pushing, sought):
+def find_forces(parameters, load, equations, weighing, pushing, sought):
     """All loads if they are sought (`weighing`), and forces that are: the Acceleration of the body, and how regular
     the loads are."""
+    machine, wheels, workspace = parameters.machine, parameters.wheels, parameters.workspace
     if sought:
         acceleration, regular = find_contact_forces(machine, wheels, workspace, load, equations, weighing, pushing)
     else:
         carried, mobility = carried_at_once(machine, workspace, weighing), inverse(machine, equations)
-        acceleration, regular = solve(machine, workspace, load, equations, mobility, carried, weighing, pushing)
+        acceleration, regular = solve(machine, workspace, load, equations, mobility, carried, pushing)
     if workspace.resting is not None and machine.follows:
         found = equations, acceleration
         acceleration, regular = hold_firmly(machine, wheels, workspace, load, found, weighing, pushing)
@@ -117,7 +118,7 @@ def hold_firmly(machine, wheels, workspace, load, found, weighing, pushing):
             acceleration, regular = find_contact_forces(machine, wheels, workspace, load, equations, weighing, pushing)
         else:
             carried, mobility = carried_at_once(machine, workspace, weighing), inverse(machine, equations)
-            acceleration, regular = solve(machine, workspace, load, equations, mobility, carried, weighing, pushing)
+            acceleration, regular = solve(machine, workspace, load, equations, mobility, carried, pushing)
     return acceleration, regular
 
 
@@ -157,7 +158,7 @@ def find_contact_forces(machine, wheels, workspace, load, equations, weighing, p
     known, mobility = carried_at_once(machine, workspace, weighing), inverse(machine, equations)
     for _ in range(MOST_ROUNDS):
         carried = carry(machine, workspace, known, 1) if weighing else known
-        acceleration, regular = solve(machine, workspace, load, equations, mobility, carried, weighing, pushing)
+        acceleration, regular = solve(machine, workspace, load, equations, mobility, carried, pushing)
         change = find_shared_forces(machine, wheels, workspace, mobility, acceleration)
         for w in range(len(wheels)):
             part = workspace.parts[w]

@@ -97,7 +97,7 @@ def reduced_rhs(parameters, stage):
                 sought = sought + part.sought
                 pushing = pushing or mode[w].shared == 1
     if others or not known:
-        acceleration, regular = find_forces(machine, wheels, workspace, load, equations, weighing, pushing, sought)
+        acceleration, regular = find_forces(parameters, load, equations, weighing, pushing, sought)
         for w in range(len(wheels)):
             if stage.monitoring:
                 stage.monitors[w].regular = regular

@@ -21,6 +21,7 @@ What remains is a part of the impulse that falls with the square of the turn's d
 """
 
 import math
+from typing import NamedTuple
 
 from omnisim.base.kernel import kernel, outlined
 from omnisim.contact.frame import Slip
@@ -43,9 +44,23 @@ MOST_LAG = 0.1  # rad, from which on slip does not follow that direction
 AT_EASE = 1000.0  # times that friction turns slip while it changes, from which on its direction is a slow one
 MARGIN = 10.0  # between what a turn errs by and the square of the part of a step that it takes, of its speed
 PRECISE = 3e-5  # part of slip by which turning_slip.py may miss what a turn leaves of it
+LAGS = 0.1  # part of the slip that lags behind its direction at first, that the machine feels
 UNCHANGED = 2.0  # times as long as a turn takes no roller comes to its end
 ALIKE = 0.99  # cosine between final directions of slip by the contact equation and by the turn
 NOT, SOON, NEAR, ONCE = range(4)  # how slip goes on in the direction of the contact equation
+
+
+class Turn(NamedTuple):
+    """How friction turns slip into its final direction: how long that takes, s; which speed of the machine goes with
+    what slip loses, m/s, and with what it lags behind that direction, m/s by the rate at which that turns, rad/s; the
+    direction (h, k), and for how long slip lasts in it, s."""
+
+    time: float
+    lost: float
+    lagging: float
+    h: float
+    k: float
+    lasting: float
 
 
 @kernel
@@ -74,10 +89,11 @@ def stops(parameters, run, w, side):
     if follows and foreign * course.attraction * dt < hidden:
         return NEAR
     if -course.growth * dt > course.speed:
+        repelled = course.attraction < 0.0
+        if parameters.space is None and followed and (turned or repelled) and turns_at_once(parameters, run, w, course):
+            return ONCE
         if (turned or not followed) and across < hidden:
             return SOON
-        if followed and (turned or course.attraction < 0.0) and turns_at_once(parameters, run, w, course):
-            return ONCE
     return NOT
 
 
@@ -86,27 +102,24 @@ def turns_at_once(parameters, run, w, course):
     """Whether the slip of wheel w, of this Course, turns in so short a time that the error of a step hides what else
     happens meanwhile, while all others stick and none comes to the end of its roller."""
     clock = run.clock
-    if (
-        parameters.space is not None
-        or parameters.workspace.articulated is not None
-        or not gives_way(parameters.machine)
-    ):
+    if parameters.workspace.articulated is not None or not gives_way(parameters.machine):
         return False
-    time = course.speed / -course.growth
-    part = time / clock.dt
-    if (PRECISE + MARGIN * part * part) * course.speed > clock.ended * course.lightness:
-        return False
-    at = places(parameters)
     for v in range(len(run.mode)):
         mode = run.mode[v]
         if mode.shared or (v != w and mode.loaded and mode.grip[0] != STICK):
             return False
+    turn = turn_ahead(parameters, run, w, course)
+    at = places(parameters)
+    part, spin = turn.time / clock.dt, abs(run.y[at.spin_rate + w])
+    if (PRECISE + MARGIN * part * part) * turn.lost + LAGS * spin * turn.lagging > clock.ended:
+        return False
+    for v in range(len(run.mode)):
+        mode = run.mode[v]
         angle, rate = run.y[at.spin_angle + v], run.y[at.spin_rate + v]
         end = roller_end(parameters.wheels[v], mode.roller, mode.direction)
-        if mode.direction * (end - angle) < UNCHANGED * time * abs(rate):
+        if mode.direction * (end - angle) < UNCHANGED * turn.time * abs(rate):
             return False
-    _, lasting = left_by_turn(parameters, run, w, course)
-    return (run.y[at.spin_rate + w] * lasting) ** 2 > 2.0 * clock.ended  # or last_slip.py ends it
+    return (spin * turn.lasting) ** 2 > 2.0 * clock.ended  # or last_slip.py ends it
 
 
 @kernel
@@ -153,59 +166,84 @@ def slip_freely(parameters, run):
 @kernel
 def begin_to_stop(parameters, run, t):
     """Let slips that are about to stop, or last, go on in the direction of the contact equation, in which they will."""
-    at_once, limit = -1, 0.0
     for w in range(len(run.mode)):
-        mode = run.mode[w]
-        for side in range(contact_count(mode)):
+        for side in range(contact_count(run.mode[w])):
             how = stops(parameters, run, w, side)
+            if parameters.space is None and how == ONCE:
+                turn_at_once(parameters, run, w, t)
+                return  # all others stick
             if how != NOT:
                 course = course_of(parameters, run, w, side)
-                mode.creep[side, 0], mode.creep[side, 1] = course.h, course.k
-                if how == ONCE:
-                    at_once, limit = w, run.monitors[w].factor[side] * course.speed
-                    if course.attraction < 0.0:  # it will not be found from there
-                        left, _ = left_by_turn(parameters, run, w, course)
-                        size = math.hypot(left.h, left.k)
-                        mode.creep[0, 0], mode.creep[0, 1] = left.h / size, left.k / size
-                mode.grip[side], mode.stopping[side] = CREEP, 1
-                mode.foreseen[side], mode.veering[side] = how == NEAR, course.turning
-                mode.period[side] = creeping_period(run.clock, course) if how == NEAR else math.inf
-                mode.veer[side, 0], mode.veer[side, 1] = 0.0, HELD if how == NEAR else 0.0
+                begin_to_creep(run, w, side, (course.h, course.k))
+                if how == NEAR:
+                    mode = run.mode[w]
+                    mode.foreseen[side], mode.veering[side] = 1, course.turning
+                    mode.period[side], mode.veer[side, 1] = creeping_period(run.clock, course), HELD
+    find_directions(parameters, run, t)
+    if run.newton is None:
+        foresee_stops(parameters, run, t)
+    hold_directions(parameters, run)
+    align_slip(parameters, run)
+    refresh(parameters, run, t)
+
+
+@kernel
+def begin_to_creep(run, w, side, direction):
+    """Let slip of a contact that is about to stop creep, in a direction (h, k) from which that of the contact equation
+    is sought; nothing tells how it turns."""
+    mode = run.mode[w]
+    mode.grip[side], mode.stopping[side] = CREEP, 1
+    mode.creep[side, 0], mode.creep[side, 1] = direction
+    mode.foreseen[side], mode.veering[side], mode.period[side] = 0, 0.0, math.inf
+    mode.veer[side, 0], mode.veer[side, 1] = 0.0, 0.0
+
+
+@kernel
+def find_directions(parameters, run, t):
+    """The directions of all creeping slips at the state itself, and the derivative with them."""
     refresh(parameters, run, t)
     for w in range(len(run.mode)):
         for side in range(contact_count(run.mode[w])):
             if creeping(run.mode[w], side):
                 keep_creep(parameters, run, w, side)
-    if run.newton is None and at_once < 0:
-        foresee_stops(parameters, run, t)
+
+
+@kernel
+def hold_directions(parameters, run):
+    """Let all creeping slips keep them until a step turns them."""
     for w in range(len(run.mode)):
         for side in range(contact_count(run.mode[w])):
             if creeping(run.mode[w], side):
                 hold_direction(run, w, side, turning_of(parameters, w, side).slip)
-    if at_once >= 0:
-        turn_at_once(parameters, run, at_once, limit, t)
-    else:
-        align_slip(parameters, run)
-        refresh(parameters, run, t)
 
 
 @kernel
-def left_by_turn(parameters, run, w, course):
-    """About what the slip of wheel w, of this Course, will be when it has lost that to which its contact gives way most
-    (Slip, m/s), and for how long that will last, s."""
+def turn_ahead(parameters, run, w, course):
+    """About how the slip of wheel w, of this Course, loses that to which its contact gives way most: a Turn."""
     rate, v, a = slip_rate(parameters, run.mode[w], w, 0, run.y, run.slopes[0])
-    factor, time = run.monitors[w].factor[0], course.speed / -course.growth
+    factor = run.monitors[w].factor[0]
     b = unresisted(rate, a, Slip(-factor * v.h, -factor * v.k))
-    p_h, p_k, _, least = axes_of(a)
-    left = p_h * (v.k + time * b.k) - p_k * (v.h + time * b.h)
-    return Slip(-left * p_k, left * p_h), abs(left) / (factor * course.speed * least)
+    h, k, most, least = axes_of(a)
+    lost, limit = abs(v.h * h + v.k * k), factor * course.speed
+    time = lost / (limit * most)
+    left = h * (v.k + time * b.k) - k * (v.h + time * b.h)
+    side, heavier = math.copysign(1.0, left), 1.0 / (parameters.machine.mass * most)
+    lagging = left * left / (limit * most)
+    return Turn(time, lost * heavier, lagging * heavier, -side * k, side * h, abs(left) / (limit * least))
 
 
 @outlined
-def turn_at_once(parameters, run, w, limit, t):
-    """Turn the slip of wheel w into the direction in which its contact creeps from now on; limit: mu N by its direction
-    until now, N. It slips on as it did if it would not end there."""
-    mode = run.mode[w]
+def turn_at_once(parameters, run, w, t):
+    """Turn the slip of wheel w into the direction of the contact equation, in which it slips on as it did if it would
+    not end there."""
+    mode, course = run.mode[w], course_of(parameters, run, w, 0)
+    limit, h, k = run.monitors[w].factor[0] * course.speed, course.h, course.k
+    if course.attraction < 0.0:  # that will not be found from there
+        turn = turn_ahead(parameters, run, w, course)
+        h, k = turn.h, turn.k
+    begin_to_creep(run, w, 0, (h, k))
+    find_directions(parameters, run, t)
+    hold_directions(parameters, run)
     rate, v, _ = slip_rate(parameters, mode, w, 0, run.y, run.slopes[0])
     a, u = mobility_beside(parameters, run, w), Slip(mode.creep[0, 0], mode.creep[0, 1])
     final = parameters.machine.friction * max(run.monitors[w].normal_force, 0.0)
@@ -213,7 +251,7 @@ def turn_at_once(parameters, run, w, limit, t):
     turned = turn_in(b, a, two_frictions(v, limit, u, final), v)
     slowing = -(rate.h * u.h + rate.k * u.k)
     along = turned.h * u.h + turned.k * u.k
-    if turned.gone or slowing <= 0.0 or not along > ALIKE * math.hypot(turned.h, turned.k):
+    if turned.gone or slowing <= 0.0 or not along > ALIKE * math.sqrt(turned.h * turned.h + turned.k * turned.k):
         mode.grip[0] = SLIP
         mode.freed, mode.freed_step = MOST_FREED, run.clock.step  # not to be tried again in this step
         refresh(parameters, run, t)

@@ -113,7 +113,7 @@ def multibody_rhs(parameters, stage):
         pushing = pushing or mode[w].shared == 1
         if workspace.resting is not None and holds(part, workspace.contacts[part.first]):
             equations = held_body(workspace.loads, workspace.contacts[part.first], equations, weighing)
-    acceleration, regular = find_forces(machine, wheels, workspace, load, equations, weighing, pushing, sought)
+    acceleration, regular = find_forces(parameters, load, equations, weighing, pushing, sought)
     angular = times(acceleration.yaw, UP)
     linear = plus(times(acceleration.x, carrier.x), times(acceleration.y, carrier.y))
     for w in range(len(wheels)):

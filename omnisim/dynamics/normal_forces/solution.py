@@ -54,17 +54,17 @@ def carried_at_once(machine, workspace, weighing):
 
 
 @kernel
-def solve(machine, workspace, load, equations, mobility, carried, weighing, pushing):
+def solve(machine, workspace, load, equations, mobility, carried, pushing):
     """The Acceleration of the body, and how regular the loads are; normal forces into the workspace if they are sought.
 
     load: M g - f_z, N; equations, mobility: what is known at once, and the inverse of that; carried: at once as well;
-    weighing: whether loads are sought; pushing: whether some contact pushes by a load that is known, or without.
-    Regular: the determinant of the equations of the loads over that without friction.
+    pushing: whether some contact pushes by a load that is known, or without. Regular: the determinant of the equations
+    of the loads over that without friction.
     """
     if pushing:
         equations = balanced_equations(machine, workspace, equations)
     motion = yielding(mobility, equations.x, equations.y, equations.yaw)
-    if not weighing:
+    if carried.places.count == 0.0:
         return motion, 1.0
     return share_out(workspace, load, mobility, motion, carried)
 
