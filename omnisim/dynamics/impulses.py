@@ -1,8 +1,8 @@
 """Impulses at the contacts that give slip the value it has come to: what is left of it when it ends is taken away."""
 
 from omnisim.base.kernel import kernel, outlined
-from omnisim.contact.frame import Slip, outward
-from omnisim.contact.kinematics import slip_jacobian
+from omnisim.contact.frame import Axis, Slip, outward
+from omnisim.contact.kinematics import Jacobian, slip_jacobian
 from omnisim.contact.mobility import holding_mass, inverse_mass, solution, turning_mass
 from omnisim.contact.set_valued import CREEP, SLIP
 from omnisim.dynamics.indices import rate_place
@@ -25,9 +25,10 @@ FIRM_ROUNDS = 6  # where spins that follow angles are taken to turn as easily as
 
 
 @outlined
-def align_slip(parameters, run):
+def align_slip(parameters, run, seen):
     """Change the speeds by the impulses that leave no slip to sticking contacts, and none across their direction to
-    creeping ones, all at once; next to none in so many rounds where spins follow angles.
+    creeping ones, all at once; next to none in so many rounds where spins follow angles. seen: whether the last
+    right-hand side has seen this very state, so that its contacts are in the workspace.
 
     Friction turns creeping slip by forces across it, and so do these impulses.
     """
@@ -35,12 +36,12 @@ def align_slip(parameters, run):
         align_in_space(parameters, run.mode, run.y, run.clock.dt)
     else:
         rounds = FIRM_ROUNDS if parameters.machine.follows else 1
-        for _ in range(rounds):
-            align_slip_once(parameters, run)
+        for round in range(rounds):
+            align_slip_once(parameters, run, seen and round == 0)
 
 
 @kernel
-def align_slip_once(parameters, run):
+def align_slip_once(parameters, run, seen):
     """The equations of planar_body.py for sticking contacts, with their slip in the place of the slip acceleration."""
     machine = parameters.machine
     workspace = parameters.workspace
@@ -52,16 +53,19 @@ def align_slip_once(parameters, run):
         mode, wheel = run.mode[w], parameters.wheels[w]
         contact = workspace.contacts[wheel.contacts]
         if mode.grip[0] != SLIP and not mode.shared:
-            state = contact_state(parameters, mode, w, 0, body, y)
-            slip, u = state.slip, mode.creep[0]
-            j = slip_jacobian(wheel, state.axis, state.contact)
-            set_contact(contact, state, j, False)
-            set_lever(wheel, contact, state.axis, j)
+            if not seen:
+                state = contact_state(parameters, mode, w, 0, body, y)
+                j = slip_jacobian(wheel, state.axis, state.contact)
+                set_contact(contact, state, j, False)
+                set_lever(wheel, contact, state.axis, j)
+            axis = Axis(contact.axis[0], contact.axis[1], contact.axis[2])
+            j = Jacobian(contact.spin[0], contact.spin[1], 0.0, 0.0, contact.arm[0], contact.arm[1])
+            slip, u = Slip(contact.slip[0], contact.slip[1]), mode.creep[0]
             if mode.grip[0] == CREEP:
-                along, e = slip.h * u[0] + slip.k * u[1], turning_mass(machine, wheel, state.axis, j, u[0], u[1])
+                along, e = slip.h * u[0] + slip.k * u[1], turning_mass(machine, wheel, axis, j, u[0], u[1])
                 rest = Slip(slip.h - along * u[0], slip.k - along * u[1])
             else:
-                e = holding_mass(machine, wheel, state.axis, j)
+                e = holding_mass(machine, wheel, axis, j)
                 rest = Slip(slip.h - mode.layer[0], slip.k - mode.layer[1])
             contact.bias[0], contact.bias[1] = rest.h, rest.k
             hold_by(e, contact, rest)

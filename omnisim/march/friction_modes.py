@@ -109,7 +109,7 @@ def come_to_rest(parameters, run, w, side, others, t):
                 if parameters.space is None and mode.shared:
                     change_slip(parameters, run, v, other, Slip(0.0, 0.0))
     forget_turning(parameters, run)
-    align_slip(parameters, run)
+    align_slip(parameters, run, False)
     refresh(parameters, run, t)
     for v in range(len(run.mode)):
         mode, monitors = run.mode[v], run.monitors[v]
@@ -138,7 +138,7 @@ def start_slip(parameters, run, w, side, t):
     if mode.grip[side] == CREEP and not mode.shared:
         refresh(parameters, run, t)
         keep_creep(parameters, run, w, side)
-        align_slip(parameters, run)
+        align_slip(parameters, run, False)
         mode.freed = mode.freed + 1 if mode.freed_step == run.clock.step else 1
         mode.freed_step = run.clock.step
     mode.grip[side] = SLIP
@@ -154,7 +154,8 @@ def take_drift_away(parameters, run, t, refreshed):
     the drift, which errs by no more than the step has, times the next one.
     """
     drifts = False
-    still = run.newton is None and parameters.workspace.articulated is None  # whose bodies follow the speeds
+    explicit = run.newton is None and parameters.workspace.articulated is None  # whose bodies follow the speeds
+    still = explicit
     for w in range(len(run.mode)):
         mode, monitors = run.mode[w], run.monitors[w]
         if mode.shared:
@@ -169,6 +170,6 @@ def take_drift_away(parameters, run, t, refreshed):
                 keep_creep(parameters, run, w, side)
                 drifts = True
     if drifts:
-        align_slip(parameters, run)
+        align_slip(parameters, run, explicit and not refreshed)
         if not (still or refreshed):
             refresh(parameters, run, t)

@@ -41,7 +41,7 @@ from omnisim.march.roller_exchange import release_rollers
 from omnisim.march.runge_kutta import accept, copy, refresh
 from omnisim.march.spatial_contacts import release, stand_in_space
 from omnisim.march.spatial_events import PRESS, of_state_alone
-from omnisim.march.stopping import NOT, begin_to_stop, slip_freely, stops
+from omnisim.march.stopping import begin_to_stop, slip_freely
 from omnisim.march.substeps import step_length
 from omnisim.march.thin_layer import any_layered, follow_layer, relax_slips
 from omnisim.march.validity import check, check_energy, too_fast, too_stiff
@@ -282,7 +282,7 @@ def relax(parameters, run, t):
 @kernel
 def end_old_slips(parameters, run, rows, log, t):
     """Let contacts stick or creep whose slip has come to its end, or will soon."""
-    resting, stopping = False, False
+    resting = False
     for w in range(len(run.mode)):
         for side in range(contact_count(run.mode[w])):
             resting = resting or rests(parameters, run, w, side)
@@ -292,11 +292,7 @@ def end_old_slips(parameters, run, rows, log, t):
         follow_again(parameters, run, rows, run.clock.row)
     if run.newton is None:
         slip_freely(parameters, run)
-    for w in range(len(run.mode)):
-        for side in range(contact_count(run.mode[w])):
-            stopping = stopping or stops(parameters, run, w, side) != NOT
-    if stopping:
-        begin_to_stop(parameters, run, t)
+    begin_to_stop(parameters, run, t)
 
 
 @kernel

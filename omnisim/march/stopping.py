@@ -166,6 +166,7 @@ def slip_freely(parameters, run):
 @kernel
 def begin_to_stop(parameters, run, t):
     """Let slips that are about to stop, or last, go on in the direction of the contact equation, in which they will."""
+    begun = False
     for w in range(len(run.mode)):
         for side in range(contact_count(run.mode[w])):
             how = stops(parameters, run, w, side)
@@ -175,15 +176,18 @@ def begin_to_stop(parameters, run, t):
             if how != NOT:
                 course = course_of(parameters, run, w, side)
                 begin_to_creep(run, w, side, (course.h, course.k))
+                begun = True
                 if how == NEAR:
                     mode = run.mode[w]
                     mode.foreseen[side], mode.veering[side] = 1, course.turning
                     mode.period[side], mode.veer[side, 1] = creeping_period(run.clock, course), HELD
+    if not begun:
+        return
     find_directions(parameters, run, t)
     if run.newton is None:
         foresee_stops(parameters, run, t)
     hold_directions(parameters, run)
-    align_slip(parameters, run)
+    align_slip(parameters, run, False)
     refresh(parameters, run, t)
 
 
@@ -265,7 +269,7 @@ def turn_at_once(parameters, run, w, t):
     copy(run.slopes[0], run.slopes[-1])
     mode.layer[0], mode.layer[1] = speed * u.h, speed * u.k
     mode.grip[0] = STICK  # with this slip, for the impulse
-    align_slip(parameters, run)
+    align_slip(parameters, run, False)
     mode.grip[0] = CREEP
     mode.layer[0] = mode.layer[1] = 0.0
     refresh(parameters, run, t)

@@ -69,7 +69,7 @@ def relax_slips(parameters, run, t):
         forget_rate(run.mode[w])
     refresh(parameters, run, t)
     follow_layer(parameters, run, 0.0)
-    align_slip(parameters, run)
+    align_slip(parameters, run, False)
     refresh(parameters, run, t)
 
 
