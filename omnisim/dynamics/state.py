@@ -235,6 +235,7 @@ CLOCK = np.dtype(
         ("aligned", np.float64),  # slip across its final direction that does not matter, m/s: march/slip_bounds.py
         ("stopping", np.float64),  # twice the same along slip about to stop, m/s
         ("ended", np.float64),  # change of a speed by what changes in the last of slip, that does not matter, m/s
+        ("lasted", np.float64),  # how long slip has lasted that is about to end by last_slip.py, else 0, s
         ("elapsed", np.float64),  # in the grid step under way, s
         ("late", np.float64),  # by which that has gone on beyond the event that is to be made, s
         ("smooth", np.float64),  # length of the last step, if nothing has jumped or bent since it began, else 0, s

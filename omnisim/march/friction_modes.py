@@ -111,6 +111,11 @@ def come_to_rest(parameters, run, w, side, others, t):
     forget_turning(parameters, run)
     align_slip(parameters, run, False)
     refresh(parameters, run, t)
+    if run.newton is None and run.clock.lasted > 0.0:  # by the derivative at its start alone
+        for m in range(len(run.y)):
+            run.y[m] += 0.5 * run.clock.lasted * (run.slopes[0, m] - run.slopes[-1, m])
+        run.clock.lasted = 0.0
+        align_slip(parameters, run, False)
     for v in range(len(run.mode)):
         mode, monitors = run.mode[v], run.monitors[v]
         for other in range(contact_count(mode)):

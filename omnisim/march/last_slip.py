@@ -7,7 +7,8 @@ what this friction does to the machine until v = 0 depends on the time T alone t
     v + b T = A P        P: the impulse that friction takes away
 
 So the equation of v, two numbers, is solved for T (turning_slip.py), the machine goes on for T as it moves, and an
-impulse takes away what slip is left (impulses.py). That errs by what b and S change meanwhile, ~ T^2.
+impulse takes away what slip is left (impulses.py). Where it sticks then, the mean of the derivatives at both ends takes
+the place of the first: that errs with T^3.
 """
 
 import math
@@ -15,7 +16,7 @@ import math
 from omnisim.base.kernel import kernel, outlined
 from omnisim.contact.frame import Slip
 from omnisim.contact.mobility import across, applied
-from omnisim.contact.set_valued import SLIP
+from omnisim.contact.set_valued import SLIP, TINY
 from omnisim.dynamics.normal_forces.solution import loads_known
 from omnisim.dynamics.state import places
 from omnisim.march.events import EXIT, GRIP, NO_GUARD, TURN, Guard, guard
@@ -24,7 +25,9 @@ from omnisim.march.turning_slip import gives_way, mobility_beside, one_friction,
 
 BEFORE = 20.0  # times the angle by which a wheel may turn: when b and S are looked at first
 LEAST_SIZE = 1.0  # m/s^2 of b, at least: where it is less, T is still the time of an event
-PRECISE = 1e-3  # part of T that it is off by, half as much again at worst
+PRECISE = 1e-3  # part of the time in which slip turns that T is off by, half as much again at worst
+UNSTEADY = 0.01  # part of what b and S change within T, that their rates until now do not tell
+BENT = 5e-3  # part of the square of the angle by which a wheel turns meanwhile, that the mean of two derivatives misses
 ANSWER = 0.2  # part of a load that may change as friction turns, where contacts carry roll and pitch
 UNTURNED = 0.1  # rad, by which friction may turn slip of others meanwhile
 SURELY = 0.9  # part of |v| / |v'| that slip lasts at least
@@ -46,22 +49,19 @@ def end_slip(parameters, run, t, h):
             if slips and relaxing * soon > abs(run.y[spins + w]):
                 time = time_left(parameters, run, w, t)
                 if time < h:
-                    go_on(parameters, run, w, time)
+                    go_on(run, time)
                     if nothing_else_ends(parameters, run, w, time):
+                        run.clock.lasted = time
                         return time, Guard(GRIP, w, 0)
     return 0.0, NO_GUARD
 
 
 @kernel
-def go_on(parameters, run, w, time):
-    """The trial: what the state is after a time, s, if nothing changes but the slip of wheel w, which falls to nothing,
-    so that its heat goes by the mean of it."""
+def go_on(run, time):
+    """The trial: what the state is after a time, s, if its derivative stays."""
     for m in range(len(run.y)):
         run.increment[m] = run.carry[m] + time * run.slopes[0, m]
         run.slopes[-1, m] = run.slopes[0, m]
-    rate, slip, _ = slip_rate(parameters, run.mode[w], w, 0, run.y, run.slopes[0])
-    slowed = 0.5 * time * time * (slip.h * rate.h + slip.k * rate.k)
-    run.increment[places(parameters).friction_loss] += run.monitors[w].factor[0] * slowed
     for m in range(len(run.y)):
         run.trial[m] = run.y[m] + run.increment[m]
     for v in range(len(run.mode)):
@@ -72,7 +72,8 @@ def go_on(parameters, run, w, time):
 def time_left(parameters, run, w, t):
     """Time in which the slip of wheel w comes to rest, s; infinite if it does not, or if an error would show.
 
-    How fast b and S change is seen from what they were when this was last asked.
+    How fast b and S change is seen from what they were when this was last asked: T goes by what they will be in the
+    middle of it.
     """
     mode, clock = run.mode[w], run.clock
     rate, slip, _ = slip_rate(parameters, mode, w, 0, run.y, run.slopes[0])
@@ -82,18 +83,22 @@ def time_left(parameters, run, w, t):
     limit = factor * speed
     whole, size, seen = limit * (a.hh + a.kk), max(math.sqrt(b.h * b.h + b.k * b.k), LEAST_SIZE), mode.seen
     change = math.sqrt((b.h - seen[0]) ** 2 + (b.k - seen[1]) ** 2) + size * abs(1.0 - seen[2] / whole)
-    drift = 0.5 * change / (t - seen[3]) if seen[3] >= 0.0 else math.inf
+    past, known = t - seen[3], seen[3] >= 0.0
+    drift = 0.5 * change / past if known else math.inf
+    half = 0.5 * speed * speed / max(-(slip.h * rate.h + slip.k * rate.k), TINY) / past  # of the time left, by that
+    middle = Slip(b.h + half * (b.h - seen[0]), b.k + half * (b.k - seen[1]))
+    stronger = 1.0 + half * (1.0 - seen[2] / whole)
     seen[0], seen[1], seen[2], seen[3] = b.h, b.k, whole, t
     least = SURELY * speed / math.sqrt(rate.h * rate.h + rate.k * rate.k)
-    if not (PRECISE * size + drift * least) * least <= clock.ended:
+    if not (known and UNSTEADY * drift * least * least <= clock.ended):
         return math.inf
-    time, turns = time_to_rest(b, a, limit, slip)
-    missed = (PRECISE * size + drift * time) * time
+    time, turns = time_to_rest(middle, a, limit * stronger, slip)
+    missed = PRECISE * size * turns + UNSTEADY * drift * time * time
     if not loads_known(parameters.machine):
         missed += ANSWER * size * turns
     turned = run.y[places(parameters).spin_rate + w] * time
     fallen = parameters.machine.mobility * limit * time * time  # how far friction moves the machine meanwhile
-    return time if missed + 0.5 * (turned * turned + fallen) <= clock.ended else math.inf
+    return time if missed + BENT * (turned * turned + fallen) <= clock.ended else math.inf
 
 
 @kernel

@@ -8,8 +8,9 @@ the floor, so 1 / N is linear in the direction of this one. With a time tau of i
     v_tau = c b - A v,    t_tau = c        c = |v| / M = m_0 |v| + m . v
 
 which is linear but for c and b, that are less than what friction does: along the axes of A it falls exponentially, and
-Runge-Kutta's method of order four takes the rest along (Lawson, SIAM J. Numer. Anal. 4 (1967) 372). A step is the time
-in which it falls to 1 / e along the axis that gives way most, however fast v turns meanwhile.
+Runge-Kutta's method of order four takes the rest along (Lawson, SIAM J. Numer. Anal. 4 (1967) 372). A step is most of
+the time in which it falls to 1 / e along the axis that gives way most, however fast v turns meanwhile; and before v has
+turned at all, as far as it goes straight on.
 """
 
 import math
@@ -31,6 +32,7 @@ STRAIGHT = 3e-4  # part of its slowing down that slip misses by its angle from i
 SAME = 0.99  # cosine of the angle up to which slip has not turned
 STEP = 0.7  # of the time in which slip falls to 1 / e where it gives way most
 LEFT = 1e-6  # part of slip that is none
+BESIDE = 0.03  # part of slip, of which half the square is added to its size
 MOST_STEPS = 50
 
 
@@ -91,7 +93,8 @@ def turn_in(b, a, friction, v):
     p, q = x * v.h + y * v.k, x * v.k - y * v.h
     first_p, first_q = p, q
     first = size_of(p, q)
-    t, straight, way_p, way_q = 0.0, 0.0, 0.0, 0.0
+    t, p, q, way_p, way_q = go_straight(p, q, (p_rate, q_rate), (b_p, b_q), (m_0, m_p))
+    straight = t
     step = STEP / p_rate
     sixth = step / 6.0
     half_p, half_q = math.exp(-0.5 * STEP), math.exp(-0.5 * q_rate * step)
@@ -122,6 +125,31 @@ def turn_in(b, a, friction, v):
         p = full_p * p + sixth * b_p * (full_p * c_1 + 2.0 * half_p * (c_2 + c_3) + c_4)
         q = full_q * q + sixth * b_q * (full_q * c_1 + 2.0 * half_q * (c_2 + c_3) + c_4)
     return Turned(False, math.inf, math.inf, 0.0, 0.0, 0.0, 0.0)
+
+
+@kernel
+def go_straight(p, q, rates, b, friction):
+    """Follow slip (p, q), m/s, along the axes of A, while it is BESIDE that which gives way most by so little that its
+    size is |p|, and all of it falls or grows exponentially: the time, s, slip then, and its way, m.
+
+    rates: of A, 1/kg; b: m/s^2; friction: 1 / (mu N) by the direction, its mean and by p, 1/N.
+    """
+    (p_rate, q_rate), (b_p, b_q), (mean, by_p) = rates, b, friction
+    side = math.copysign(1.0, p)
+    c = mean + side * by_p
+    fall = p_rate - side * c * b_p  # of |p|, by tau
+    pushed = c * b_q * abs(p) / (fall - q_rate)  # what b holds beside it, and what is there besides
+    besides = q + pushed
+    most = BESIDE * abs(p)
+    if fall <= q_rate or abs(q) >= most or abs(besides) >= most:
+        return 0.0, p, q, 0.0, 0.0
+    tau = math.log(most / abs(besides)) / (fall - q_rate)
+    less_p, less_q = math.exp(-fall * tau), math.exp(-q_rate * tau)
+    both = (1.0 - less_p * less_q) / (fall + q_rate)
+    twice = (1.0 - less_p * less_p) / (2.0 * fall)
+    size = c * abs(p)
+    way_p, way_q = size * p * twice, size * (besides * both - pushed * twice)
+    return size * (1.0 - less_p) / fall, p * less_p, besides * less_q - pushed * less_p, way_p, way_q
 
 
 @kernel
