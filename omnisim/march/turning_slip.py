@@ -32,7 +32,7 @@ STRAIGHT = 3e-4  # part of its slowing down that slip misses by its angle from i
 SAME = 0.99  # cosine of the angle up to which slip has not turned
 STEP = 0.7  # of the time in which slip falls to 1 / e where it gives way most
 LEFT = 1e-6  # part of slip that is none
-BESIDE = 0.03  # part of slip, of which half the square is added to its size
+BESIDE = 0.005  # part of slip, of which half the square is added to its size
 MOST_STEPS = 50
 
 
@@ -93,7 +93,7 @@ def turn_in(b, a, friction, v):
     p, q = x * v.h + y * v.k, x * v.k - y * v.h
     first_p, first_q = p, q
     first = size_of(p, q)
-    t, p, q, way_p, way_q = go_straight(p, q, (p_rate, q_rate), (b_p, b_q), (m_0, m_p))
+    t, p, q, way_p, way_q = go_straight(p, q, (p_rate, q_rate), (b_p, b_q), (m_0, m_p, m_q))
     straight = t
     step = STEP / p_rate
     sixth = step / 6.0
@@ -132,9 +132,9 @@ def go_straight(p, q, rates, b, friction):
     """Follow slip (p, q), m/s, along the axes of A, while it is BESIDE that which gives way most by so little that its
     size is |p|, and all of it falls or grows exponentially: the time, s, slip then, and its way, m.
 
-    rates: of A, 1/kg; b: m/s^2; friction: 1 / (mu N) by the direction, its mean and by p, 1/N.
+    rates: of A, 1/kg; b: m/s^2; friction: 1 / (mu N), its mean and by the direction, 1/N.
     """
-    (p_rate, q_rate), (b_p, b_q), (mean, by_p) = rates, b, friction
+    (p_rate, q_rate), (b_p, b_q), (mean, by_p, by_q) = rates, b, friction
     side = math.copysign(1.0, p)
     c = mean + side * by_p
     fall = p_rate - side * c * b_p  # of |p|, by tau
@@ -148,8 +148,10 @@ def go_straight(p, q, rates, b, friction):
     both = (1.0 - less_p * less_q) / (fall + q_rate)
     twice = (1.0 - less_p * less_p) / (2.0 * fall)
     size = c * abs(p)
-    way_p, way_q = size * p * twice, size * (besides * both - pushed * twice)
-    return size * (1.0 - less_p) / fall, p * less_p, besides * less_q - pushed * less_p, way_p, way_q
+    beside = besides * both - pushed * twice
+    way_p, way_q = p * (size * twice + by_q * beside), size * beside
+    time = size * (1.0 - less_p) / fall + by_q * (besides * (1.0 - less_q) / q_rate - pushed * (1.0 - less_p) / fall)
+    return time, p * less_p, besides * less_q - pushed * less_p, way_p, way_q
 
 
 @kernel

@@ -10,7 +10,7 @@ import omnisim
 from bench.machine_scenes import platform
 from omnisim.contact.frame import Slip
 from omnisim.contact.mobility import Symmetric
-from omnisim.march.turning_slip import Friction, one_friction, turn_in, two_frictions
+from omnisim.march.turning_slip import Friction, go_straight, one_friction, turn_in, two_frictions
 from omnisim.results.comparison import distance
 
 
@@ -79,3 +79,20 @@ def test_slip_of_a_roller_that_has_come_down_turns_at_once(drive, method, step, 
     )
     assert distance(found, exact) < bound
     assert found.attributes["rhs_evaluations"] < work
+
+
+@pytest.mark.short
+@pytest.mark.parametrize("beside", [1e-3, 1e-6])
+def test_slip_goes_straight_on_while_little_of_it_is_beside(beside):
+    """In one step, with all that b and the load do to it: against DOP853 at tight tolerances."""
+    b, a, m = np.array([3.0, -0.02]), np.diag([30.0, 1.0]), np.array([1.0, 0.1, -0.05])
+    v = np.array([-1.0, beside])
+    time, *straight = go_straight(v[0], v[1], (30.0, 1.0), tuple(b), tuple(m))
+
+    def rates(_, y):
+        u = y[:2] / np.hypot(*y[:2])
+        return np.concatenate([b - a @ u / (m[0] + m[1:] @ u), y[:2]])
+
+    exact = solve_ivp(rates, (0.0, time), [*v, 0.0, 0.0], "DOP853", rtol=1e-12, atol=1e-15).y[:, -1]
+    assert time > 0.0 and abs(straight[1] / straight[0]) < 0.02
+    assert np.abs(exact - straight).max() < 3e-5  # measured 9.0e-6 and 2.6e-6
