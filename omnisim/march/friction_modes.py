@@ -20,6 +20,7 @@ from omnisim.contact.frame import Slip
 from omnisim.contact.set_valued import CREEP, SLIP, STICK
 from omnisim.dynamics.impulses import align_slip, change_slip
 from omnisim.dynamics.indices import contact_count
+from omnisim.dynamics.state import places
 from omnisim.march.creeping import (
     CREEP_SPEED,
     forget_turning,
@@ -111,11 +112,8 @@ def come_to_rest(parameters, run, w, side, others, t):
     forget_turning(parameters, run)
     align_slip(parameters, run, False)
     refresh(parameters, run, t)
-    if run.newton is None and run.clock.lasted > 0.0:  # by the derivative at its start alone
-        for m in range(len(run.y)):
-            run.y[m] += 0.5 * run.clock.lasted * (run.slopes[0, m] - run.slopes[-1, m])
-        run.clock.lasted = 0.0
-        align_slip(parameters, run, False)
+    if parameters.space is None and run.newton is None and run.clock.lasted > 0.0:
+        end_in_the_mean(parameters, run)
     for v in range(len(run.mode)):
         mode, monitors = run.mode[v], run.monitors[v]
         for other in range(contact_count(mode)):
@@ -123,6 +121,19 @@ def come_to_rest(parameters, run, w, side, others, t):
             if mode.stopped[other] and not mode.shared and outside:
                 mode.stopped[other] = 0
                 start_creep(parameters, run, v, other, t)
+
+
+@kernel
+def end_in_the_mean(parameters, run):
+    """Let the last of a slip (last_slip.py), which the derivative at its start has brought to its end, have gone by the
+    mean of that and of the one that has been found there; its heat is known."""
+    for m in range(len(run.y)):
+        run.y[m] += 0.5 * run.clock.lasted * (run.slopes[0, m] - run.slopes[-1, m])
+    run.clock.lasted = 0.0
+    loss = places(parameters).friction_loss
+    lost = run.y[loss]
+    align_slip(parameters, run, False)
+    run.y[loss] = lost
 
 
 @outlined

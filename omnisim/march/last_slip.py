@@ -49,7 +49,7 @@ def end_slip(parameters, run, t, h):
             if slips and relaxing * soon > abs(run.y[spins + w]):
                 time = time_left(parameters, run, w, t)
                 if time < h:
-                    go_on(run, time)
+                    go_on(parameters, run, w, time)
                     if nothing_else_ends(parameters, run, w, time):
                         run.clock.lasted = time
                         return time, Guard(GRIP, w, 0)
@@ -57,11 +57,16 @@ def end_slip(parameters, run, t, h):
 
 
 @kernel
-def go_on(run, time):
-    """The trial: what the state is after a time, s, if its derivative stays."""
+def go_on(parameters, run, w, time):
+    """The trial: what the state is after a time, s, if its derivative stays but for the slip of wheel w, which falls to
+    nothing, so that its heat goes by the mean of it. That heat is not in the derivative that stays behind."""
     for m in range(len(run.y)):
         run.increment[m] = run.carry[m] + time * run.slopes[0, m]
         run.slopes[-1, m] = run.slopes[0, m]
+    rate, slip, _ = slip_rate(parameters, run.mode[w], w, 0, run.y, run.slopes[0])
+    loss, factor = places(parameters).friction_loss, run.monitors[w].factor[0]
+    run.increment[loss] += 0.5 * time * time * factor * (slip.h * rate.h + slip.k * rate.k)
+    run.slopes[-1, loss] -= factor * (slip.h * slip.h + slip.k * slip.k)
     for m in range(len(run.y)):
         run.trial[m] = run.y[m] + run.increment[m]
     for v in range(len(run.mode)):

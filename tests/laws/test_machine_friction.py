@@ -247,7 +247,7 @@ def test_impulses_that_take_slip_away_cost_what_friction_is_said_to_lose(seed):
     run.y[at.velocity : at.integral] += random.normal(size=at.integral - at.velocity)
     run.mode.grip[:, 0], run.mode.creep[2, 0] = (STICK, STICK, CREEP, SLIP), (0.8, -0.6)
     before, lost = kinetic(parameters, run), run.y[at.friction_loss]
-    align_slip(parameters, run)
+    align_slip(parameters, run, False)
     body = body_motion(parameters, run.y)
     slips = [contact_state(parameters, run.mode[w], w, 0, body, run.y).slip for w in range(3)]
     assert np.abs(slips[:2]).max() < 1e-12 and abs(slips[2].h * 0.6 + slips[2].k * 0.8) < 1e-12  # m/s
