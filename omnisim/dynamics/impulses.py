@@ -36,8 +36,8 @@ def align_slip(parameters, run, seen):
         align_in_space(parameters, run.mode, run.y, run.clock.dt)
     else:
         rounds = FIRM_ROUNDS if parameters.machine.follows else 1
-        for round in range(rounds):
-            align_slip_once(parameters, run, seen and round == 0)
+        for i in range(rounds):
+            align_slip_once(parameters, run, seen and i == 0)
 
 
 @kernel

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.vector import Vec2
 from omnisim.contact.frame import axes, frame_on_chassis, tangential
-from omnisim.contact.mobility import holding_mass
+from omnisim.contact.mobility import Symmetric, holding_mass, yielding_along
 from omnisim.dynamics.twist import Acceleration
 
 
@@ -213,4 +213,26 @@ def yielding(mobility, x, y, yaw):
         mobility.xx * x + mobility.xy * y + mobility.xw * yaw,
         mobility.xy * x + mobility.yy * y + mobility.yw * yaw,
         mobility.xw * x + mobility.yw * y + mobility.ww * yaw,
+    )
+
+
+@kernel
+def contact_mobility(wheel, contact, mobility):
+    """Slip acceleration (Symmetric, 1/kg) by the force of a contact that carries its wheel alone."""
+    hh, hk, _, kk = through_body(contact, contact, mobility)
+    a = yielding_along(Symmetric(hh, hk, kk), wheel.spin_mobility, contact.spin[0], contact.spin[1])
+    return yielding_along(a, wheel.axial_mobility, contact.arm[0], contact.arm[1])
+
+
+@kernel
+def through_body(contact, source, mobility):
+    """Slip acceleration of a contact by the force of another through the body alone (hh, hk, kh, kk), 1/kg."""
+    push, feel = source.lever, contact.lever
+    h = yielding(mobility, push[0, 0], push[1, 0], push[2, 0])
+    k = yielding(mobility, push[0, 1], push[1, 1], push[2, 1])
+    return (
+        feel[0, 0] * h.x + feel[1, 0] * h.y + feel[2, 0] * h.yaw,
+        feel[0, 0] * k.x + feel[1, 0] * k.y + feel[2, 0] * k.yaw,
+        feel[0, 1] * h.x + feel[1, 1] * h.y + feel[2, 1] * h.yaw,
+        feel[0, 1] * k.x + feel[1, 1] * k.y + feel[2, 1] * k.yaw,
     )

@@ -200,7 +200,7 @@ def grid_step(parameters, method, run, rows, log):
         h, knot = piece_length(parameters, clock, start)
         whole = h
         if parameters.workspace.resting is not None:
-            end_old_slips(parameters, run, rows, log, t)
+            end_old_slips(parameters, run, rows, log, t, h)
         h, fired = next_step(parameters, method, run, t, h)
         if parameters.space is not None:
             copy(run.y, parameters.space.last)
@@ -280,8 +280,8 @@ def relax(parameters, run, t):
 
 
 @kernel
-def end_old_slips(parameters, run, rows, log, t):
-    """Let contacts stick or creep whose slip has come to its end, or will soon."""
+def end_old_slips(parameters, run, rows, log, t, h):
+    """Let contacts stick or creep whose slip has come to its end, or will soon; h: length of the piece that begins."""
     resting = False
     for w in range(len(run.mode)):
         for side in range(contact_count(run.mode[w])):
@@ -292,7 +292,7 @@ def end_old_slips(parameters, run, rows, log, t):
         follow_again(parameters, run, rows, run.clock.row)
     if run.newton is None:
         slip_freely(parameters, run)
-    begin_to_stop(parameters, run, t)
+    begin_to_stop(parameters, run, t, h)
 
 
 @kernel

@@ -6,8 +6,8 @@ from omnisim.base.kernel import kernel, outlined
 from omnisim.contact.friction import SATURATED
 from omnisim.contact.set_valued import SLIP
 from omnisim.contact.tracking import explicit_touches, implicit_touches, roller_axis
-from omnisim.dynamics.contact_forces import LOST
 from omnisim.dynamics.indices import carries, contact_count, rate_place, roller_index, roller_of, row_index, sector_of
+from omnisim.dynamics.shared_forces import LOST
 from omnisim.dynamics.state import TOUCHING, Stage, places
 from omnisim.dynamics.wheel import azimuth_of, rho_of, roller_end
 from omnisim.march.friction_modes import come_to_rest, rests

@@ -45,7 +45,7 @@ AT_EASE = 1000.0  # times that friction turns slip while it changes, from which 
 MARGIN = 10.0  # between what a turn errs by and the square of the part of a step that it takes, of its speed
 PRECISE = 3e-5  # part of slip by which turning_slip.py may miss what a turn leaves of it
 LAGS = 0.1  # part of the slip that lags behind its direction at first, that the machine feels
-UNCHANGED = 2.0  # times as long as a turn takes no roller comes to its end
+UNCHANGED = 2.0  # times as long as a turn takes nothing else happens: no roller comes to its end, no piece does
 ALIKE = 0.99  # cosine between final directions of slip by the contact equation and by the turn
 NOT, SOON, NEAR, ONCE = range(4)  # how slip goes on in the direction of the contact equation
 
@@ -64,13 +64,14 @@ class Turn(NamedTuple):
 
 
 @kernel
-def stops(parameters, run, w, side):
-    """How a contact that slips goes on along the direction of the contact equation, which attracts its slip.
+def stops(parameters, run, w, side, h):
+    """How a contact that slips goes on, in a piece h, along the direction of the contact equation, which attracts it.
 
     NEAR: of its own accord, as it turns: friction turns slip many times within a step that it may be given
     (creeping_period), and has done so for so long that the error of the step hides what else turns it. SOON: its end is
     near, and the error hides what the slip is across that direction. ONCE: its end is near, and friction turns it there
-    in so short a time that the error hides what else happens in it. Else NOT.
+    in so short a time that the error hides what else happens in it; where that direction is sought from, is left in
+    its mode. Else NOT.
     """
     mode, monitors = run.mode[w], run.monitors[w]
     if mode.shared or mode.grip[side] != SLIP or monitors.factor[side] == 0.0:
@@ -83,14 +84,14 @@ def stops(parameters, run, w, side):
     hidden = unseen(run.clock, course)
     followed = run.newton is None
     across = strayed(mode, side, course) if followed else course.across
-    turned = course.attraction * dt > LEAST_TURNED
+    turned = course.attraction * h > LEAST_TURNED
     follows = followed and course.attraction * min(dt, creeping_period(run.clock, course)) > LEAST_TURNED
     foreign = min(across, course.speed * math.exp(-mode.settled[side]))  # not by the turning of that direction itself
     if follows and foreign * course.attraction * dt < hidden:
         return NEAR
     if -course.growth * dt > course.speed:
-        repelled = course.attraction < 0.0
-        if parameters.space is None and followed and (turned or repelled) and turns_at_once(parameters, run, w, course):
+        drawn = followed and (turned or course.attraction < 0.0)  # from where it is, or from near where it will be
+        if parameters.space is None and drawn and turns_at_once(parameters, run, w, course, h):
             return ONCE
         if (turned or not followed) and across < hidden:
             return SOON
@@ -98,9 +99,9 @@ def stops(parameters, run, w, side):
 
 
 @kernel
-def turns_at_once(parameters, run, w, course):
+def turns_at_once(parameters, run, w, course, h):
     """Whether the slip of wheel w, of this Course, turns in so short a time that the error of a step hides what else
-    happens meanwhile, while all others stick and none comes to the end of its roller."""
+    happens meanwhile, within a piece h, while all others stick and none comes to the end of its roller."""
     clock = run.clock
     if parameters.workspace.articulated is not None or not gives_way(parameters.machine):
         return False
@@ -113,12 +114,18 @@ def turns_at_once(parameters, run, w, course):
     part, spin = turn.time / clock.dt, abs(run.y[at.spin_rate + w])
     if (PRECISE + MARGIN * part * part) * turn.lost + LAGS * spin * turn.lagging > clock.ended:
         return False
+    if UNCHANGED * turn.time > h:  # no row may see the slip that it ends with
+        return False
     for v in range(len(run.mode)):
         mode = run.mode[v]
         angle, rate = run.y[at.spin_angle + v], run.y[at.spin_rate + v]
         end = roller_end(parameters.wheels[v], mode.roller, mode.direction)
         if mode.direction * (end - angle) < UNCHANGED * turn.time * abs(rate):
             return False
+    creep = run.mode[w].creep[0]
+    creep[0], creep[1] = course.h, course.k
+    if course.attraction < 0.0:  # it will not be found from there
+        creep[0], creep[1] = turn.h, turn.k
     return (spin * turn.lasting) ** 2 > 2.0 * clock.ended  # or last_slip.py ends it
 
 
@@ -164,12 +171,13 @@ def slip_freely(parameters, run):
 
 
 @kernel
-def begin_to_stop(parameters, run, t):
-    """Let slips that are about to stop, or last, go on in the direction of the contact equation, in which they will."""
+def begin_to_stop(parameters, run, t, h):
+    """Let slips that are about to stop, or last, go on in the direction of the contact equation, in which they will; h:
+    length of the piece that begins."""
     begun = False
     for w in range(len(run.mode)):
         for side in range(contact_count(run.mode[w])):
-            how = stops(parameters, run, w, side)
+            how = stops(parameters, run, w, side, h)
             if parameters.space is None and how == ONCE:
                 turn_at_once(parameters, run, w, t)
                 return  # all others stick
@@ -240,12 +248,9 @@ def turn_ahead(parameters, run, w, course):
 def turn_at_once(parameters, run, w, t):
     """Turn the slip of wheel w into the direction of the contact equation, in which it slips on as it did if it would
     not end there."""
-    mode, course = run.mode[w], course_of(parameters, run, w, 0)
-    limit, h, k = run.monitors[w].factor[0] * course.speed, course.h, course.k
-    if course.attraction < 0.0:  # that will not be found from there
-        turn = turn_ahead(parameters, run, w, course)
-        h, k = turn.h, turn.k
-    begin_to_creep(run, w, 0, (h, k))
+    mode, monitors = run.mode[w], run.monitors[w]
+    limit = monitors.factor[0] * math.sqrt(monitors.slip_square[0])
+    begin_to_creep(run, w, 0, (mode.creep[0, 0], mode.creep[0, 1]))
     find_directions(parameters, run, t)
     hold_directions(parameters, run)
     rate, v, _ = slip_rate(parameters, mode, w, 0, run.y, run.slopes[0])

@@ -23,8 +23,14 @@ from omnisim.contact.frame import Slip
 from omnisim.contact.kinematics import slip_jacobian
 from omnisim.contact.mobility import applied
 from omnisim.contact.set_valued import STICK, TINY
-from omnisim.dynamics.contact_forces import contact_mobility
-from omnisim.dynamics.planar_body import free_equations, held_equations, inverse, set_contact, set_lever
+from omnisim.dynamics.planar_body import (
+    contact_mobility,
+    free_equations,
+    held_equations,
+    inverse,
+    set_contact,
+    set_lever,
+)
 from omnisim.dynamics.twist import body_motion
 from omnisim.dynamics.wheel import contact_state
 
