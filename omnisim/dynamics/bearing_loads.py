@@ -12,14 +12,16 @@ Axes of the results are fixed in what carries the bearing, and those of a roller
     roller    radial d (outwards), lateral a x d, axial a          axle    h, k, n of the wheel
 
 All rollers are alike but for their place and rates, so first each is taken to be in the air; then the floor is added
-where it touches.
+where it touches. What moves one in the air is linear in its place B on the disk, r = R (sin q h - cos q n) + offset k:
+
+    B'' - g = O'' - g + G r        G r = w' x r + w x (w x r)
 """
 
 from typing import NamedTuple
 
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
-from omnisim.base.vector import Vec2, Vec3, cross, minus, plus, times
+from omnisim.base.vector import Vec2, Vec3, combine, cross, minus, plus, times
 from omnisim.contact.frame import tangential
 from omnisim.dynamics.indices import roller_index, roller_of
 from omnisim.dynamics.multibody.elimination import Wrench3
@@ -28,7 +30,7 @@ from omnisim.dynamics.multibody.rigid_body import needed_wrench
 from omnisim.dynamics.state import places
 from omnisim.dynamics.twist import acceleration_of, body_motion, wheel_motion, wheel_twist, world_frame
 
-HEADING, AXLE = Vec3(1.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0)
+HEADING, AXLE, OUTWARDS = Vec3(1.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0), Vec3(0.0, 0.0, 1.0)
 AXIAL, ROLLER_AXIAL = 1, 2  # which direction is along the bearing, of an axle and of a roller
 
 
@@ -39,6 +41,16 @@ class DiskMotion(NamedTuple):
     rate: Vec3
     linear: Vec3
     angular: Vec3
+
+
+class Carried(NamedTuple):
+    """What moves rollers in the air, along h, k and n, N: a roller at O (`centre`), and what is added by R along h and
+    n; of an offset along k by its length, N/m."""
+
+    centre: Vec3
+    ahead: Vec3
+    outwards: Vec3
+    sideways: Vec3
 
 
 class Mounting(NamedTuple):
@@ -65,15 +77,16 @@ def recover(parameters, mode, w, y, dy, rates, found):
     machine, wheel, workspace = parameters.machine, parameters.wheels[w], parameters.workspace
     at = places(parameters)
     disk = disk_motion(parameters, w, y, dy)
+    carried = carried_by(wheel, disk)
     axle = disk_load(wheel, disk)
     cos, sin = cos_sin(wheel.phase - y[at.spin_angle + w])
     row = 0
     for i in range(wheel.rollers):
         sector, offset = parameters.sector[w, i], parameters.roller_rows[wheel.row + row].offset
         mounting = Mounting(cos * sector[0] - sin * sector[1], sin * sector[0] + cos * sector[1], offset)
-        given = load_in_air(wheel, mounting, disk, rates[i], dy[wheel.rates + i] if machine.every_rate else 0.0)
+        rolling = dy[wheel.rates + i] if machine.every_rate else 0.0
+        given, axle = load_in_air(wheel, mounting, disk, carried, rates[i], rolling, axle)
         keep(found[i + 1], given)
-        axle = on_axle(wheel, mounting, axle, given)
         row = row + 1 if row + 1 < wheel.rows else 0
     part = workspace.parts[w]
     for side in range(part.contacts):
@@ -144,24 +157,37 @@ def centre_of(wheel, mounting):
 
 
 @kernel
-def own_centre(wheel, mounting):
-    """The same along d, a x d and a."""
-    return Vec3(wheel.roller_distance, -wheel.cos_psi * mounting.offset, wheel.sin_psi * mounting.offset)
+def carried_by(wheel, disk):
+    """What moves the rollers of a disk in the air (Carried)."""
+    distance, mass = wheel.roller_distance, wheel.roller_mass
+    return Carried(
+        times(mass, disk.linear),
+        times(mass * distance, added(disk, HEADING)),
+        times(mass * distance, added(disk, OUTWARDS)),
+        times(mass, added(disk, AXLE)),
+    )
 
 
 @kernel
-def load_in_air(wheel, mounting, disk, axial_rate, rolling):
+def added(disk, place):
+    """Acceleration of a point of the disk beside that of O, by its place from there (Vec3)."""
+    return plus(cross(disk.angular, place), cross(disk.rate, cross(disk.rate, place)))
+
+
+@kernel
+def load_in_air(wheel, mounting, disk, carried, axial_rate, rolling, axle):
     """The Wrench3 by which its bearing moves a roller of this absolute axial rate (rad/s) that nothing else touches,
-    along d, a x d and a; rolling: p', rad/s^2."""
+    along d, a x d and a; and that of the axle about O, with what it needs for this roller. rolling: p', rad/s^2."""
     rate, bent = own(wheel, mounting, disk.rate), own(wheel, mounting, disk.angular)
-    rho = own_centre(wheel, mounting)
-    curved = plus(cross(bent, rho), cross(rate, cross(rate, rho)))
-    force = times(wheel.roller_mass, plus(own(wheel, mounting, disk.linear), curved))
+    aside = plus(carried.centre, times(mounting.offset, carried.sideways))
+    force = combine(1.0, aside, mounting.sin_q, carried.ahead, -mounting.cos_q, carried.outwards)
     across, along = wheel.transverse_inertia, wheel.axial_inertia
     # in its bearing it turns with chi' = p - w . a, which turns what it has across its axis: w' + chi' w x a
-    faster = across * (axial_rate - rate.z) + (along - across) * axial_rate
+    faster = along * axial_rate - across * rate.z
     moment = Vec3(across * bent.x + faster * rate.y, across * bent.y - faster * rate.x, along * rolling)
-    return Wrench3(moment, force)
+    given = Wrench3(moment, own(wheel, mounting, force))
+    about = plus(of_disk(wheel, mounting, moment), cross(centre_of(wheel, mounting), force))
+    return given, Wrench3(plus(axle.moment, about), plus(axle.force, force))
 
 
 @kernel
@@ -175,8 +201,8 @@ def load_of_floor(wheel, mounting, floor, rolling):
 @kernel
 def on_axle(wheel, mounting, axle, given):
     """The Wrench3 of an axle about O with that which moves one of its rollers."""
-    about = plus(given.moment, cross(own_centre(wheel, mounting), given.force))
-    moment, force = of_disk(wheel, mounting, about), of_disk(wheel, mounting, given.force)
+    force = of_disk(wheel, mounting, given.force)
+    moment = plus(of_disk(wheel, mounting, given.moment), cross(centre_of(wheel, mounting), force))
     return Wrench3(plus(axle.moment, moment), plus(axle.force, force))
 
 

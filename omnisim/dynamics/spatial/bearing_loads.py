@@ -12,6 +12,7 @@ from omnisim.dynamics.bearing_loads import (
     DiskMotion,
     Mounting,
     add,
+    carried_by,
     disk_load,
     keep,
     load_in_air,
@@ -33,12 +34,13 @@ def recover_in_space(parameters, mode, w, y, dy, rates, found):
     wheel, every = parameters.wheels[w], parameters.machine.every_rate
     stand = standing(parameters, w, body_of(parameters, y), y)
     disk = motion_in_space(parameters, w, stand, y, dy)
+    carried = carried_by(wheel, disk)
     axle = disk_load(wheel, disk)
     for i in range(wheel.rollers):
         mounting = mounting_of(parameters, w, i, stand)
-        given = load_in_air(wheel, mounting, disk, rates[i], dy[wheel.rates + i] if every else 0.0)
+        rolling = dy[wheel.rates + i] if every else 0.0
+        given, axle = load_in_air(wheel, mounting, disk, carried, rates[i], rolling, axle)
         keep(found[i + 1], given)
-        axle = on_axle(wheel, mounting, axle, given)
     for c in range(mode.contacts):
         slot, first = mode.slot[c], True
         for other in range(c):  # two contacts of one roller have one rate
