@@ -8,7 +8,7 @@ these bounds fall with powers of the step.
 import math
 
 from omnisim.base.kernel import kernel
-from omnisim.base.methods import EXPLICIT
+from omnisim.base.methods import EXPLICIT, Tableau
 from omnisim.dynamics.indices import rate_place
 from omnisim.dynamics.spatial.touching import rate_of_roller
 from omnisim.dynamics.state import places
@@ -18,7 +18,8 @@ REST = 1e-11  # of 1 m/s and of the speeds that make up the slip, below which it
 ALIGNED, FINE_ALIGNED = 3e-4, 1e-6  # m/s; the second for methods "auto" and "radau5"
 FINE_POWER = 4  # of the step, of the second
 STOPPING = 1.7e-3  # m/s of the machine by v_n^2 / v, of the coarsest step, explicit methods
-ENDING = 1e-8  # m/s of the machine, of the coarsest step
+# m/s of the machine, of the coarsest step, by tableau: it stays behind what whole steps err
+ENDING = {"heun": 4e-8, "rk4": 4e-8, "dopri5": 1e-8, "bs5": 3e-9}
 LEAST_ALIGNED = 1e-13  # m/s of slip, of the finest step: taking the last slip away at REST costs more
 STOPPED = 0.1  # of the slip that no longer matters, at which creeping slip has come to its end, or
 STOPPED_OF_STOPPING = 1e-4  # of that which may be taken away across its direction
@@ -49,10 +50,10 @@ def stopping_alignment(part: float, choice: int, order: int) -> float:
     return STOPPING * part ** (2 * order) if choice == EXPLICIT else 0.0
 
 
-def ending(part: float, order: int) -> float:
+def ending(part: float, tableau: Tableau) -> float:
     """Change of a speed, m/s, by what changes in the last of a slip (last_slip.py), which a step does not see:
-    ~ dt^order, as its error. part: the step by a coarse one, at most 1; order of the method."""
-    return ENDING * part**order
+    ~ dt^order, as its error. part: the step by a coarse one, at most 1."""
+    return ENDING[tableau.name] * part**tableau.order
 
 
 @kernel
