@@ -231,8 +231,7 @@ CLOCK = np.dtype(
         ("status", np.int64),
         ("wheel", np.int64),  # that caused the status, or -1
         ("dt", np.float64),  # s
-        ("fineness", np.float64),  # of sub-steps of slip, and of steps of creeping slip: march/substeps.py
-        ("creep_fineness", np.float64),
+        ("fineness", np.float64),  # of sub-steps of slip: march/substeps.py
         ("aligned", np.float64),  # slip across its final direction that does not matter, m/s: march/slip_bounds.py
         ("stopping", np.float64),  # twice the same along slip about to stop, m/s
         ("ended", np.float64),  # change of a speed by what changes in the last of slip, that does not matter, m/s

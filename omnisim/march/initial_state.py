@@ -17,7 +17,7 @@ from omnisim.dynamics.state import CLOCK, EXTREME, MODE, MONITORS, YAW, Newton, 
 from omnisim.march.slip_bounds import alignment, ending, stopping_alignment
 from omnisim.march.spatial_start import pose_at_start, state_in_space
 from omnisim.march.stiffness import resolve
-from omnisim.march.substeps import finenesses
+from omnisim.march.substeps import fineness
 from omnisim.scene.schema import Config, Time
 
 COARSE_STEP = 1e-2  # s: of an upright machine, and of methods that are there for their accuracy
@@ -53,8 +53,7 @@ def clock_at_start(time: Time, method: Method, choice: int, parameters: Paramete
     """The record CLOCK at t = 0."""
     clock = single(CLOCK, bytearray(clock_of(time, method, choice)))
     part = min(1.0, float(clock["dt"]) / coarse_step(parameters, choice))
-    smooth = parameters.workspace.resting is None
-    clock["fineness"], clock["creep_fineness"] = finenesses(part, choice, method.tableau, smooth)
+    clock["fineness"] = fineness(part, choice, method.tableau, parameters.workspace.resting is None)
     clock["aligned"] = alignment(part, choice, method.tableau.order)
     clock["ended"] = ending(part, method.tableau)
     clock["stopping"] = stopping_alignment(part, choice, method.tableau.order)

@@ -137,7 +137,7 @@ def creeping_period(clock, course):
     pace = math.hypot(course.growth / course.speed, course.turning)
     if AT_EASE * pace <= max(course.attraction, 0.0):
         return math.inf
-    return slip_fraction(SLIP_FRACTION, clock.creep_fineness, pace, clock.dt) / pace
+    return slip_fraction(SLIP_FRACTION, pace, clock) / pace
 
 
 @kernel

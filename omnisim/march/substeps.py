@@ -26,10 +26,10 @@ SLIP_FRACTION = 0.9  # of the time in which slip could stop or turn, that one ex
 FINE_FRACTION = 0.2  # the same for methods "auto" and "radau5", which are there for their accuracy
 LAYER = 0.25  # of that, with a smooth law
 OUTRUN = 20.0  # stable steps by the end of an explicit one that is taken again at half its length
-# Part of the coarsest fraction that the coarsest step allows, by tableau, of sub-steps and of steps of creeping slip:
-# they must stay behind the error of whole steps. With these, machines that slip near the limit take the least
-# right-hand sides for equal errors: by sub-steps twice as long rk4 takes 10 to 30 % more, dopri5 20 %.
-FINENESS = {"heun": (1.0, 1.0), "rk4": (0.5, 0.5), "dopri5": (0.28, 0.28), "bs5": (0.5, 0.25)}
+# Part of the coarsest fraction that the coarsest step allows, by tableau: sub-steps must stay behind the error of whole
+# steps. With these, machines that slip near the limit take the least right-hand sides for equal errors: by sub-steps
+# twice as long rk4 takes 10 to 30 % more, dopri5 20 %.
+FINENESS = {"heun": 1.0, "rk4": 0.5, "dopri5": 0.28, "bs5": 0.5}
 TURN_BEGINS = 2.0  # times the sine by which slip changes its direction: where it turns back, it is none for an instant
 AUTO_STIFF = 4.0  # relaxation of slip within a step, beyond which "auto" makes it implicit
 AUTO_ACCURATE = 0.5  # and up to which its explicit steps go
@@ -81,7 +81,7 @@ def step_length(parameters, run, t, h):
                     turning = max(turning, share * factor * mobility)
     if run.newton is None:
         clock.implicit = False
-        fraction = slip_fraction(SLIP_FRACTION, clock.fineness, pace, clock.dt)
+        fraction = slip_fraction(SLIP_FRACTION, pace, clock)
         stable = TURN_FRACTION * clock.stability_limit
         turn = fraction / SLIP_FRACTION
         return min(h, min(fraction / pace, min(stable / relaxation, turn * stable / turning)))
@@ -89,7 +89,7 @@ def step_length(parameters, run, t, h):
     # viscous friction relaxes slip as fast where it is large
     fraction = LAYER * FINE_FRACTION
     if machine.law != VISCOUS:
-        fraction = slip_fraction(FINE_FRACTION, clock.fineness, pace, clock.dt)
+        fraction = slip_fraction(FINE_FRACTION, pace, clock)
     stiffness = clock.dt * relaxation
     if parameters.workspace.resting is not None:
         h_explicit = min(h, fraction / pace)
@@ -127,29 +127,26 @@ def brush_floor(parameters, mode, w, side, y):
 
 
 @kernel
-def slip_fraction(coarsest, fineness, pace, dt):
-    """Part of the time 1 / pace in which slip changes, that a sub-step of a grid step dt may take; fineness: the part
-    of the coarsest fraction that the step allows for the largest slip.
+def slip_fraction(coarsest, pace, clock):
+    """Part of the time 1 / pace in which slip changes, that a sub-step of a grid step dt may take.
 
     Slip of which a whole step is the part f is of the size dt / f, and a sub-step errs by f^5 of the slip it starts
     from: there f ~ dt lets these errors fall with dt^5, as those of dopri5 do, and f ~ dt^(3/4) with dt^4. Where slip
     is less, and changes faster, f^5 ~ pace makes every sub-step err by the same amount, up to the coarsest part that is
     safe.
     """
-    largest_slip, ratio = coarsest * fineness, 1.0 / fineness
-    less = max(pace * dt / largest_slip, 1.0)
+    largest_slip, ratio = coarsest * clock.fineness, 1.0 / clock.fineness
+    less = max(pace * clock.dt / largest_slip, 1.0)
     return coarsest if less >= ratio**5 else largest_slip * less**0.2
 
 
-def finenesses(part: float, choice: int, tableau: Tableau, smooth: bool) -> tuple[float, float]:
-    """Part of the coarsest fraction that a step allows for the largest slip, and for creeping slip: ~ dt of explicit
-    methods, and ~ dt^(3/4) of the others, whose fraction is less and whose steps cost more. part: the step by a coarse
-    one, at most 1; smooth: the law, whose layer near zero slip turns motion into heat that is accounted for."""
+def fineness(part: float, choice: int, tableau: Tableau, smooth: bool) -> float:
+    """Part of the coarsest fraction that a step allows for the largest slip: ~ dt of explicit methods, and ~ dt^(3/4)
+    of the others, whose fraction is less and whose steps cost more. part: the step by a coarse one, at most 1; smooth:
+    the law, whose layer near zero slip turns motion into heat that is accounted for."""
     if choice != EXPLICIT:
-        fine = min(part**0.75, LAYER) if smooth else part**0.75
-        return fine, fine
-    slipping, creeping = FINENESS[tableau.name]
-    return slipping * part, creeping * part
+        return min(part**0.75, LAYER) if smooth else part**0.75
+    return FINENESS[tableau.name] * part
 
 
 @kernel

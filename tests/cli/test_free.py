@@ -102,11 +102,17 @@ def test_a_pose_that_is_missing_is_missed_where_the_scene_tells_of_the_start(fol
     refused(command("run", "off.toml"), f"off.toml:{line}: initial.height: missing")
 
 
-@pytest.mark.parametrize("start", ["initial.vertical_velocity=-1e5", "initial.roll_rate=1e6"])
-def test_a_start_too_fast_for_its_step_is_told_as_such(start):
-    """It is 5 m below the ground after a step: no friction is to blame."""
+@pytest.mark.parametrize(
+    ("start", "told"),
+    [
+        ("initial.vertical_velocity=-1e5", "the chassis touches the ground at t = 2.1"),  # of 1e-7 s
+        ("initial.roll_rate=1e6", "the motion diverged at t = 5e-05 s: a state is no longer finite; try"),
+    ],
+)
+def test_a_start_too_fast_for_its_step_is_told_as_such(start, told):
+    """It would be 5 m below the ground after a step, or turn fifty times: no friction is to blame."""
     run = omnisim.simulate(omnisim.load("cable_duct", [start, "time.end=0.01"]))
-    assert run.attributes["status"].startswith("the motion diverged at t = 5e-05 s: a state is no longer finite; try")
+    assert run.attributes["status"].startswith(told)
 
 
 def test_a_wheel_that_is_driven_into_the_ground_is_not_said_to_lie_on_its_side_alone():

@@ -201,7 +201,7 @@ def test_the_multipliers_hold_at_every_accepted_step(step, overrides):
 @pytest.mark.parametrize(
     ("name", "overrides"),
     [
-        ("testbench_psi30", ("wrench.times=[0.0]", "wrench.force=[[0.5, 1.0, 0.0]]", "time.step=0.1", "time.end=100",
+        ("testbench_psi30", ("wrench.times=[0.0]", "wrench.force=[[0.5, 1.0, 0.0]]", "time.step=0.2", "time.end=100",
                              "time.output_interval=1.0", "initial.velocity=[0, 0]", "initial.yaw_rate=0",
                              "wheels.wheel.spin_rate=0", "wheels.wheel.roller_rates=0")),
         (CASE, ("time.step=2.0", "time.output_interval=2.0", "initial.yaw_rate=5")),

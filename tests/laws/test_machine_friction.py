@@ -75,8 +75,8 @@ def test_methods_converge_on_one_motion_of_a_machine_that_sticks_and_slips():
 def test_wheels_that_slip_slowly_together_cost_few_sub_steps():
     """Each exchange jolts the slips of all other wheels: sub-steps follow what that leaves until it has died away."""
     coarse, fine = (run(driven(), "solver.method=dopri5", f"time.step={step}") for step in (5e-4, 2.5e-4))
-    assert coarse.attributes["rhs_evaluations"] < 100_000  # 81,129; following all turning by sub-steps took 462,548
-    assert np.abs(final_state(coarse) - final_state(fine)).max() < 1e-7  # measured 5.7e-8
+    assert coarse.attributes["rhs_evaluations"] < 140_000  # 128,923; following all turning by sub-steps took 462,548
+    assert np.abs(final_state(coarse) - final_state(fine)).max() < 1e-8  # measured 4.5e-9; by 81,129 of them 5.7e-8
 
 
 @pytest.mark.parametrize("name", ["kiwi", "youbot", "mixed"])
