@@ -67,7 +67,8 @@ def test_friction_between_two_directions():
     ("drive", "method", "step", "bound", "work"),
     [
         ("rate", "rk4", 1e-2, 2.5e-5, 2200),  # measured 1.9e-5 and 2062, by sub-steps 1.8e-5 and 2475
-        ("torque", "dopri5", 1e-2, 1e-5, 3500),  # 6.4e-6 and 3381, 1.3e-5 and 3972
+        # 6.4e-6 and 3381, 1.3e-5 and 3972; without the centre of the impulse 9.3e-6
+        ("torque", "dopri5", 1e-2, 8e-6, 3500),
         ("torque", "dopri5", 5e-3, 1e-6, 6750),  # 5.3e-7 and 6556, 6.0e-6 and 6849
         ("rate", "bs5", 5e-3, 2e-8, 6500),  # 1.2e-8 and 6261
     ],
