@@ -17,6 +17,7 @@ from omnisim.fitting.logs import FitError, Log, log_problems, read_log
 from omnisim.fitting.parameters import Parameter, Point, parameters, point
 from omnisim.fitting.schema import FitConfig
 from omnisim.scene.document import MOST_BYTES, Document, InputError, decoded, parsed
+from omnisim.scene.packaged import packaged_data
 from omnisim.scene.problems import Problem, did_you_mean, schema_problems
 from omnisim.scene.scene import Scene, load
 from omnisim.scene.toml_text import KeyPath, rewrite
@@ -130,9 +131,7 @@ def hint(path: Path) -> str:
 
 def packaged_fits() -> dict[str, Path]:
     """The fits that come with the package, beside their logs."""
-    from importlib.resources import files  # here: slow to import, and a fit file does not need it
-
-    return {path.stem: path for path in sorted(Path(str(files("omnisim.data") / "measured")).glob("*.toml"))}
+    return {path.stem: path for path in sorted((packaged_data() / "measured").glob("*.toml"))}
 
 
 def _checked(document: Document, folder: Path) -> Fit:

@@ -2,6 +2,7 @@
 
 import tomllib
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 from omnisim.scene.problems import ConfigError, Problem, did_you_mean
@@ -11,19 +12,25 @@ WHEELS = "wheels"  # their folder
 FROM = "from"  # the key of a wheel type that names one
 
 
+def packaged_data() -> Path:
+    """The folder of all that: an installation has it in the package, a clone beside it."""
+    package = Path(__file__).parents[1]
+    return next(folder for folder in (package / "data", package.parent / "data") if folder.is_dir())
+
+
 def packaged_scenes() -> list[str]:
     """Names of the scenes that come with the package, but those of a wheel that is sold."""
-    return _names(_data())
+    return _names(packaged_data())
 
 
 def packaged_wheels() -> list[str]:
     """Names of the wheels that come with the package, each a scene with one type of wheel."""
-    return _names(_data() / WHEELS)
+    return _names(packaged_data() / WHEELS)
 
 
 def packaged_file(name: str) -> str:
     """The path of a packaged scene or wheel."""
-    folder = _data()
+    folder = packaged_data()
     return str((folder if name in packaged_scenes() else folder / WHEELS) / f"{name}.toml")
 
 
@@ -68,11 +75,5 @@ def _left_out(path: KeyPath, table: dict[str, Any], whole: dict[str, Any]) -> It
             yield from _left_out((*path, key), table[key], value)
 
 
-def _names(folder: Any) -> list[str]:
+def _names(folder: Path) -> list[str]:
     return sorted(entry.name[:-5] for entry in folder.iterdir() if entry.name.endswith(".toml"))
-
-
-def _data() -> Any:
-    from importlib.resources import files  # here: slow to import, and a scene file does not need it
-
-    return files("omnisim.data")

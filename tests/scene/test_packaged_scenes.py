@@ -2,6 +2,8 @@
 
 import math
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -42,6 +44,15 @@ REVOLVED = [name for name in packaged_scenes() if "solids of" in load(name).text
 
 def test_the_packaged_scenes_are_known():
     assert {name: len(load(name).config.wheels) for name in packaged_scenes()} == WHEELS
+
+
+def test_they_are_found_by_a_python_that_begins_in_a_clone():
+    """Its folder hides an installed package."""
+    alone = "import sys; sys.meta_path[:] = [each for each in sys.meta_path if 'editable' not in repr(each)]"
+    code = f"{alone}; import omnisim; print(omnisim.__file__, omnisim.load('six_rollers').config.title)"
+    root = Path(__file__).parents[2]
+    told = subprocess.run([sys.executable, "-c", code], cwd=root, capture_output=True, text=True, check=True).stdout
+    assert told == f"{root}/omnisim/__init__.py {load('six_rollers').config.title}\n"
 
 
 @pytest.mark.parametrize("name", packaged_scenes())
