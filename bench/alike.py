@@ -12,14 +12,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from omnisim.results.comparison import distance
 from omnisim.run.simulation import simulate
-from omnisim.run.work_precision import Setting, varied
+from omnisim.run.work_precision import CLEAR, Reference, Setting, Unconverged, converged, untimed, varied
 from omnisim.scene.scene import Scene, parse
 
 MACHINES = 24
 LONGEST = 10.0  # times the shortest step: longer ones follow no power
-FINER = 8  # times the step of the reference goes into the shortest one
+FINER = 8  # times the step of the references goes into the shortest one
 SEED = 1
 
 Alike = Callable[[np.random.Generator], list[str]]  # what to set for one of them
@@ -33,20 +32,29 @@ class Order(NamedTuple):
 
 
 def orders(scene: Scene, alike: Alike, methods: Sequence[str], steps: Sequence[float]) -> dict[str, Order]:
-    """By explicit method."""
-    taken = sorted(step for step in steps if step <= LONGEST * min(steps))
+    """By explicit method. Raises Unconverged if a machine has no reference, or a run of one stops."""
     generator = np.random.default_rng(SEED)
-    slopes = []
-    for _ in range(MACHINES):
-        machine = parse(scene.text, scene.source, alike(generator))
-        reference = simulate(varied(machine, Setting("bs5", "explicit", taken[0] / FINER)))
-        errors = [
-            [distance(simulate(varied(machine, Setting(method, "explicit", step))), reference) for step in taken]
-            for method in methods
-        ]
-        slopes.append(np.polyfit(np.log(taken), np.log(np.transpose(errors)), 1)[0])
-    means, errors_of_means = np.mean(slopes, axis=0), np.std(slopes, axis=0, ddof=1) / math.sqrt(MACHINES)
-    return {method: Order(*map(float, pair)) for method, *pair in zip(methods, means, errors_of_means, strict=True)}
+    machines = [parse(scene.text, scene.source, alike(generator)) for _ in range(MACHINES)]
+    taken = [step for step in steps if step <= LONGEST * min(steps)]
+    references = [converged(machine, min(taken) / FINER, lambda *_: None) for machine in machines]
+    found = {}
+    for method in methods:
+        slopes = [slope(*pair, method, taken) for pair in zip(machines, references, strict=True)]
+        found[method] = Order(float(np.mean(slopes)), float(np.std(slopes, ddof=1)) / math.sqrt(MACHINES))
+    return found
+
+
+def slope(machine: Scene, reference: Reference, method: str, steps: Sequence[float]) -> float:
+    """Of the logarithm of one machine's error over that of the step, where the reference can tell the error."""
+    told = []
+    for step in steps:
+        setting = Setting(method, "explicit", step)
+        row = untimed(setting, simulate(varied(machine, setting)), reference.run)
+        if row.error is None:
+            raise Unconverged(row.status)
+        if row.error > CLEAR * reference.distance:
+            told.append((step, row.error))
+    return float(np.polyfit(*np.log(np.transpose(told)), 1)[0])
 
 
 def told(found: dict[str, Order]) -> str:

@@ -85,8 +85,9 @@ def recover(parameters, mode, w, y, dy, rates, found):
         sector, offset = parameters.sector[w, i], parameters.roller_rows[wheel.row + row].offset
         mounting = Mounting(cos * sector[0] - sin * sector[1], sin * sector[0] + cos * sector[1], offset)
         rolling = dy[wheel.rates + i] if machine.every_rate else 0.0
-        given, axle = load_in_air(wheel, mounting, disk, carried, rates[i], rolling, axle)
+        given, force = load_in_air(wheel, mounting, disk, carried, rates[i], rolling)
         keep(found[i + 1], given)
+        axle = on_axle(wheel, mounting, axle, given.moment, force)
         row = row + 1 if row + 1 < wheel.rows else 0
     part = workspace.parts[w]
     for side in range(part.contacts):
@@ -99,7 +100,7 @@ def recover(parameters, mode, w, y, dy, rates, found):
         rolling = 0.0 if machine.every_rate else dy[wheel.rates + side]
         more = load_of_floor(wheel, mounting, Wrench3(plus(cross(arm, force), torque), force), rolling)
         add(found[i + 1], more)
-        axle = on_axle(wheel, mounting, axle, more)
+        axle = on_axle(wheel, mounting, axle, more.moment, of_disk(wheel, mounting, more.force))
     keep(found[0], axle)
 
 
@@ -175,9 +176,9 @@ def added(disk, place):
 
 
 @kernel
-def load_in_air(wheel, mounting, disk, carried, axial_rate, rolling, axle):
+def load_in_air(wheel, mounting, disk, carried, axial_rate, rolling):
     """The Wrench3 by which its bearing moves a roller of this absolute axial rate (rad/s) that nothing else touches,
-    along d, a x d and a; and that of the axle about O, with what it needs for this roller. rolling: p', rad/s^2."""
+    along d, a x d and a; and its force along h, k and n. rolling: p', rad/s^2."""
     rate, bent = own(wheel, mounting, disk.rate), own(wheel, mounting, disk.angular)
     aside = plus(carried.centre, times(mounting.offset, carried.sideways))
     force = combine(1.0, aside, mounting.sin_q, carried.ahead, -mounting.cos_q, carried.outwards)
@@ -185,9 +186,7 @@ def load_in_air(wheel, mounting, disk, carried, axial_rate, rolling, axle):
     # in its bearing it turns with chi' = p - w . a, which turns what it has across its axis: w' + chi' w x a
     faster = along * axial_rate - across * rate.z
     moment = Vec3(across * bent.x + faster * rate.y, across * bent.y - faster * rate.x, along * rolling)
-    given = Wrench3(moment, own(wheel, mounting, force))
-    about = plus(of_disk(wheel, mounting, moment), cross(centre_of(wheel, mounting), force))
-    return given, Wrench3(plus(axle.moment, about), plus(axle.force, force))
+    return Wrench3(moment, own(wheel, mounting, force)), force
 
 
 @kernel
@@ -199,11 +198,11 @@ def load_of_floor(wheel, mounting, floor, rolling):
 
 
 @kernel
-def on_axle(wheel, mounting, axle, given):
-    """The Wrench3 of an axle about O with that which moves one of its rollers."""
-    force = of_disk(wheel, mounting, given.force)
-    moment = plus(of_disk(wheel, mounting, given.moment), cross(centre_of(wheel, mounting), force))
-    return Wrench3(plus(axle.moment, moment), plus(axle.force, force))
+def on_axle(wheel, mounting, axle, moment, force):
+    """The Wrench3 of an axle about O with what moves one of its rollers: a moment along d, a x d and a, a force along
+    h, k and n."""
+    about = plus(of_disk(wheel, mounting, moment), cross(centre_of(wheel, mounting), force))
+    return Wrench3(plus(axle.moment, about), plus(axle.force, force))
 
 
 @kernel

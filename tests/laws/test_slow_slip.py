@@ -6,11 +6,13 @@ The references are runs by dopri5 at 1e-4 s; an independent method, radau5 at 1e
 import math
 from functools import cache
 
+import numpy as np
 import pytest
 
 import omnisim
 from bench.machine_scenes import platform
 from bench.precision import NEAR_LIMIT
+from omnisim.march import substeps
 from omnisim.results.comparison import distance
 
 SCENES = {
@@ -50,6 +52,33 @@ def test_slow_slip_costs_no_order_and_few_sub_steps(scene, method, order, coarse
     )
     assert distance(shown, exact) < bound and shown.attributes["rhs_evaluations"] < work
     assert math.log(distance(coarse, exact) / distance(fine, exact)) / math.log(coarsest / finest) > order
+
+
+def work_at(goals, exact, settings):
+    """Right-hand sides by which errors reach the goals, by a parabola through runs of steps of 1e-2 to 5e-4 s."""
+    parts = np.unique(np.geomspace(10, 200, 20).round()).tolist()
+    found = [omnisim.simulate(platform(*settings, 0.1 / each)) for each in parts]
+    errors, work = ([] for _ in range(2))
+    for each in found:
+        assert each.complete
+        errors.append(distance(each, exact))
+        work.append(each.attributes["rhs_evaluations"])
+    return np.exp(np.polyval(np.polyfit(np.log(errors), np.log(work), 2), np.log(goals)))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("method", "more"), [("rk4", 1.15), ("dopri5", 1.2)])  # measured: 1.22, 1.31
+def test_sub_steps_twice_as_long_cost_more_for_equal_errors(method, more, monkeypatch):
+    """Errors of 1e-6 and 1e-8 of three motions of a platform."""
+    ratios = []
+    for motion in (("diagonal with yaw", "rate"), ("diagonal with yaw", "torque"), ("sideways", "torque")):
+        exact = omnisim.simulate(platform(*motion, "bs5", 1e-4))
+        goals = np.array([1e-6, 1e-8])
+        usual = work_at(goals, exact, (*motion, method))
+        with monkeypatch.context() as changed:
+            changed.setitem(substeps.FINENESS, method, 2.0 * substeps.FINENESS[method])
+            ratios.append(work_at(goals, exact, (*motion, method)) / usual)
+    assert np.exp(np.mean(np.log(ratios))) > more
 
 
 def test_an_implicit_method_that_follows_the_turning_finds_the_same_motion():

@@ -17,6 +17,7 @@ from omnisim.dynamics.bearing_loads import (
     keep,
     load_in_air,
     load_of_floor,
+    of_disk,
     on_axle,
 )
 from omnisim.dynamics.multibody.elimination import Wrench3
@@ -39,8 +40,9 @@ def recover_in_space(parameters, mode, w, y, dy, rates, found):
     for i in range(wheel.rollers):
         mounting = mounting_of(parameters, w, i, stand)
         rolling = dy[wheel.rates + i] if every else 0.0
-        given, axle = load_in_air(wheel, mounting, disk, carried, rates[i], rolling, axle)
+        given, force = load_in_air(wheel, mounting, disk, carried, rates[i], rolling)
         keep(found[i + 1], given)
+        axle = on_axle(wheel, mounting, axle, given.moment, force)
     for c in range(mode.contacts):
         slot, first = mode.slot[c], True
         for other in range(c):  # two contacts of one roller have one rate
@@ -50,7 +52,7 @@ def recover_in_space(parameters, mode, w, y, dy, rates, found):
         rolling = dy[wheel.rates + slot] if first and not every else 0.0
         more = load_of_floor(wheel, mounting, ground_at(parameters.space.touches[w * SLOTS + c]), rolling)
         add(found[i + 1], more)
-        axle = on_axle(wheel, mounting, axle, more)
+        axle = on_axle(wheel, mounting, axle, more.moment, of_disk(wheel, mounting, more.force))
     keep(found[0], axle)
 
 
