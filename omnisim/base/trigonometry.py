@@ -48,8 +48,8 @@ def cos_sin(x):
 def angle_of(cos, sin):
     """The angle with this cosine and sine times any positive number, rad; of small ones the series is much faster than
     a call, and exact to rounding."""
-    x = sin / cos
-    if cos > 0.0 and abs(x) < SMALL_ANGLE:
+    if abs(sin) < SMALL_ANGLE * cos:
+        x = sin / cos
         z = x * x
         return x * (1.0 - z * (1.0 / 3.0 - z * (0.2 - z * (1.0 / 7.0 - z * (1.0 / 9.0)))))
     return math.atan2(sin, cos)

@@ -1,18 +1,24 @@
-"""What every bearing carries, recovered from a motion that is known: inverse dynamics, from the rollers inwards.
+"""What every bearing carries, recovered from a motion that is known: inverse dynamics.
 
 Positions and rates are in a row, accelerations in its derivative, and the forces of the floor in the workspace. Newton
-and Euler for each roller give the force and the moment of its bearing, and for each disk, which the rollers load, those
-of the axle. With B the centre of a roller, O that of the disk, X where the floor touches, M its moment:
+and Euler for each roller give the force and the moment of its bearing, and for each wheel those of its axle. With B the
+centre of a roller, a its axis, p its absolute axial rate, O the wheel's centre, w the disk's angular velocity, X where
+the floor touches, M its moment:
 
-    roller    force = m (B'' - g) - sum F              moment = (I w)' - sum ((X - B) x F + M)
-    axle      force = m (O'' - g) + sum force_i        moment = (I w)' + sum (moment_i + (B_i - O) x force_i)
+    roller    force = m (B'' - g) - sum F        moment = It (w' - (w' . a) a) + (Ia p - It w . a) w x a + Ia p' a
+                                                          - sum ((X - B) x F + M)
+    axle      force = M_w (O'' + G o k - g) - sum F
+              moment = (J w)' + M_w o k x (O'' - g) + w x H + sum Ia p' a - sum ((X - O) x F + M)
 
-Axes of the results are fixed in what carries the bearing, and those of a roller make its inertia three numbers:
+The disk and its rollers are one body that has its inertia J about O (dynamics/inertia.py) and its centre of mass at
+o k, beside the spins of the rollers, H = sum Ia p a. Axes of the results are fixed in what carries the bearing, and
+those of a roller make its inertia three numbers:
 
     roller    radial d (outwards), lateral a x d, axial a          axle    h, k, n of the wheel
 
-All rollers are alike but for their place and rates, so first each is taken to be in the air; then the floor is added
-where it touches. What moves one in the air is linear in its place B on the disk, r = R (sin q h - cos q n) + offset k:
+All rollers are alike but for their place and rates, so first each is taken to be in the air, several at once in vector
+registers; then the floor is added where it touches. What moves one in the air is linear in its place B on the disk,
+r = R (sin q h - cos q n) + offset k:
 
     B'' - g = O'' - g + G r        G r = w' x r + w x (w x r)
 """
@@ -23,24 +29,33 @@ from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec2, Vec3, combine, cross, minus, plus, times
 from omnisim.contact.frame import tangential
-from omnisim.dynamics.indices import roller_index, roller_of
 from omnisim.dynamics.multibody.elimination import Wrench3
 from omnisim.dynamics.multibody.joint_forces import floor_force, resolve_joints
-from omnisim.dynamics.multibody.rigid_body import needed_wrench
 from omnisim.dynamics.state import places
-from omnisim.dynamics.twist import acceleration_of, body_motion, wheel_motion, wheel_twist, world_frame
+from omnisim.dynamics.twist import Acceleration, wheel_motion
+from omnisim.dynamics.wheel import azimuth
 
-HEADING, AXLE, OUTWARDS = Vec3(1.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0), Vec3(0.0, 0.0, 1.0)
+AXLE = Vec3(0.0, 1.0, 0.0)
 AXIAL, ROLLER_AXIAL = 1, 2  # which direction is along the bearing, of an axle and of a roller
 
 
 class DiskMotion(NamedTuple):
     """Angular velocity of a disk (rad/s), acceleration of O with the weight in it (m/s^2), and angular acceleration
-    (rad/s^2), along h, k and n."""
+    (rad/s^2), along h, k and n; cosine and sine of the angle by which the places of its rollers are turned."""
 
     rate: Vec3
     linear: Vec3
     angular: Vec3
+    cos: float
+    sin: float
+
+
+class Added(NamedTuple):
+    """G: accelerations of points of the disk 1 m ahead, aside and outwards of O, beside that of O, 1/s^2."""
+
+    h: Vec3
+    k: Vec3
+    n: Vec3
 
 
 class Carried(NamedTuple):
@@ -62,70 +77,125 @@ class Mounting(NamedTuple):
 
 
 @kernel
-def load_bearings(parameters, mode, w, y, dy, rates, found):
-    """Force and moment of the bearings of wheel w, of a machine that stands upright: found (N + 1, 2, 3), of the axle
-    first, N and N m; rates (N,): absolute axial rates of its rollers, rad/s."""
-    if parameters.workspace.articulated is not None:  # then they are multipliers, and known
-        resolve_joints(parameters, w, y, found)
-    else:
-        recover(parameters, mode, w, y, dy, rates, found)
-
-
-@outlined
-def recover(parameters, mode, w, y, dy, rates, found):
-    """The same from the motion and the floor's forces."""
-    machine, wheel, workspace = parameters.machine, parameters.wheels[w], parameters.workspace
-    at = places(parameters)
-    disk = disk_motion(parameters, w, y, dy)
-    carried = carried_by(wheel, disk)
-    axle = disk_load(wheel, disk)
-    cos, sin = cos_sin(wheel.phase - y[at.spin_angle + w])
-    row = 0
-    for i in range(wheel.rollers):
-        sector, offset = parameters.sector[w, i], parameters.roller_rows[wheel.row + row].offset
-        mounting = Mounting(cos * sector[0] - sin * sector[1], sin * sector[0] + cos * sector[1], offset)
-        rolling = dy[wheel.rates + i] if machine.every_rate else 0.0
-        given, force = load_in_air(wheel, mounting, disk, carried, rates[i], rolling)
-        keep(found[i + 1], given)
-        axle = on_axle(wheel, mounting, axle, given.moment, force)
-        row = row + 1 if row + 1 < wheel.rows else 0
-    part = workspace.parts[w]
-    for side in range(part.contacts):
-        i = roller_index(wheel, roller_of(mode, side))
-        sector, offset = parameters.sector[w, i], parameters.roller_rows[mode.row[side]].offset
-        mounting = Mounting(cos * sector[0] - sin * sector[1], sin * sector[0] + cos * sector[1], offset)
-        contact = workspace.contacts[part.first + side]
-        force, torque = floor_force(part, contact, HEADING, AXLE)
-        arm = minus(Vec3(0.0, contact.l, -wheel.radius), centre_of(wheel, mounting))
-        rolling = 0.0 if machine.every_rate else dy[wheel.rates + side]
-        more = load_of_floor(wheel, mounting, Wrench3(plus(cross(arm, force), torque), force), rolling)
-        add(found[i + 1], more)
-        axle = on_axle(wheel, mounting, axle, more.moment, of_disk(wheel, mounting, more.force))
-    keep(found[0], axle)
+def felt_acceleration(parameters, body, dy):
+    """The Acceleration of a machine that stands upright, with the weight along its slope in it."""
+    at, machine = places(parameters), parameters.machine
+    linear = Vec2(dy[at.velocity] - machine.downhill[0], dy[at.velocity + 1] - machine.downhill[1])
+    along = tangential(body.frame, linear)
+    return Acceleration(along.h, along.k, dy[at.yaw_rate])
 
 
 @kernel
-def disk_motion(parameters, w, y, dy):
+def load_bearings(parameters, mode, w, twist, felt, y, dy, rates, found):
+    """Force and moment of the bearings of wheel w, of a machine that stands upright: found (2, 3, N + 1), of the axle
+    first, N and N m. twist, felt: the machine's Twist and felt_acceleration; rates (N,): absolute axial rates of the
+    rollers, rad/s."""
+    if parameters.workspace.articulated is not None:  # then they are multipliers, and known
+        resolve_joints(parameters, w, y, found)
+    else:
+        recover(parameters, mode, w, twist, felt, y, dy, rates, found)
+
+
+@outlined
+def recover(parameters, mode, w, twist, felt, y, dy, rates, found):
+    """The same from the motion and the floor's forces."""
+    every, wheel, sector = parameters.machine.every_rate, parameters.wheels[w], parameters.sector[w]
+    disk = disk_motion(parameters, mode, w, twist, felt, y, dy)
+    axle = load_in_air(wheel, sector, disk, rates, every, dy, found)
+    part = parameters.workspace.parts[w]
+    for side in range(part.contacts):
+        i = mode.index[side]
+        mounting = mounted_at(sector, i, disk)
+        contact = parameters.workspace.contacts[part.first + side]
+        force, torque = floor_force(part, contact)
+        floor = Wrench3(plus(cross(Vec3(0.0, contact.l, -wheel.radius), force), torque), force)
+        rolling = 0.0 if every else dy[wheel.rates + side]
+        axle = load_by_floor(wheel, mounting, floor, rolling, axle, i, found)
+    keep(found, 0, axle)
+
+
+@kernel
+def disk_motion(parameters, mode, w, twist, felt, y, dy):
     """The DiskMotion of wheel w, upright."""
-    machine, wheel = parameters.machine, parameters.wheels[w]
-    place = places(parameters).spin_rate + w
-    body = body_motion(parameters, y)
-    twist = wheel_twist(wheel, body.twist, y[place])
-    motion = wheel_motion(wheel, body.twist, acceleration_of(parameters, body, dy), dy[place], 0.0)
-    along = tangential(world_frame(wheel, body), Vec2(machine.downhill[0], machine.downhill[1]))
+    wheel, at = parameters.wheels[w], places(parameters)
+    spin, bent = y[at.spin_rate + w], dy[at.spin_rate + w]
+    motion = wheel_motion(wheel, twist, felt, bent, 0.0)
+    touching = parameters.sector[w, 0, mode.index[0]], parameters.sector[w, 1, mode.index[0]]
+    row = parameters.roller_rows[mode.row[0]]
+    cos_q, sin_q = cos_sin(azimuth(wheel, row, mode.roller, y[at.spin_angle + w]))  # so its angle is small
     return DiskMotion(
-        Vec3(0.0, twist.spin, twist.yaw),
-        Vec3(motion.h - along.h, motion.k - along.k, machine.gravity),
-        Vec3(-twist.yaw * twist.spin, motion.spin, motion.yaw),  # k turns with the yaw
+        Vec3(0.0, spin, twist.yaw),
+        Vec3(motion.h, motion.k, parameters.machine.gravity),
+        Vec3(-twist.yaw * spin, bent, motion.yaw),  # k turns with the yaw
+        cos_q * touching[0] + sin_q * touching[1],
+        sin_q * touching[0] - cos_q * touching[1],
     )
 
 
 @kernel
-def disk_load(wheel, disk):
-    """The Wrench3 that moves a disk without rollers, along h, k and n."""
-    across, along = wheel.disk_inertia[0], wheel.disk_inertia[1]
-    force, moment = needed_wrench(wheel.disk_mass, across, along, AXLE, disk.rate, disk.linear, disk.angular)
-    return Wrench3(moment, force)
+def load_in_air(wheel, placed, disk, rates, every, dy, found):
+    """The bearings of rollers that nothing touches, into found (2, 3, N + 1), and the Wrench3 of their axle along h, k
+    and n. placed (3, N): cosine and sine of the angles of rollers on the disk, and offsets, m. every: whether their
+    rates are states; else they keep them."""
+    carried = carried_by(wheel, disk)
+    for i in range(wheel.rollers):
+        keep(found, i + 1, roller_in_air(wheel, mounted_at(placed, i, disk), disk, carried, rates[i]))
+    rate, angular, more = disk.rate, disk.angular, wheel.axle_inertia - wheel.diameter_inertia
+    gyroscopic = more * rate.y
+    moment = Vec3(
+        wheel.diameter_inertia * angular.x - gyroscopic * rate.z,
+        wheel.axle_inertia * angular.y,
+        wheel.diameter_inertia * angular.z + gyroscopic * rate.x,
+    )
+    moment = plus(moment, cross(rate, spins(wheel, placed, disk, rates, 0)))
+    if every:
+        for i in range(wheel.rollers):
+            found[1, ROLLER_AXIAL, i + 1] = wheel.axial_inertia * dy[wheel.rates + i]
+        moment = plus(moment, spins(wheel, placed, disk, dy, wheel.rates))
+    aside = wheel.mass * wheel.shift
+    about = Vec3(aside * disk.linear.z, 0.0, -aside * disk.linear.x)
+    return Wrench3(plus(moment, about), combine(wheel.mass, disk.linear, aside, added(disk).k, 0.0, disk.linear))
+
+
+@kernel
+def spins(wheel, placed, disk, values, first):
+    """Sum Ia p a over the rollers along h, k and n (Vec3), p from values[first] on."""
+    cos, sin, all_of_them = 0.0, 0.0, 0.0
+    for i in range(wheel.rollers):
+        value = values[first + i]
+        cos += value * placed[0, i]
+        sin += value * placed[1, i]
+        all_of_them += value
+    across, along = wheel.axial_inertia * wheel.cos_psi, wheel.axial_inertia * wheel.sin_psi
+    ahead, outwards = disk.cos * cos - disk.sin * sin, disk.sin * cos + disk.cos * sin
+    return Vec3(-across * ahead, along * all_of_them, -across * outwards)
+
+
+@kernel
+def load_by_floor(wheel, mounting, floor, rolling, axle, i, found):
+    """The bearing of roller i with what the floor does to it (a Wrench3 about O along h, k and n); so with its axle,
+    which is returned. rolling: p' by it, rad/s^2."""
+    spun = wheel.axial_inertia * rolling
+    force = own(wheel, mounting, floor.force)
+    moment = own(wheel, mounting, minus(floor.moment, cross(centre_of(wheel, mounting), floor.force)))
+    found[0, 0, i + 1] -= force.x
+    found[0, 1, i + 1] -= force.y
+    found[0, 2, i + 1] -= force.z
+    found[1, 0, i + 1] -= moment.x
+    found[1, 1, i + 1] -= moment.y
+    found[1, 2, i + 1] += spun - moment.z
+    turned = minus(times(spun, axis_of(wheel, mounting)), floor.moment)
+    return Wrench3(plus(axle.moment, turned), minus(axle.force, floor.force))
+
+
+@kernel
+def mounted_at(placed, i, disk):
+    """The Mounting of roller i by where rollers are placed (3, N)."""
+    return Mounting(
+        disk.cos * placed[0, i] - disk.sin * placed[1, i],
+        disk.sin * placed[0, i] + disk.cos * placed[1, i],
+        placed[2, i],
+    )
 
 
 @kernel
@@ -140,14 +210,9 @@ def own(wheel, mounting, vector):
 
 
 @kernel
-def of_disk(wheel, mounting, vector):
-    """A vector along d, a x d and a of a roller, along h, k and n (Vec3)."""
-    ahead = wheel.sin_psi * vector.y + wheel.cos_psi * vector.z
-    return Vec3(
-        mounting.sin_q * vector.x - mounting.cos_q * ahead,
-        wheel.sin_psi * vector.z - wheel.cos_psi * vector.y,
-        -mounting.cos_q * vector.x - mounting.sin_q * ahead,
-    )
+def axis_of(wheel, mounting):
+    """a of a roller along h, k and n (Vec3)."""
+    return Vec3(-wheel.cos_psi * mounting.cos_q, wheel.sin_psi, -wheel.cos_psi * mounting.sin_q)
 
 
 @kernel
@@ -160,62 +225,40 @@ def centre_of(wheel, mounting):
 @kernel
 def carried_by(wheel, disk):
     """What moves the rollers of a disk in the air (Carried)."""
-    distance, mass = wheel.roller_distance, wheel.roller_mass
+    distance, mass, by = wheel.roller_distance, wheel.roller_mass, added(disk)
     return Carried(
-        times(mass, disk.linear),
-        times(mass * distance, added(disk, HEADING)),
-        times(mass * distance, added(disk, OUTWARDS)),
-        times(mass, added(disk, AXLE)),
+        times(mass, disk.linear), times(mass * distance, by.h), times(mass * distance, by.n), times(mass, by.k)
     )
 
 
 @kernel
-def added(disk, place):
-    """Acceleration of a point of the disk beside that of O, by its place from there (Vec3)."""
-    return plus(cross(disk.angular, place), cross(disk.rate, cross(disk.rate, place)))
+def added(disk):
+    """G by its columns (Added)."""
+    w, bent = disk.rate, disk.angular
+    hh, kk, nn, hk, hn, kn = w.x * w.x, w.y * w.y, w.z * w.z, w.x * w.y, w.x * w.z, w.y * w.z
+    return Added(
+        Vec3(-kk - nn, hk + bent.z, hn - bent.y),
+        Vec3(hk - bent.z, -hh - nn, kn + bent.x),
+        Vec3(hn + bent.y, kn - bent.x, -hh - kk),
+    )
 
 
 @kernel
-def load_in_air(wheel, mounting, disk, carried, axial_rate, rolling):
-    """The Wrench3 by which its bearing moves a roller of this absolute axial rate (rad/s) that nothing else touches,
-    along d, a x d and a; and its force along h, k and n. rolling: p', rad/s^2."""
+def roller_in_air(wheel, mounting, disk, carried, axial_rate):
+    """The Wrench3 by which its bearing moves a roller that keeps this absolute axial rate (rad/s), along d, a x d and
+    a."""
     rate, bent = own(wheel, mounting, disk.rate), own(wheel, mounting, disk.angular)
     aside = plus(carried.centre, times(mounting.offset, carried.sideways))
     force = combine(1.0, aside, mounting.sin_q, carried.ahead, -mounting.cos_q, carried.outwards)
-    across, along = wheel.transverse_inertia, wheel.axial_inertia
-    # in its bearing it turns with chi' = p - w . a, which turns what it has across its axis: w' + chi' w x a
-    faster = along * axial_rate - across * rate.z
-    moment = Vec3(across * bent.x + faster * rate.y, across * bent.y - faster * rate.x, along * rolling)
-    return Wrench3(moment, own(wheel, mounting, force)), force
+    across = wheel.transverse_inertia
+    faster = wheel.axial_inertia * axial_rate - across * rate.z
+    moment = Vec3(across * bent.x + faster * rate.y, across * bent.y - faster * rate.x, 0.0)
+    return Wrench3(moment, own(wheel, mounting, force))
 
 
 @kernel
-def load_of_floor(wheel, mounting, floor, rolling):
-    """The Wrench3 by which the bearing resists what the floor does to a roller (about B, along h, k and n), along d,
-    a x d and a; rolling: p' by it, rad/s^2."""
-    force, moment = own(wheel, mounting, floor.force), own(wheel, mounting, floor.moment)
-    return Wrench3(Vec3(-moment.x, -moment.y, wheel.axial_inertia * rolling - moment.z), times(-1.0, force))
-
-
-@kernel
-def on_axle(wheel, mounting, axle, moment, force):
-    """The Wrench3 of an axle about O with what moves one of its rollers: a moment along d, a x d and a, a force along
-    h, k and n."""
-    about = plus(of_disk(wheel, mounting, moment), cross(centre_of(wheel, mounting), force))
-    return Wrench3(plus(axle.moment, about), plus(axle.force, force))
-
-
-@kernel
-def keep(found, wrench):
-    """A Wrench3 into found (2, 3): force, N, and moment, N m."""
+def keep(found, joint, wrench):
+    """A Wrench3 into found (2, 3, N + 1) as that of a joint: force, N, and moment, N m."""
     force, moment = wrench.force, wrench.moment
-    found[0, 0], found[0, 1], found[0, 2] = force.x, force.y, force.z
-    found[1, 0], found[1, 1], found[1, 2] = moment.x, moment.y, moment.z
-
-
-@kernel
-def add(found, wrench):
-    """The same beside what is there."""
-    force, moment = wrench.force, wrench.moment
-    found[0, 0], found[0, 1], found[0, 2] = found[0, 0] + force.x, found[0, 1] + force.y, found[0, 2] + force.z
-    found[1, 0], found[1, 1], found[1, 2] = found[1, 0] + moment.x, found[1, 1] + moment.y, found[1, 2] + moment.z
+    found[0, 0, joint], found[0, 1, joint], found[0, 2, joint] = force.x, force.y, force.z
+    found[1, 0, joint], found[1, 1, joint], found[1, 2, joint] = moment.x, moment.y, moment.z

@@ -69,7 +69,7 @@ def integrated(config: Config, parameters: Parameters) -> Iterator[Part]:
     """What has states, or would have."""
     machine = parameters.machine
     at = places_in(parameters)
-    wheels, most = parameters.sector.shape[:2]
+    wheels, _, most = parameters.sector.shape
     bearings = bool(machine.bearing_friction)
     implicit = config.solver.tracking == "implicit"
     multibody = parameters.workspace.articulated is not None

@@ -50,7 +50,7 @@ def carries(wheel, mode, side, i):
 def sector_of(parameters, w, i, roller):
     """Cosine and sine of the angle from `roller` of an axle to its roller i (0..N_r-1)."""
     found = roller_index(parameters.wheels[w], i - roller)
-    return parameters.sector[w, found, 0], parameters.sector[w, found, 1]
+    return parameters.sector[w, 0, found], parameters.sector[w, 1, found]
 
 
 @kernel
@@ -58,18 +58,18 @@ def rate_place(parameters, mode, w, side):
     """Where the rate of a contact's roller stands in the state."""
     wheel = parameters.wheels[w]
     if parameters.machine.every_rate:
-        return np.uint32(wheel.rates + roller_index(wheel, roller_of(mode, side)))
+        return np.uint32(wheel.rates + mode.index[side])
     return np.uint32(wheel.rates + side)  # unsigned: nobody tests whether it counts from the end
 
 
 @kernel
 def rho_place(parameters, w, i):
     """Where rho of roller i (0..N_r-1) stands in the state: all rho follow one another, axle by axle."""
-    return places(parameters).rho + 3 * (w * parameters.sector.shape[1] + i)
+    return places(parameters).rho + 3 * (w * parameters.sector.shape[2] + i)
 
 
 @kernel
 def body_place(parameters, w, i):
     """Where the states of a body of axle w begin: i = 0 is its disk, i + 1 its roller i; w = -1: the chassis."""
-    each = parameters.sector.shape[1] + 1
+    each = parameters.sector.shape[2] + 1
     return places(parameters).bodies + (BODY_STATES * (1 + w * each + i) if w >= 0 else 0)

@@ -162,7 +162,7 @@ def blank_workspace(config: Config, most: int) -> Workspace:
         resting if coulomb else None,
         articulated if multibody else None,
         joints if multibody else None,
-        np.zeros((most + 1, 2, 3)),
+        np.zeros((2, 3, most + 1)),
     )
 
 
@@ -358,13 +358,16 @@ def rows_of(offsets: list[tuple[int, float]], placed: list[dict]) -> np.recarray
 
 
 def sectors_of(config: Config) -> np.ndarray:
-    return sectors(*(kind.rollers for kind in types_of(config))).copy()
+    kinds = types_of(config)
+    return sectors(*((kind.rollers, tuple(row.offset for row in kind.rings)) for kind in kinds)).copy()
 
 
 @lru_cache
-def sectors(*rollers: int) -> np.ndarray:
-    """Cosine and sine of 2 pi i / N_r, (W, N, 2)."""
-    angle = 2.0 * np.pi * np.arange(max(rollers)) / np.array(rollers)[:, None]
-    sector = np.empty((*angle.shape, 2))
-    sector[..., 0], sector[..., 1] = np.cos(angle), np.sin(angle)
+def sectors(*wheels: tuple[int, tuple[float, ...]]) -> np.ndarray:
+    """Cosine and sine of 2 pi i / N_r and the offset of its row, m, (W, 3, N), of wheels by N_r and offsets of rows."""
+    number = np.arange(max(rollers for rollers, _ in wheels))
+    sector = np.empty((len(wheels), 3, len(number)))
+    for found, (rollers, offsets) in zip(sector, wheels, strict=True):
+        angle = 2.0 * np.pi * number / rollers
+        found[:] = np.cos(angle), np.sin(angle), np.array(offsets)[number % len(offsets)]
     return sector

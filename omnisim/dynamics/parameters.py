@@ -72,6 +72,9 @@ WHEEL = np.dtype(
         ("phase", np.float64),  # azimuth of roller 0 at spin angle 0, rad
         ("axle_inertia", np.float64),  # J_k, kg m^2
         ("rotor_inertia", np.float64),  # of the motor, reflected to the axle, kg m^2
+        ("mass", np.float64),  # with its rollers, kg
+        ("shift", np.float64),  # of its centre of mass along k, m
+        ("diameter_inertia", np.float64),  # J_t, kg m^2
         ("disk_mass", np.float64),  # without rollers, kg
         ("disk_inertia", np.float64, (2,)),  # about its diameter and its axle, kg m^2
         ("roller_mass", np.float64),  # of one roller, kg
@@ -224,7 +227,7 @@ class Workspace(NamedTuple):
     contacts: (2 W,) records CONTACT, two for each wheel. parts: (W,) records PART. loads: record LOADS. resting (2,):
     records RESTING of the contacts of one wheel; None with a smooth law, under which none comes to rest. articulated
     (W,): records ARTICULATED, joints (W, N + 1): records JOINT of each wheel's disk and rollers; None in the reduced
-    formulation. bearings (N + 1, 2, 3): loads of the bearings of the wheel that is looked at, bearing_loads.py.
+    formulation. bearings (2, 3, N + 1): loads of the bearings of the wheel that is looked at, bearing_loads.py.
     """
 
     contacts: np.recarray
@@ -243,9 +246,9 @@ class Parameters(NamedTuple):
     arguments of a kernel, and what it would do with it is not compiled: see compiler.py.
 
     machine: record MACHINE. wheels: (W,) records WHEEL. roller_rows: records ROLLER_ROW of the rows of rollers of all
-    wheels. sector: (W, N, 2) cosine and sine of 2 pi i / N_r. starts: (S,) where the pieces begin, s. inputs: (S, 4 +
-    W, 2) value at the start of the piece and slope of every channel. workspace: Workspace. space: Space, None of a
-    machine that is upright.
+    wheels. sector: (W, 3, N) cosine and sine of 2 pi i / N_r, and the offset of the roller's row, m. starts: (S,) where
+    the pieces begin, s. inputs: (S, 4 + W, 2) value at the start of the piece and slope of every channel. workspace:
+    Workspace. space: Space, None of a machine that is upright.
     """
 
     machine: np.record

@@ -145,7 +145,7 @@ def rho_rates(parameters, body, y, dy):
         angle = wheel.phase - y[at.spin_angle + w]
         cos_0, sin_0 = math.cos(angle), math.sin(angle)
         for i in range(wheel.rollers):
-            cos_i, sin_i = parameters.sector[w, i, 0], parameters.sector[w, i, 1]
+            cos_i, sin_i = parameters.sector[w, 0, i], parameters.sector[w, 1, i]
             axis = roller_axis(wheel, cos_0 * cos_i - sin_0 * sin_i, sin_0 * cos_i + cos_0 * sin_i)
             rate = rho_rate(frame, axis, twist, rho_of(parameters, y, w, i))
             j = rho_place(parameters, w, i)

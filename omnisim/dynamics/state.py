@@ -149,6 +149,7 @@ TURNING = [
 MODE = np.dtype(
     [
         ("roller", np.int64),  # of contact 0, counted on through every turn of its axle: see indices.py
+        ("index", np.uint32, (TOUCHING,)),  # of the roller at each contact, 0..N_r-1
         ("row", np.uint32, (TOUCHING,)),  # on which row of rollers each contact is, never counted from the end
         ("direction", np.int64),  # +1 or -1: sense in which the spin angle runs throughout a step
         ("contacts", np.int64),  # how many it has: 1, or 2 while
@@ -308,7 +309,7 @@ class Recording(NamedTuple):
     """What is recorded at the T output times, and of the interval that each of them ends; the next one is under way.
 
     y (T, n): states; rates (T, W, N); mode (T, W); piece (T,); extremes (T, W): records EXTREME. bearing_extremes
-    (T, W, N + 1, 4): of axle and rollers as extremes.py counts them, odometry_extremes (T, 3): of the error of the
+    (T, W, 4, N + 1): of axle and rollers as extremes.py counts them, odometry_extremes (T, 3): of the error of the
     reported pose; no rows where a scene has none.
     """
 

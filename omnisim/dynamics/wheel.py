@@ -21,7 +21,7 @@ from omnisim.contact.tracking import (
     implicit_contact,
     roller_axis,
 )
-from omnisim.dynamics.indices import rate_place, rho_place, roller_index, roller_of, row_index, sector_of
+from omnisim.dynamics.indices import rate_place, rho_place, roller_of, row_index, sector_of
 from omnisim.dynamics.parameters import FORCE_X, FORCE_Y, FORCE_Z, YAW_TORQUE
 from omnisim.dynamics.state import places
 from omnisim.dynamics.twist import Wrench, wheel_twist, world_frame
@@ -111,7 +111,7 @@ def contact_state(parameters, mode, w, side, body, y):
     cos_q, sin_q = cos_sin(q)
     axis = roller_axis(wheel, cos_q, sin_q)
     if parameters.machine.implicit_tracking:
-        rho = rho_of(parameters, y, w, roller_index(wheel, roller))
+        rho = rho_of(parameters, y, w, mode.index[side])
         contact = implicit_contact(wheel, world_frame(wheel, body), axis, rho)
     else:
         contact = explicit_contact(wheel, cos_q, sin_q)

@@ -9,10 +9,11 @@ import numpy as np
 from omnisim.base.keeping import kept
 from omnisim.base.records import recorded, records
 from omnisim.base.trigonometry import exact_cos_sin
-from omnisim.dynamics.inertia import axle_inertia
+from omnisim.dynamics.inertia import axle_inertia, diameter_inertia
 from omnisim.dynamics.parameters import WHEEL
 from omnisim.dynamics.state import TOUCHING, Places
 from omnisim.scene.drives import DriveLaw, Motor
+from omnisim.scene.masses import row_shift, wheel_mass
 from omnisim.scene.schema import Wheel
 from omnisim.scene.wheel_schema import Roller, WheelType
 
@@ -39,6 +40,9 @@ def shared_values(kind: WheelType, law: DriveLaw, mirrored: bool, step: float | 
         "tan_psi": math.tan(psi),
         "axle_inertia": axle,
         "rotor_inertia": law.rotor_inertia,
+        "mass": wheel_mass(kind),
+        "shift": row_shift(kind),
+        "diameter_inertia": diameter_inertia(kind),
         "disk_mass": kind.disk.mass,
         "disk_inertia": (kind.disk.inertia_diameter, kind.disk.inertia_axle),
         "roller_mass": kind.roller.mass,

@@ -12,13 +12,14 @@ import numpy as np
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import plus
-from omnisim.dynamics.bearing_loads import AXIAL, ROLLER_AXIAL, load_bearings
+from omnisim.dynamics.bearing_loads import AXIAL, ROLLER_AXIAL, felt_acceleration, load_bearings
 from omnisim.dynamics.indices import contact_count
 from omnisim.dynamics.spatial.bearing_loads import recover_in_space
 from omnisim.dynamics.spatial.pose import body_of, vector
 from omnisim.dynamics.spatial.pose import outward as spatial_outward
 from omnisim.dynamics.spatial.records import SLOTS
 from omnisim.dynamics.state import YAW, X, Y, places
+from omnisim.dynamics.twist import body_motion
 from omnisim.march.roller_exchange import release_rollers
 from omnisim.march.spatial_contacts import release
 
@@ -46,10 +47,10 @@ def begin_interval(parameters, run, rows, row):
         begin_pair(seen.electrical_power)
     if len(rows.bearing_extremes):
         for w in range(len(run.mode)):
-            for j in range(rows.bearing_extremes.shape[2]):
-                found = rows.bearing_extremes[row, w, j]
-                found[RADIAL_SQUARE] = found[TILTING_SQUARE] = 0.0
-                begin_pair(found[LEAST_AXIAL : MOST_AXIAL + 1])
+            found = rows.bearing_extremes[row, w]
+            for joint in range(found.shape[1]):
+                found[RADIAL_SQUARE, joint] = found[TILTING_SQUARE, joint] = 0.0
+                found[LEAST_AXIAL, joint], found[MOST_AXIAL, joint] = math.inf, -math.inf
     if len(rows.odometry_extremes):
         rows.odometry_extremes[row, POSITION_SQUARE] = 0.0
         begin_pair(rows.odometry_extremes[row, LEAST_YAW : MOST_YAW + 1])
@@ -140,30 +141,37 @@ def follow_odometry(parameters, y, found):
 
 @outlined
 def follow_bearings(parameters, run, found):
-    """The loads of every bearing into found (W, N + 1, 4): across its axis and along it, N, and tilting, N m."""
+    """The loads of every bearing into found (W, 4, N + 1): across its axis and along it, N, and tilting, N m."""
     loads = parameters.workspace.bearings
+    if parameters.space is None:
+        body = body_motion(parameters, run.y)
+        felt = felt_acceleration(parameters, body, run.slopes[0])
     for w in range(len(run.mode)):
         if parameters.space is not None:
             release(parameters, run, w)
             recover_in_space(parameters, run.mode[w], w, run.y, run.slopes[0], run.rates[w], loads)
         else:
             release_rollers(parameters, run, w)
-            load_bearings(parameters, run.mode[w], w, run.y, run.slopes[0], run.rates[w], loads)
-        follow_bearing(loads[0], AXIAL, found[w, 0])
-        for i in range(parameters.wheels[w].rollers):
-            follow_bearing(loads[i + 1], ROLLER_AXIAL, found[w, i + 1])
+            motion = body.twist, felt, run.y, run.slopes[0]
+            load_bearings(parameters, run.mode[w], w, *motion, run.rates[w], loads)
+        follow_joints(loads, AXIAL, 0, 1, found[w])
+        follow_joints(loads, ROLLER_AXIAL, 1, parameters.wheels[w].rollers, found[w])
 
 
 @kernel
-def follow_bearing(loads, axial, found):
-    """The same of one bearing from its force and moment (2, 3) along its own directions, of which one is `axial`."""
-    force, moment = loads[0], loads[1]
-    first, second = (axial + 1) % 3, (axial + 2) % 3
-    radial = force[first] * force[first] + force[second] * force[second]
-    tilting = moment[first] * moment[first] + moment[second] * moment[second]
-    found[RADIAL_SQUARE] = max(found[RADIAL_SQUARE], radial)
-    found[TILTING_SQUARE] = max(found[TILTING_SQUARE], tilting)
-    widen(found[LEAST_AXIAL : MOST_AXIAL + 1], force[axial])
+def follow_joints(loads, axial, first, count, found):
+    """The same of so many joints from `first` on, by forces and moments (2, 3, N + 1) along their own directions, of
+    which one is `axial`."""
+    one, other = (axial + 1) % 3, (axial + 2) % 3
+    for i in range(count):
+        joint = first + i
+        radial = loads[0, one, joint] ** 2 + loads[0, other, joint] ** 2
+        tilting = loads[1, one, joint] ** 2 + loads[1, other, joint] ** 2
+        along = loads[0, axial, joint]
+        found[RADIAL_SQUARE, joint] = max(found[RADIAL_SQUARE, joint], radial)
+        found[TILTING_SQUARE, joint] = max(found[TILTING_SQUARE, joint], tilting)
+        found[LEAST_AXIAL, joint] = min(found[LEAST_AXIAL, joint], along)
+        found[MOST_AXIAL, joint] = max(found[MOST_AXIAL, joint], along)
 
 
 def extremes_of(quantity: str, extremes: np.ndarray) -> dict[str, np.ndarray]:
@@ -175,16 +183,16 @@ def extremes_of(quantity: str, extremes: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def bearing_extremes(found: np.ndarray, rollers: int, chassis: bool) -> dict[str, np.ndarray]:
-    """Datasets of what the bearings of one wheel carry, by path with {} for its name, from (T, N + 1, 4) of its joints;
+    """Datasets of what the bearings of one wheel carry, by path with {} for its name, from (T, 4, N + 1) of its joints;
     chassis: whether it has an axle."""
-    rows = {"rollers/": found[:, 1 : rollers + 1]} | ({"": found[:, 0]} if chassis else {})
+    rows = {"rollers/": found[..., 1 : rollers + 1]} | ({"": found[..., 0]} if chassis else {})
     datasets = {}
     for folder, loads in rows.items():
         path = f"wheels/{{}}/{folder}bearing"
-        datasets[f"interval_max/{path}_radial_force"] = np.sqrt(loads[..., RADIAL_SQUARE])
-        datasets[f"interval_max/{path}_axial_force"] = loads[..., MOST_AXIAL]
-        datasets[f"interval_min/{path}_axial_force"] = loads[..., LEAST_AXIAL]
-        datasets[f"interval_max/{path}_tilting_moment"] = np.sqrt(loads[..., TILTING_SQUARE])
+        datasets[f"interval_max/{path}_radial_force"] = np.sqrt(loads[:, RADIAL_SQUARE])
+        datasets[f"interval_max/{path}_axial_force"] = loads[:, MOST_AXIAL]
+        datasets[f"interval_min/{path}_axial_force"] = loads[:, LEAST_AXIAL]
+        datasets[f"interval_max/{path}_tilting_moment"] = np.sqrt(loads[:, TILTING_SQUARE])
     return datasets
 
 

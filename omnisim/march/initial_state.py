@@ -112,7 +112,7 @@ def blank_rows(run: Run, count: int, bearing_loads: bool = False, odometry: bool
         mode=unwritten(run.mode.dtype, count, wheels),
         piece=np.empty(count, np.uint32),
         extremes=unwritten(EXTREME, count, wheels),
-        bearing_extremes=np.empty((count * bearing_loads, wheels, rollers + 1, 4)),
+        bearing_extremes=np.empty((count * bearing_loads, wheels, 4, rollers + 1)),
         odometry_extremes=np.empty((count * odometry, 3)),
     )
 
@@ -128,7 +128,7 @@ def initial_state(config: Config, parameters: Parameters, ask: Ask[Config] = alo
     machine = parameters.machine
     wheels = np.asarray(parameters.wheels)
     at = ask(machine_kind, config)["places"]
-    count, rollers = parameters.sector.shape[:2]
+    count, _, rollers = parameters.sector.shape
     states = at.drift + 2 if parameters.workspace.articulated is not None else at.bodies
     y = np.zeros(states)
     yaw = math.radians(config.initial.yaw_deg)

@@ -12,8 +12,8 @@ from omnisim.base.vector import Vec3, combine, cross
 from omnisim.contact.frame import axes, rate_change, rate_vector, spoke, tangential
 from omnisim.contact.kinematics import joint_rate
 from omnisim.contact.tracking import roller_axis
-from omnisim.dynamics.bearing_loads import load_bearings
-from omnisim.dynamics.indices import roller_index, row_index
+from omnisim.dynamics.bearing_loads import felt_acceleration, load_bearings
+from omnisim.dynamics.indices import row_index
 from omnisim.dynamics.normal_forces.servo import find_servo, set_all_tilt
 from omnisim.dynamics.normal_forces.solution import loads_known
 from omnisim.dynamics.parameters import Parameters
@@ -53,7 +53,7 @@ class Observed(NamedTuple):
 
     slopes (T, n): y'; servo (T, 2): torque about chassis x and y, N m; wheels (T, W): records OBSERVED_WHEEL;
     joint_rate (T, W, N), rad/s; motion (3, T, W, N, 3): position, velocity and acceleration of every roller centre,
-    world axes; bearing_loads (T, W, N + 1, 2, 3): force (N) and moment (N m) of the axles of each wheel and its
+    world axes; bearing_loads (T, W, 2, 3, N + 1): force (N) and moment (N m) of the axles of each wheel and its
     rollers, along their own directions; energies (T, 3): kinetic, of gravity and elastic, J, of a machine free in
     space. Rates and motion of rollers, or bearing loads, have no rows if nobody asks for them.
     """
@@ -93,7 +93,7 @@ def observe(parameters, rows, times, monitors, observed):
             seen.normal_force = max(part.normal_force, 0.0) if part.loaded else 0.0
             seen.drive_torque, seen.share, seen.contact_torque = part.drive_torque, contact.share, contact.torque
             seen.voltage, seen.current = part.voltage, part.current
-            seen.roller = roller_index(wheel, mode[w].roller)
+            seen.roller = mode[w].index[0]
             seen.angle = contact_angle(parameters, mode[w], w, frame, y)
             along = wheel.offset[0]
             across = wheel.offset[1] + contact.l
@@ -105,7 +105,8 @@ def observe(parameters, rows, times, monitors, observed):
             if len(observed.joint_rate):
                 observe_rollers(parameters, rows, row, w, body, observed)
             if len(observed.bearing_loads):
-                load_bearings(parameters, mode[w], w, y, slopes, rows.rates[row, w], observed.bearing_loads[row, w])
+                motion = body.twist, felt_acceleration(parameters, body, slopes), y, slopes
+                load_bearings(parameters, mode[w], w, *motion, rows.rates[row, w], observed.bearing_loads[row, w])
 
 
 @kernel
@@ -114,7 +115,7 @@ def contact_angle(parameters, mode, w, frame, y):
     wheel = parameters.wheels[w]
     at = places(parameters)
     if parameters.machine.implicit_tracking:
-        rho = rho_of(parameters, y, w, roller_index(wheel, mode.roller))
+        rho = rho_of(parameters, y, w, mode.index[0])
         return math.atan2(-tangential(frame, rho).h, rho.z)
     return azimuth(wheel, parameters.roller_rows[mode.row[0]], mode.roller, y[at.spin_angle + w])
 
@@ -165,7 +166,7 @@ def observed_rows(parameters: Parameters, rows: Recording, times: np.ndarray, be
         wheels=blank(OBSERVED_WHEEL, count, wheels),
         joint_rate=np.empty((count, wheels, rollers)),
         motion=np.empty((3, count, wheels, rollers, 3)),
-        bearing_loads=np.zeros((count if bearing_loads else 0, wheels, rollers + 1, 2, 3)),
+        bearing_loads=np.zeros((count if bearing_loads else 0, wheels, 2, 3, rollers + 1)),
         energies=np.zeros((0 if parameters.space is None else count, 3)),
     )
     if parameters.space is not None:

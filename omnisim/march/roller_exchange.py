@@ -191,6 +191,7 @@ def take_rollers(parameters, run, w, roller, shared):
     mode, wheel = run.mode[w], parameters.wheels[w]
     mode.roller, mode.shared, mode.contacts = roller, shared, 1 + shared
     for side in range(TOUCHING):
+        mode.index[side] = roller_index(wheel, roller_of(mode, side))
         mode.row[side] = row_index(wheel, roller_of(mode, side))
     mode.air_cos, mode.air_sin, mode.air_sum = 0.0, 0.0, 0.0
     for i in range(wheel.rollers):
@@ -220,5 +221,5 @@ def release_rollers(parameters, run, w):
             run.rates[w, i] = run.y[wheel.rates + i]
     else:
         for side in range(contact_count(mode)):
-            i = roller_index(wheel, roller_of(mode, side))
+            i = mode.index[side]
             run.rates[w, i] = run.y[rate_place(parameters, mode, w, side)]

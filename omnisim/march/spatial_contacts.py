@@ -130,9 +130,9 @@ def sum_air(parameters, run, w):
         for slot in range(mode.rollers):
             touches = touches or mode.roller[slot] == i
         if not touches:
-            rate, place = run.rates[w, i], parameters.space.disk[w, i]
-            mode.air_cos += rate * place[0]
-            mode.air_sin += rate * place[1]
+            rate = run.rates[w, i]
+            mode.air_cos += rate * parameters.space.disk[w, 0, i]
+            mode.air_sin += rate * parameters.space.disk[w, 1, i]
             mode.air_sum += rate
 
 

@@ -121,12 +121,12 @@ def roller_rates(config: Config, parameters: Parameters, y: np.ndarray, rate: np
     space = parameters.space
     assert space is not None
     at = places_in(parameters)
-    rates = np.zeros(space.disk.shape[:2])
+    rates = np.zeros((len(space.disk), space.disk.shape[2]))
     for w, wheel in enumerate(config.wheels):
         record = parameters.wheels[w]
         number = int(record.rollers)
         angle = y[at.spin_angle + w]
-        cos_g, sin_g = space.disk[w, :number, 0], space.disk[w, :number, 1]
+        cos_g, sin_g = space.disk[w, 0, :number], space.disk[w, 1, :number]
         cos_q = cos_g * math.cos(angle) + sin_g * math.sin(angle)
         sin_q = sin_g * math.cos(angle) - cos_g * math.sin(angle)
         along, about = space.hubs[w].h @ rate, space.hubs[w].k @ rate + y[at.spin_rate + w]

@@ -144,12 +144,14 @@ def go_straight(p, q, rates, b, friction):
     side = math.copysign(1.0, p)
     c = mean + side * by_p
     fall = p_rate - side * c * b_p  # of |p|, by tau
+    most = BESIDE * abs(p)
+    if fall <= q_rate or abs(q) >= most:
+        return 0.0, p, q, 0.0, 0.0
     pushed = c * b_q * abs(p) / (fall - q_rate)  # what b holds beside it, and what is there besides
     besides = q + pushed
-    most = BESIDE * abs(p)
-    if fall <= q_rate or abs(q) >= most or abs(besides) >= most:
+    if abs(besides) >= most:
         return 0.0, p, q, 0.0, 0.0
-    tau = math.log(most / abs(besides)) / (fall - q_rate)
+    tau = math.log(most / max(abs(besides), TINY)) / (fall - q_rate)
     less_p, less_q = math.exp(-fall * tau), math.exp(-q_rate * tau)
     both = (1.0 - less_p * less_q) / (fall + q_rate)
     twice = (1.0 - less_p * less_p) / (2.0 * fall)

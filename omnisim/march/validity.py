@@ -11,7 +11,7 @@ from omnisim.contact.mobility import inverse_mass, largest
 from omnisim.contact.rolling_resistance import rolling_relaxation
 from omnisim.contact.tracking import Contact, explicit_contact, roller_axis
 from omnisim.dynamics.energy import kinetic_energy, potential_energy
-from omnisim.dynamics.indices import contact_count, roller_index
+from omnisim.dynamics.indices import contact_count
 from omnisim.dynamics.spatial.energy import motion_energy, stored_energy
 from omnisim.dynamics.spatial.mobility import contact_mobility
 from omnisim.dynamics.spatial.pose import body_of
@@ -44,7 +44,7 @@ def check(parameters, run):
     stiff = -1
     for w in range(len(run.mode)):
         if parameters.space is None and parameters.machine.implicit_tracking:
-            rho = rho_of(parameters, run.y, w, roller_index(parameters.wheels[w], run.mode[w].roller))
+            rho = rho_of(parameters, run.y, w, run.mode[w].index[0])
             if abs(dot(rho, rho) - 1.0) > LOST:
                 clock.status, clock.wheel = LOST_TRACK, w
                 return

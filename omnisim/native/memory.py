@@ -54,7 +54,7 @@ def machine_of(config: Config, stages: Any) -> Machine:
         wheels=blank(OBSERVED_WHEEL, 1, wheels),
         joint_rate=np.zeros((0, wheels, rollers)),
         motion=np.zeros((3, 0, wheels, rollers, 3)),
-        bearing_loads=np.zeros((0, wheels, rollers + 1, 2, 3)),
+        bearing_loads=np.zeros((0, wheels, 2, 3, rollers + 1)),
         energies=np.zeros((0 if parameters.space is None else 1, 3)),
     )
     marched = parameters, stages, run, rows, blank_log()

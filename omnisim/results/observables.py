@@ -290,7 +290,7 @@ def motor_datasets(seen: np.ndarray, resistance: float) -> dict[str, np.ndarray]
 
 def bearing_loads(found: np.ndarray, rollers: int, chassis: bool) -> dict[str, np.ndarray]:
     """Datasets of what the bearings of a wheel carry, by path below its group; its own only if it has an axle."""
-    force, moment = found[:, : rollers + 1, 0], found[:, : rollers + 1, 1]
+    force, moment = np.moveaxis(found[..., : rollers + 1], (1, 3), (0, 2))
     own = {"bearing_force": force[:, 0], "bearing_moment": moment[:, 0]} if chassis else {}
     return own | {"rollers/bearing_force": force[:, 1:], "rollers/bearing_moment": moment[:, 1:]}
 

@@ -85,6 +85,6 @@ def states_in_contact(scene: Scene, parameters: Parameters) -> np.ndarray:
         if parameters.machine.implicit_tracking:
             heading = states[:, YAW] + math.atan2(wheel.sin_heading, wheel.cos_heading)
             rho = -roller_directions(roller_azimuths(wheel, spin_angle), heading)
-            first_rho = at.rho + 3 * w * parameters.sector.shape[1]
+            first_rho = at.rho + 3 * w * parameters.sector.shape[2]
             states[:, first_rho : first_rho + 3 * wheel.rollers] = rho.reshape(STATES, -1)
     return states

@@ -45,7 +45,8 @@ def test_a_machine_free_in_space_counts_its_rollers_as_an_upright_one_does():
     for w, wheel in enumerate(upright.wheels):
         own = upright.roller_rows[wheel.row : wheel.row + wheel.rows]
         angle = wheel.phase + 2.0 * wheel.alpha * np.arange(18)
-        places = np.column_stack([np.cos(angle), np.sin(angle), np.tile(own.offset, 6)])
+        places = np.array([np.cos(angle), np.sin(angle), np.tile(own.offset, 6)])
+        np.testing.assert_allclose(upright.sector[w, 2], places[2], atol=0.0)
         np.testing.assert_allclose(free.space.disk[w], places, atol=1e-15)
 
 

@@ -112,10 +112,10 @@ class Engine:
 
     def bearings(self, now: Coordinates) -> list[np.ndarray]:
         """Of each wheel (N + 1, 2, 3): force and moment of its axle along h, k, n, of its rollers along d, a x d, a."""
-        loads = [np.zeros((len(rates) + 1, 2, 3)) for rates in now.axial_rates]
+        loads = [np.zeros((2, 3, len(rates) + 1)) for rates in now.axial_rates]
         for w, (found, rates) in enumerate(zip(loads, now.axial_rates, strict=True)):
             recover_in_space(self.parameters, self.run.mode[w], w, self.run.y, self.dy, rates, found)
-        return loads
+        return [found.transpose(2, 0, 1) for found in loads]
 
 
 class Pairs(dict):

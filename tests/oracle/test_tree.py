@@ -61,7 +61,7 @@ def slip_rate(wheel, roller: int, bodies: np.ndarray, accelerations: np.ndarray)
 
 def bodies_of(y: np.ndarray, parameters, chassis: bool) -> np.ndarray:
     """The bodies of a state as the oracle has them: rotation matrices whose second column is y, k or a."""
-    at, (wheels, most) = places_in(parameters), parameters.sector.shape[:2]
+    at, (wheels, _, most) = places_in(parameters), parameters.sector.shape
     states = y[at.bodies : at.drift].reshape(-1, BODY_STATES)
     turned = matrices(states[:, 3:7])
     kept = [0] if chassis else []

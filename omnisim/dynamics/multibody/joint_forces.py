@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from omnisim.base.kernel import kernel
 from omnisim.base.trigonometry import cos_sin
-from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
+from omnisim.base.vector import Vec3, combine, cross, dot, minus, plus, times
 from omnisim.contact.frame import axes, spoke
 from omnisim.dynamics.multibody.elimination import UP, Wrench3, across_axis
 from omnisim.dynamics.multibody.rigid_body import needed_wrench
@@ -41,18 +41,24 @@ def roller_motion(centre, bent, rate, axis, rho, joint, rolling):
 
 
 @kernel
-def floor_force(part, contact, h, k):
-    """Force (Vec3, N) and moment (N m) of the floor on a roller at a contact; part: of its wheel."""
+def floor_force(part, contact):
+    """Force (Vec3, N) and moment (N m) of the floor on a roller at a contact, along h, k and n; part: of its wheel."""
     normal = contact.share * max(part.normal_force, 0.0) if part.loaded else 0.0
-    along = plus(times(contact.force[0], h), times(contact.force[1], k))
-    rolling = plus(times(contact.moment[0], h), times(contact.moment[1], k))
-    return plus(along, times(normal, UP)), plus(times(contact.torque, UP), times(normal, rolling))
+    moment = Vec3(normal * contact.moment[0], normal * contact.moment[1], contact.torque)
+    return Vec3(contact.force[0], contact.force[1], normal), moment
+
+
+@kernel
+def floor_along(part, contact, h, k):
+    """The same along world axes, by h and k there."""
+    force, moment = floor_force(part, contact)
+    return combine(force.x, h, force.y, k, force.z, UP), combine(moment.x, h, moment.y, k, moment.z, UP)
 
 
 @kernel
 def on_roller(part, contact, arm, h, k):
     """The same as a Wrench3 about the centre of the roller, from which the contact is at `arm`."""
-    force, torque = floor_force(part, contact, h, k)
+    force, torque = floor_along(part, contact, h, k)
     return Wrench3(plus(cross(arm, force), torque), force)
 
 
@@ -75,22 +81,22 @@ def keep_joint(record, moment, force):
 
 @kernel
 def resolve_joints(parameters, w, y, found):
-    """The joints of wheel w in the workspace along their own axes: found (N + 1, 2, 3), force (N) and moment (N m)."""
+    """The joints of wheel w in the workspace along their own axes: found (2, 3, N + 1), force (N) and moment (N m)."""
     wheel = parameters.wheels[w]
     at = places(parameters)
     joints = parameters.workspace.joints
     frame = world_frame(wheel, body_motion(parameters, y))
     h, k, up = axes(frame)
-    resolve(joints[w, 0], h, k, up, found[0])
+    resolve(joints[w, 0], h, k, up, found, 0)
     for i in range(wheel.rollers):
         d, lateral, axis = mounting(wheel, frame, azimuth_of(parameters, w, i, y[at.spin_angle + w]))
-        resolve(joints[w, i + 1], d, lateral, axis, found[i + 1])
+        resolve(joints[w, i + 1], d, lateral, axis, found, i + 1)
 
 
 @kernel
-def resolve(joint, first, second, third, found):
+def resolve(record, first, second, third, found, joint):
     """A record JOINT along three directions."""
-    force = Vec3(joint.force[0], joint.force[1], joint.force[2])
-    moment = Vec3(joint.moment[0], joint.moment[1], joint.moment[2])
-    found[0, 0], found[0, 1], found[0, 2] = dot(force, first), dot(force, second), dot(force, third)
-    found[1, 0], found[1, 1], found[1, 2] = dot(moment, first), dot(moment, second), dot(moment, third)
+    for kind, vector in enumerate((record.force, record.moment)):
+        own = Vec3(vector[0], vector[1], vector[2])
+        found[kind, 0, joint], found[kind, 1, joint] = dot(own, first), dot(own, second)
+        found[kind, 2, joint] = dot(own, third)

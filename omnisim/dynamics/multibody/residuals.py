@@ -37,7 +37,7 @@ def residuals(parameters: Parameters, y: np.ndarray) -> dict[str, np.ndarray]:
     """
     at = places_in(parameters)
     machine = parameters.machine
-    wheels, most = parameters.sector.shape[:2]
+    wheels, _, most = parameters.sector.shape
     states = y[:, at.bodies : at.drift].reshape(len(y), 1 + wheels * (most + 1), BODY_STATES)
     position, quaternion, velocity, rate = np.split(states, (3, 7, 10), axis=-1)  # as in rigid_body.py
     bodies = Bodies(position, matrices(quaternion), velocity, rate)

@@ -16,7 +16,7 @@ from omnisim.contact.kinematics import Jacobian
 from omnisim.contact.tracking import explicit_contact, implicit_contact
 from omnisim.dynamics.actuation import actuate, follow_angles, followed, rest_motors
 from omnisim.dynamics.contact_forces import find_forces, seek
-from omnisim.dynamics.indices import body_place, carries, contact_count, roller_index, roller_of
+from omnisim.dynamics.indices import body_place, carries, contact_count
 from omnisim.dynamics.multibody.chassis import (
     Balance,
     chassis_balance,
@@ -38,7 +38,7 @@ from omnisim.dynamics.multibody.elimination import (
 )
 from omnisim.dynamics.multibody.joint_forces import (
     RollerMotion,
-    floor_force,
+    floor_along,
     keep_joint,
     load_joint,
     on_roller,
@@ -231,7 +231,7 @@ def kept_articulated(record):
 def place_of(parameters, mode, w, side, y, l):
     """The Place of a contact of wheel w that is l (m) along the axle from the foot of its centre."""
     wheel = parameters.wheels[w]
-    index = roller_index(wheel, roller_of(mode, side))
+    index = mode.index[side]
     disk = rigid_body(y, body_place(parameters, w, 0))
     roller = rigid_body(y, body_place(parameters, w, index + 1))
     k = second_axis(disk.rotation)
@@ -246,7 +246,7 @@ def meet(parameters, mode, w, side, carrier, body, y):
     """A contact of wheel w from the bodies as they stand, and its friction by the load, into the workspace."""
     wheel = parameters.wheels[w]
     workspace = parameters.workspace
-    index = roller_index(wheel, roller_of(mode, side))
+    index = mode.index[side]
     disk = rigid_body(y, body_place(parameters, w, 0))
     roller = rigid_body(y, body_place(parameters, w, index + 1))
     at_centre = place_of(parameters, mode, w, side, y, 0.0)
@@ -333,7 +333,7 @@ def move_bodies(parameters, stage, w, carrier, linear, angular):
     for side in range(part.contacts):
         contact = workspace.contacts[part.first + side]
         point = place_of(parameters, mode, w, side, y, contact.l)
-        force, torque = floor_force(part, contact, point.h, point.k)
+        force, torque = floor_along(part, contact, point.h, point.k)
         given = handed_on(point.axis, point.rho, point.arm, force, torque)
         needed = Wrench3(minus(needed.moment, given.moment), minus(needed.force, given.force))
     spin, axle = transmitted(art, needed, workspace.articulated[w].drive, mode.shared == 1)

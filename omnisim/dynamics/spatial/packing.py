@@ -268,15 +268,15 @@ def lobe_values(lobe: Lobe, half: float, radius: float) -> dict:
 
 
 def disk_places(types: list[WheelType], wheels: tuple[Wheel, ...], most: int) -> np.ndarray:
-    """(W, N, 3): cosine and sine of the angle of each roller on its disk, and its offset; rows take turns."""
-    places = np.zeros((len(wheels), most, 3))
+    """(W, 3, N): cosine and sine of the angle of each roller on its disk, and its offset; rows take turns."""
+    places = np.zeros((len(wheels), 3, most))
     for own, kind, wheel in zip(places, types, wheels, strict=True):
         rows = len(kind.rows)
         rings = kind.rings
         for i in range(kind.rollers):
             row = rings[i % rows]
             angle = math.radians(wheel.phase_deg + row.phase_deg) + 2.0 * math.pi * (i // rows) / kind.roller_count
-            own[i] = math.cos(angle), math.sin(angle), row.offset
+            own[:, i] = math.cos(angle), math.sin(angle), row.offset
     return places
 
 

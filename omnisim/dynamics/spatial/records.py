@@ -229,7 +229,7 @@ class Space(NamedTuple):
     """A machine free in space: W wheels of at most N rollers, C carriers.
 
     body: record BODY. hubs (W,): records HUB. shapes (L,): records SHAPE of the lobes of their rollers, wheel after
-    wheel. disk (W, N, 3): cosine and sine of the angle of each roller on its disk, and its offset along the axle, m.
+    wheel. disk (W, 3, N): cosine and sine of the angle of each roller on its disk, and its offset along the axle, m.
     floor: Floor, a plane one without any part. carriers (C,): records CARRIER.
 
     Then what is found at an instant: stands (W,): records STAND; touches (W * SLOTS,): records TOUCH; motions (C,):

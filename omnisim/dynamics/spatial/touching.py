@@ -80,11 +80,11 @@ def standing(parameters, w, body, y):
 @kernel
 def roller_on(parameters, w, i, stand):
     """The Roller i of wheel w."""
-    wheel, place = parameters.wheels[w], parameters.space.disk[w, np.uint32(i)]
-    cos_q = place[0] * stand.cos + place[1] * stand.sin
-    sin_q = place[1] * stand.cos - place[0] * stand.sin
+    wheel, disk, i = parameters.wheels[w], parameters.space.disk, np.uint32(i)
+    cos_q = disk[w, 0, i] * stand.cos + disk[w, 1, i] * stand.sin
+    sin_q = disk[w, 1, i] * stand.cos - disk[w, 0, i] * stand.sin
     axis = Vec3(-wheel.cos_psi * cos_q, wheel.sin_psi, -wheel.cos_psi * sin_q)
-    centre = Vec3(wheel.roller_distance * sin_q, place[2], -wheel.roller_distance * cos_q)
+    centre = Vec3(wheel.roller_distance * sin_q, disk[w, 2, i], -wheel.roller_distance * cos_q)
     return Roller(cos_q, sin_q, axis, centre)
 
 
