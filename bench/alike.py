@@ -4,6 +4,10 @@ Near the limit of friction the error of one machine differs by chance from what 
 times: by where its steps happen to cut its slips, and by what stops just before or after it would let go. So its order
 is the mean of those of many that begin nearly as it does, each the slope of the least-squares line through the
 logarithms of its errors, and has an uncertainty.
+
+Long steps may err less than short ones lead one to expect, since sub-steps of slip do not grow with them; then that
+slope is less than the order of the method, and errors are below its power of the step all the same. So geometric means
+of the errors are also told beside that power, through the mean of one step more, half the shortest.
 """
 
 import math
@@ -12,23 +16,28 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bench.common import table
+from omnisim.base.methods import METHODS
 from omnisim.run.simulation import simulate
-from omnisim.run.work_precision import CLEAR, Reference, Setting, Unconverged, converged, untimed, varied
+from omnisim.run.work_precision import CLEAR, Reference, Setting, Unconverged, converged, row_of, varied
 from omnisim.scene.scene import Scene, parse
 
-MACHINES = 24
+MACHINES = 96
 LONGEST = 10.0  # times the shortest step: longer ones follow no power
-FINER = 8  # times the step of the references goes into the shortest one
+FINER = 4  # times the step of the references goes into the shortest one
 SEED = 1
 
 Alike = Callable[[np.random.Generator], list[str]]  # what to set for one of them
 
 
 class Order(NamedTuple):
-    """The mean and its standard error."""
+    """The mean and its standard error; by step (s), the geometric mean of the errors, m or rad; and the largest of
+    these by the power of the step through that of the shortest."""
 
     order: float
     uncertainty: float
+    errors: dict[str, float]
+    by_power: float
 
 
 def orders(scene: Scene, alike: Alike, methods: Sequence[str], steps: Sequence[float]) -> dict[str, Order]:
@@ -36,31 +45,53 @@ def orders(scene: Scene, alike: Alike, methods: Sequence[str], steps: Sequence[f
     generator = np.random.default_rng(SEED)
     machines = [parse(scene.text, scene.source, alike(generator)) for _ in range(MACHINES)]
     taken = [step for step in steps if step <= LONGEST * min(steps)]
-    references = [converged(machine, min(taken) / FINER, lambda *_: None) for machine in machines]
+    shortest = min(steps) / 2
+    references = [converged(machine, shortest / FINER, lambda *_: None) for machine in machines]
+    trusted = [reference.distance for reference in references]
     found = {}
     for method in methods:
-        slopes = [slope(*pair, method, taken) for pair in zip(machines, references, strict=True)]
-        found[method] = Order(float(np.mean(slopes)), float(np.std(slopes, ddof=1)) / math.sqrt(MACHINES))
+        runs = [errors(*pair, method, [*taken, shortest]) for pair in zip(machines, references, strict=True)]
+        slopes = [slope(taken, own[:-1], distance) for own, distance in zip(runs, trusted, strict=True)]
+        mean = np.exp(np.mean(np.log(np.maximum(runs, np.array(trusted)[:, None])), axis=0))
+        power = mean[-1] * (np.array(taken) / shortest) ** METHODS[method].tableau.order
+        found[method] = Order(
+            float(np.mean(slopes)),
+            float(np.std(slopes, ddof=1)) / math.sqrt(MACHINES),
+            {f"{step:g}": float(error) for step, error in zip([*taken, shortest], mean, strict=True)},
+            float(np.max(mean[:-1] / power)),
+        )
     return found
 
 
-def slope(machine: Scene, reference: Reference, method: str, steps: Sequence[float]) -> float:
-    """Of the logarithm of one machine's error over that of the step, where the reference can tell the error."""
-    told = []
+def errors(machine: Scene, reference: Reference, method: str, steps: Sequence[float]) -> list[float]:
+    """Of one machine by step."""
+    found = []
     for step in steps:
         setting = Setting(method, "explicit", step)
-        row = untimed(setting, simulate(varied(machine, setting)), reference.run)
+        row = row_of(setting, simulate(varied(machine, setting)), reference.run)
         if row.error is None:
             raise Unconverged(row.status)
-        if row.error > CLEAR * reference.distance:
-            told.append((step, row.error))
+        found.append(row.error)
+    return found
+
+
+def slope(steps: Sequence[float], errors: Sequence[float], trusted: float) -> float:
+    """Of the logarithm of one machine's error over that of the step, where the reference, trusted to so much, can tell
+    the error."""
+    told = [pair for pair in zip(steps, errors, strict=True) if pair[1] > CLEAR * trusted]
     return float(np.polyfit(*np.log(np.transpose(told)), 1)[0])
 
 
 def told(found: dict[str, Order]) -> str:
-    """In words."""
-    listed = ", ".join(f"{method} {order:.2f} ± {error:.2f}" for method, (order, error) in found.items())
-    return (
-        f"Observed order over {MACHINES} machines that begin alike, by steps up to {LONGEST:g} times the shortest, "
-        f"mean and its standard error: {listed}."
+    """In words, and the mean errors."""
+    listed = ", ".join(f"{method} {order.order:.2f} ± {order.uncertainty:.2f}" for method, order in found.items())
+    steps = list(next(iter(found.values())).errors)
+    lines = [[method, *(f"{error:.1e}" for error in order.errors.values()), f"{order.by_power:.2f}"]
+             for method, order in found.items()]  # fmt: skip
+    return "\n\n".join(
+        [
+            f"Observed order over {MACHINES} machines that begin alike, by steps up to {LONGEST:g} times the shortest "
+            f"of the ladder, mean and its standard error: {listed}. Their errors, geometric means:",
+            table(["method", *(f"{step} s" for step in steps), "at most, by h^p through the last"], lines),
+        ]
     )

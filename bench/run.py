@@ -36,6 +36,7 @@ class Benchmark(NamedTuple):
 
 OURS = {
     "precision": Benchmark("bench.precision", "Speed against error", 5, 1),
+    "accuracy": Benchmark("bench.accuracy", "Errors and orders", 1, 0),
     "laws": Benchmark("bench.laws", "Set-valued against regularized friction at equal error", 20, 2),
     "whole_machines": Benchmark("bench.whole_machines", "Whole machines", 20, 1),
     "hard_cases": Benchmark("bench.hard_cases", "Hard cases", 1, 1),
@@ -67,7 +68,7 @@ PEERS = {
 }
 GROUPS = {"ours": OURS, "peers": PEERS}
 BENCHMARKS = OURS | PEERS
-CHECKED = ("precision", "hard_cases", "kernels", "scaling", "spatial", "c_loop", "scipy_peer")
+CHECKED = ("precision", "accuracy", "hard_cases", "kernels", "scaling", "spatial", "c_loop", "scipy_peer")
 OPTIONAL = ("scipy", "mujoco", "pydrake", "gymnasium", "fmpy")  # packages that a benchmark may miss
 VERSIONS = ("omnisim-engine", "numba", "numpy", "scipy", "mujoco", "drake")
 

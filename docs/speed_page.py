@@ -19,7 +19,7 @@ ERRORS = (1e-6, 1e-9)  # m, rad
 LONG = 12  # rows: longer tables are folded
 # What stands on which page; results of other benchmarks stand elsewhere.
 PAGES = {
-    "precision": ("Speed against error", ("precision", "targets")),
+    "precision": ("Speed against error", ("precision", "accuracy", "targets")),
     "peers": ("Against C and SciPy", ("c_loop", "limit", "scipy_peer")),
     "engines": (
         "Against general engines",

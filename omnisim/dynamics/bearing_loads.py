@@ -25,6 +25,8 @@ r = R (sin q h - cos q n) + offset k:
 
 from typing import NamedTuple
 
+import numpy as np
+
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec2, Vec3, combine, cross, minus, plus, times
@@ -32,11 +34,20 @@ from omnisim.contact.frame import tangential
 from omnisim.dynamics.multibody.elimination import Wrench3
 from omnisim.dynamics.multibody.joint_forces import floor_force, resolve_joints
 from omnisim.dynamics.state import places
-from omnisim.dynamics.twist import Acceleration, wheel_motion
+from omnisim.dynamics.twist import Acceleration, Twist, wheel_motion
 from omnisim.dynamics.wheel import azimuth
 
 AXLE = Vec3(0.0, 1.0, 0.0)
 AXIAL, ROLLER_AXIAL = 1, 2  # which direction is along the bearing, of an axle and of a roller
+
+
+class Moving(NamedTuple):
+    """An upright machine: its Twist, its Acceleration with the weight along its slope in it, state and derivative."""
+
+    twist: Twist
+    felt: Acceleration
+    y: np.ndarray
+    dy: np.ndarray
 
 
 class DiskMotion(NamedTuple):
@@ -77,31 +88,30 @@ class Mounting(NamedTuple):
 
 
 @kernel
-def felt_acceleration(parameters, body, dy):
-    """The Acceleration of a machine that stands upright, with the weight along its slope in it."""
+def moving(parameters, body, y, dy):
+    """How an upright machine moves in state y, with its derivative and its Body (Moving)."""
     at, machine = places(parameters), parameters.machine
     linear = Vec2(dy[at.velocity] - machine.downhill[0], dy[at.velocity + 1] - machine.downhill[1])
     along = tangential(body.frame, linear)
-    return Acceleration(along.h, along.k, dy[at.yaw_rate])
+    return Moving(body.twist, Acceleration(along.h, along.k, dy[at.yaw_rate]), y, dy)
 
 
 @kernel
-def load_bearings(parameters, mode, w, twist, felt, y, dy, rates, found):
+def load_bearings(parameters, mode, w, machine, rates, found):
     """Force and moment of the bearings of wheel w, of a machine that stands upright: found (2, 3, N + 1), of the axle
-    first, N and N m. twist, felt: the machine's Twist and felt_acceleration; rates (N,): absolute axial rates of the
-    rollers, rad/s."""
+    first, N and N m. machine: how it moves (Moving); rates (N,): absolute axial rates of the rollers, rad/s."""
     if parameters.workspace.articulated is not None:  # then they are multipliers, and known
-        resolve_joints(parameters, w, y, found)
+        resolve_joints(parameters, w, machine.y, found)
     else:
-        recover(parameters, mode, w, twist, felt, y, dy, rates, found)
+        recover(parameters, mode, w, machine, rates, found)
 
 
 @outlined
-def recover(parameters, mode, w, twist, felt, y, dy, rates, found):
+def recover(parameters, mode, w, machine, rates, found):
     """The same from the motion and the floor's forces."""
     every, wheel, sector = parameters.machine.every_rate, parameters.wheels[w], parameters.sector[w]
-    disk = disk_motion(parameters, mode, w, twist, felt, y, dy)
-    axle = load_in_air(wheel, sector, disk, rates, every, dy, found)
+    disk = disk_motion(parameters, mode, w, machine)
+    axle = load_in_air(wheel, sector, disk, rates, every, machine.dy, found)
     part = parameters.workspace.parts[w]
     for side in range(part.contacts):
         i = mode.index[side]
@@ -109,24 +119,24 @@ def recover(parameters, mode, w, twist, felt, y, dy, rates, found):
         contact = parameters.workspace.contacts[part.first + side]
         force, torque = floor_force(part, contact)
         floor = Wrench3(plus(cross(Vec3(0.0, contact.l, -wheel.radius), force), torque), force)
-        rolling = 0.0 if every else dy[wheel.rates + side]
+        rolling = 0.0 if every else machine.dy[wheel.rates + side]
         axle = load_by_floor(wheel, mounting, floor, rolling, axle, i, found)
     keep(found, 0, axle)
 
 
 @kernel
-def disk_motion(parameters, mode, w, twist, felt, y, dy):
+def disk_motion(parameters, mode, w, machine):
     """The DiskMotion of wheel w, upright."""
     wheel, at = parameters.wheels[w], places(parameters)
-    spin, bent = y[at.spin_rate + w], dy[at.spin_rate + w]
-    motion = wheel_motion(wheel, twist, felt, bent, 0.0)
+    spin, bent, yaw_rate = machine.y[at.spin_rate + w], machine.dy[at.spin_rate + w], machine.twist.yaw
+    motion = wheel_motion(wheel, machine.twist, machine.felt, bent, 0.0)
     touching = parameters.sector[w, 0, mode.index[0]], parameters.sector[w, 1, mode.index[0]]
     row = parameters.roller_rows[mode.row[0]]
-    cos_q, sin_q = cos_sin(azimuth(wheel, row, mode.roller, y[at.spin_angle + w]))  # so its angle is small
+    cos_q, sin_q = cos_sin(azimuth(wheel, row, mode.roller, machine.y[at.spin_angle + w]))  # so its angle is small
     return DiskMotion(
-        Vec3(0.0, spin, twist.yaw),
+        Vec3(0.0, spin, yaw_rate),
         Vec3(motion.h, motion.k, parameters.machine.gravity),
-        Vec3(-twist.yaw * spin, bent, motion.yaw),  # k turns with the yaw
+        Vec3(-yaw_rate * spin, bent, motion.yaw),  # k turns with the yaw
         cos_q * touching[0] + sin_q * touching[1],
         sin_q * touching[0] - cos_q * touching[1],
     )

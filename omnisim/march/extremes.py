@@ -12,7 +12,7 @@ import numpy as np
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import plus
-from omnisim.dynamics.bearing_loads import AXIAL, ROLLER_AXIAL, felt_acceleration, load_bearings
+from omnisim.dynamics.bearing_loads import AXIAL, ROLLER_AXIAL, load_bearings, moving
 from omnisim.dynamics.indices import contact_count
 from omnisim.dynamics.spatial.bearing_loads import recover_in_space
 from omnisim.dynamics.spatial.pose import body_of, vector
@@ -145,15 +145,14 @@ def follow_bearings(parameters, run, found):
     loads = parameters.workspace.bearings
     if parameters.space is None:
         body = body_motion(parameters, run.y)
-        felt = felt_acceleration(parameters, body, run.slopes[0])
+        machine = moving(parameters, body, run.y, run.slopes[0])
     for w in range(len(run.mode)):
         if parameters.space is not None:
             release(parameters, run, w)
             recover_in_space(parameters, run.mode[w], w, run.y, run.slopes[0], run.rates[w], loads)
         else:
             release_rollers(parameters, run, w)
-            motion = body.twist, felt, run.y, run.slopes[0]
-            load_bearings(parameters, run.mode[w], w, *motion, run.rates[w], loads)
+            load_bearings(parameters, run.mode[w], w, machine, run.rates[w], loads)
         follow_joints(loads, AXIAL, 0, 1, found[w])
         follow_joints(loads, ROLLER_AXIAL, 1, parameters.wheels[w].rollers, found[w])
 

@@ -12,7 +12,7 @@ from omnisim.base.vector import Vec3, combine, cross
 from omnisim.contact.frame import axes, rate_change, rate_vector, spoke, tangential
 from omnisim.contact.kinematics import joint_rate
 from omnisim.contact.tracking import roller_axis
-from omnisim.dynamics.bearing_loads import felt_acceleration, load_bearings
+from omnisim.dynamics.bearing_loads import load_bearings, moving
 from omnisim.dynamics.indices import row_index
 from omnisim.dynamics.normal_forces.servo import find_servo, set_all_tilt
 from omnisim.dynamics.normal_forces.solution import loads_known
@@ -105,8 +105,8 @@ def observe(parameters, rows, times, monitors, observed):
             if len(observed.joint_rate):
                 observe_rollers(parameters, rows, row, w, body, observed)
             if len(observed.bearing_loads):
-                motion = body.twist, felt_acceleration(parameters, body, slopes), y, slopes
-                load_bearings(parameters, mode[w], w, *motion, rows.rates[row, w], observed.bearing_loads[row, w])
+                machine = moving(parameters, body, y, slopes)
+                load_bearings(parameters, mode[w], w, machine, rows.rates[row, w], observed.bearing_loads[row, w])
 
 
 @kernel

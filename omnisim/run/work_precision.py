@@ -55,7 +55,7 @@ class Row(NamedTuple):
     order   observed between the next longer step and this one; None where the errors do not tell it
     march   s of wall time per simulated second, marching alone; None: it stopped early
     whole   s of wall time of the whole call
-    front   on the Pareto front: nobody else is as fast and as accurate
+    front   on the Pareto front: nobody else is as fast and as accurate; of timed rows
     """
 
     method: str
@@ -73,7 +73,7 @@ class Row(NamedTuple):
 
 
 class Precision(NamedTuple):
-    """A scene under one friction law; times are medians of so many repeats."""
+    """A scene under one friction law; times are medians of so many repeats, and None with none."""
 
     scene: Scene
     reference: Reference
@@ -114,28 +114,32 @@ def measure(
     that are complete count; before the first there is nothing to return, and Interrupted is raised here. Raises
     Unconverged if the scene has no reference.
     """
-    reference = converged(scene, min(setting.step for setting in settings) / FINER, lambda _: progress(0.0))
-    rows = []
-    running = {}
     share = 1.0 / (1 + repeats)
-    for done, setting in enumerate(settings):
-        contestant = varied(scene, setting)
-        run = simulate(contestant, partial(_tell, progress, share * done / len(settings)))
-        rows.append(untimed(setting, run, reference.run))
-        if run.complete:
-            running[setting] = contestant
+    untimed = exact(scene, settings, lambda part: progress(share * part))
+    rows = list(untimed.rows)
+    running = {row[:3]: place for place, row in enumerate(rows) if row.error is not None}
+    contestants = [varied(scene, Setting(*setting)) for setting in running]
     rounds: list[Any] = []
     try:
-        for taken in interleaved(list(running.values()), repeats, lambda part: progress(share + (1.0 - share) * part)):
+        for taken in interleaved(contestants, repeats, lambda part: progress(share + (1.0 - share) * part)):
             rounds.append(taken)
     except Interrupted:
         if not rounds:
             raise
-    for setting, times in zip(running, zip(*rounds, strict=True), strict=True):
+    for place, times in zip(running.values(), zip(*rounds, strict=True), strict=True):
         march, whole = (median(seconds) for seconds in zip(*times, strict=True))
-        place = settings.index(setting)
         rows[place] = rows[place]._replace(march=march / scene.config.time.end, whole=whole)
-    return Precision(scene, reference, len(rounds), judged(rows, reference.distance))
+    return untimed._replace(repeats=len(rounds), rows=judged(rows, untimed.reference.distance))
+
+
+def exact(scene: Scene, settings: Sequence[Setting], progress: Callable[[float], object] = lambda _: None) -> Precision:
+    """What is the same on every machine: errors, observed orders and work of every setting. Raises Unconverged."""
+    reference = converged(scene, min(setting.step for setting in settings) / FINER, lambda _: progress(0.0))
+    rows = []
+    for done, setting in enumerate(settings):
+        run = simulate(varied(scene, setting), partial(_tell, progress, done / len(settings)))
+        rows.append(row_of(setting, run, reference.run))
+    return Precision(scene, reference, 0, judged(rows, reference.distance))
 
 
 def _tell(progress: Callable[[float], object], fraction: float, _: float) -> object:
@@ -157,8 +161,8 @@ def converged(scene: Scene, step: float, progress: Callable[[float], object]) ->
     raise Unconverged(runs[-1].attributes["status"])
 
 
-def untimed(setting: Setting, run: Trajectory, reference: Trajectory) -> Row:
-    """What one run says."""
+def row_of(setting: Setting, run: Trajectory, reference: Trajectory) -> Row:
+    """What one run says; untimed."""
     error = distance(run, reference) if run.complete else None
     said = run.attributes
     events = len(run["events/time"]) - (not run.complete)  # the last event of a run that stops is the stop
@@ -167,10 +171,11 @@ def untimed(setting: Setting, run: Trajectory, reference: Trajectory) -> Row:
 
 
 def judged(rows: list[Row], trusted: float) -> list[Row]:
-    """The rows with their orders and the Pareto front; errors below `trusted` are all alike."""
+    """The rows with their orders, and the front of those that are timed; errors below `trusted` are all alike."""
     finished = [row for row in rows if row.error is not None]
-    front = pareto([(max(row.error, trusted), row.march) for row in finished])
-    best = {row[:3] for row, first in zip(finished, front, strict=True) if first}
+    timed = [row for row in finished if row.march is not None]
+    front = pareto([(max(row.error, trusted), row.march) for row in timed])
+    best = {row[:3] for row, first in zip(timed, front, strict=True) if first}
     return [row._replace(front=row[:3] in best, order=order(row, finished, trusted)) for row in rows]
 
 

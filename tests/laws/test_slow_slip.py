@@ -11,7 +11,7 @@ import pytest
 
 import omnisim
 from bench.machine_scenes import platform
-from bench.precision import NEAR_LIMIT
+from bench.precision_scenes import NEAR_LIMIT
 from omnisim.march import substeps
 from omnisim.results.comparison import distance
 
