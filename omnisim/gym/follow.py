@@ -75,7 +75,7 @@ class FollowVectorEnv(VectorEnv):
         self.num_envs = num_envs
         self.machines = Machines(self.scene.config, num_envs, self.options.threads or cores())
         for key, config in self.variety.ends():
-            self._put(0, config, key)
+            self._put(np.array([0]), config, key)
         self.metadata = {"render_modes": [], "autoreset_mode": AutoresetMode(self.options.autoreset_mode)}
         self._spaces()
         self.randoms = [seeding.np_random()[0] for _ in range(num_envs)]
@@ -147,15 +147,19 @@ class FollowVectorEnv(VectorEnv):
 
     def _begin(self, who: np.ndarray) -> None:
         """An episode of each of these machines (N,)."""
-        for i in np.flatnonzero(who).tolist():
-            self._put(i, self.variety.drawn(self.randoms[i]), ", ".join(f.key for f in self.variety.factors))
+        numbers, factors = np.flatnonzero(who), self.variety.factors
+        if factors:
+            for i in numbers.tolist():
+                self._put(np.array([i]), self.variety.drawn(self.randoms[i]), ", ".join(f.key for f in factors))
+        else:
+            self._put(numbers, self.scene.config, "")
         self.step_of[who] = 0
         self.over[who] = False
         self.machines.march(who, 0)  # finds the rollers in contact
 
-    def _put(self, i: int, config: Any, keys: str) -> None:
+    def _put(self, who: np.ndarray, config: Any, keys: str) -> None:
         try:
-            self.machines.put(i, config)
+            self.machines.put(who, config)
         except OtherKind as error:
             raise SceneError(f"<vary>: {keys}: makes machines of several kinds; {error}") from None
 

@@ -49,15 +49,16 @@ class Machines:
         self.work = 0.0  # s, that the last march took one thread, about
         self._march(0, 0, count)  # compiles, before several threads need it
 
-    def put(self, i: int, config: Config) -> None:
-        """Machine i at the start of this scene. Raises OtherKind if it has other parts than the first."""
+    def put(self, who: np.ndarray, config: Config) -> None:
+        """The machines `who`, by number, at the start of this scene. Raises OtherKind if it has other parts than the
+        first."""
         parameters, run = self.first.parameters, self.first.run  # which never march
         if config is not self.first.config:
             parameters = pack(config)
             run = begin(config, parameters)
-        place(self.parameters, with_piece(parameters), i)
-        place(self.runs, run, i)
-        self.clock["goal"][i], self.clock["pause"][i] = 0, FOR_EVER
+        place(self.parameters, with_piece(parameters), who)
+        place(self.runs, run, who)
+        self.clock["goal"][who], self.clock["pause"][who] = 0, FOR_EVER
 
     def drive(self, who: np.ndarray, wheels: np.ndarray, values: np.ndarray) -> None:
         """Give drives (D,) of the machines `who` (N,) their inputs (N, D) from now on, as a Loop does."""
@@ -159,12 +160,12 @@ def stacked(parts: Sequence[Any]) -> Any:
     return found.view(np.recarray) if found.dtype.names else found
 
 
-def place(whole: Any, part: Any, i: int) -> None:
-    """Put what was not stacked in place i. Raises OtherKind where it has another shape."""
+def place(whole: Any, part: Any, who: np.ndarray) -> None:
+    """Put what was not stacked in these places. Raises OtherKind where it has another shape."""
     if isinstance(whole, tuple) and isinstance(part, tuple):
         for inner, own in zip(whole, part, strict=True):
-            place(inner, own, i)
+            place(inner, own, who)
     elif (whole is None) != (part is None) or (part is not None and whole.shape[1:] != np.shape(part)):
         raise OtherKind("machines side by side have the same wheels, rollers, drives and methods")
     elif part is not None:
-        whole[i] = part
+        whole[who] = part
