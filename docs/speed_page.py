@@ -41,7 +41,9 @@ INTRODUCTION = f"""# Speed and accuracy
 turns, beside the C loops and for rollers and rows those of the quietest tenth of hundreds; the rules stand in `bench/README.md`. The machine
 is a share of a larger one, whose neighbours slow both sides of a ratio, and omnisim more than a C loop. Times real time are what it gave
 then: of `coulomb_wheel`, with errors below 1e-6, four benches of one evening said 10900, 9730, 10200 and 10200, of the platform
-below 1e-9 535, 507, 500 and 510; on a busier machine, the day before, 3250 to 6900 and 184 to 319, of much the same code."""
+below 1e-9 535, 507, 500 and 510; on a busier machine, the day before, 3250 to 6900 and 184 to 319, of much the same code; on an
+EPYC of the first generation 3245 and 174. Sections are of different days and processors, and say so; errors and orders, the same
+on every machine, are those of the [last day](precision.md#errors-and-orders)."""
 CLAIMS = """A target is what is aimed at. Beyond its alarm a value is no noise of a machine; `python -m bench --check` fails."""
 
 

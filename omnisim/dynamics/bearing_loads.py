@@ -10,9 +10,10 @@ the floor touches, M its moment:
     axle      force = M_w (O'' + G o k - g) - sum F
               moment = (J w)' + M_w o k x (O'' - g) + w x H + sum Ia p' a - sum ((X - O) x F + M)
 
-The disk and its rollers are one body that has its inertia J about O (dynamics/inertia.py) and its centre of mass at
-o k, beside the spins of the rollers, H = sum Ia p a. Axes of the results are fixed in what carries the bearing, and
-those of a roller make its inertia three numbers:
+The disk and its rollers are one body that has its inertia J about O (dynamics/inertia.py), of revolution since every
+row has three rollers or more, evenly spread, and its centre of mass at o k, beside the spins of the rollers,
+H = sum Ia p a. Axes of the results are fixed in what carries the bearing, and those of a roller make its inertia three
+numbers:
 
     roller    radial d (outwards), lateral a x d, axial a          axle    h, k, n of the wheel
 
