@@ -366,7 +366,8 @@ def test_groups_are_opened_and_nothing_runs_twice():
 @pytest.mark.long
 def test_every_benchmark_runs_and_reports(tmp_path):
     """The whole of `python -m bench --quick` but commands and other engines, with its claims."""
-    parts = ("c_loop", "limit", "laws", "scaling", "kernels", "whole_machines", "vehicle", "twists", "precision")
+    parts = ("c_loop", "limit", "laws", "scaling", "kernels", "whole_machines", "vehicle", "twists")
+    parts = (*parts, "precision", "accuracy")
     command = [sys.executable, "-m", "bench", "--quick", "--report", str(tmp_path), *parts]
     done = subprocess.run(command, cwd=Path(__file__).parents[2], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
@@ -376,6 +377,7 @@ def test_every_benchmark_runs_and_reports(tmp_path):
         "with 64 rollers",
         "on two rows of rollers, by that on one: kiwi drive",
         "a step of 12 wheels",
+        "times real time with errors below 1e-06, coulomb_wheel",
         "order of rk4, six_rollers",
     ):
         assert re.search(rf"^\| .*{text}.* \| (met|\*\*missed\*\*) \|", done.stdout, re.MULTILINE), text
