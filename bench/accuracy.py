@@ -70,11 +70,11 @@ def claims(result: dict) -> list[Claim]:
         for method, order in data["orders"].items():
             if method in TARGETS:
                 limits = TARGETS[method], ENTRIES[name].alarms[method]
-                reason = below_its_power(**data["alike"][method]) if method in data["alike"] else ""
+                reason = below_its_power(data["alike"][method]) if method in data["alike"] else ""
                 found.append(Claim(f"observed order of {method}, {name}", order, "at least", *limits, reason))
         for method, over_many in data["alike"].items():
             text = f"errors of {method} over machines like {name}, at most, by h^p through that of the shortest step"
-            found.append(Claim(text, over_many["by_power"], "at most", *BY_POWER))
+            found.append(Claim(text, over_many["by_power"], "at most", *BY_POWER, below_its_power(over_many)))
         for method, bound in ENTRIES[name].bounds.items():
             (error,) = (row["error"] for row in data["rows"] if own_step(row, method, data["own_step_s"]))
             text = f"error by {method} at {data['own_step_s']:g} s, {name}"
@@ -82,11 +82,12 @@ def claims(result: dict) -> list[Claim]:
     return found
 
 
-def below_its_power(order: float, uncertainty: float, errors: dict[str, float], by_power: float) -> str:
-    """Why an order over many machines may be less than that of its method."""
+def below_its_power(found: dict) -> str:
+    """Why an order over many machines (alike.Order) may be less than that of its method."""
     return (
-        f"The mean of {alike.MACHINES} machines has a standard error of {uncertainty:.2f}; longer steps err less, at "
-        f"most {by_power:.2f}, than that power of the step which goes through the error at {list(errors)[-1]} s"
+        f"The mean of {alike.MACHINES} machines has a standard error of {found['uncertainty']:.2f}; longer steps err "
+        f"at most {found['by_power']:.2f} ± {found['by_power_uncertainty']:.2f} of that power of the step which goes "
+        f"through the error at {list(found['errors'])[-1]} s"
     )
 
 

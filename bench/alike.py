@@ -31,13 +31,14 @@ Alike = Callable[[np.random.Generator], list[str]]  # what to set for one of the
 
 
 class Order(NamedTuple):
-    """The mean and its standard error; by step (s), the geometric mean of the errors, m or rad; and the largest of
-    these by the power of the step through that of the shortest."""
+    """The mean and its standard error; by step (s), the geometric mean of the errors, m or rad; the largest of these by
+    the power of the step through that of the shortest, and its standard error."""
 
     order: float
     uncertainty: float
     errors: dict[str, float]
     by_power: float
+    by_power_uncertainty: float
 
 
 def orders(scene: Scene, alike: Alike, methods: Sequence[str], steps: Sequence[float]) -> dict[str, Order]:
@@ -52,15 +53,24 @@ def orders(scene: Scene, alike: Alike, methods: Sequence[str], steps: Sequence[f
     for method in methods:
         runs = [errors(*pair, method, [*taken, shortest]) for pair in zip(machines, references, strict=True)]
         slopes = [slope(taken, own[:-1], distance) for own, distance in zip(runs, trusted, strict=True)]
-        mean = np.exp(np.mean(np.log(np.maximum(runs, np.array(trusted)[:, None])), axis=0))
-        power = mean[-1] * (np.array(taken) / shortest) ** METHODS[method].tableau.order
+        logs = np.log(np.maximum(runs, np.array(trusted)[:, None]))
+        mean = np.exp(np.mean(logs, axis=0))
+        beside = logs[:, :-1] - logs[:, -1:] - METHODS[method].tableau.order * np.log(np.array(taken) / shortest)
+        ratios = np.exp(np.mean(beside, axis=0))
+        largest = int(np.argmax(ratios))
         found[method] = Order(
             float(np.mean(slopes)),
-            float(np.std(slopes, ddof=1)) / math.sqrt(MACHINES),
+            standard_error(slopes),
             {f"{step:g}": float(error) for step, error in zip([*taken, shortest], mean, strict=True)},
-            float(np.max(mean[:-1] / power)),
+            float(ratios[largest]),
+            float(ratios[largest]) * standard_error(beside[:, largest]),
         )
     return found
+
+
+def standard_error(values: Sequence[float]) -> float:
+    """Of their mean."""
+    return float(np.std(values, ddof=1)) / math.sqrt(len(values))
 
 
 def errors(machine: Scene, reference: Reference, method: str, steps: Sequence[float]) -> list[float]:
@@ -75,19 +85,25 @@ def errors(machine: Scene, reference: Reference, method: str, steps: Sequence[fl
     return found
 
 
-def slope(steps: Sequence[float], errors: Sequence[float], trusted: float) -> float:
-    """Of the logarithm of one machine's error over that of the step, where the reference, trusted to so much, can tell
-    the error."""
-    told = [pair for pair in zip(steps, errors, strict=True) if pair[1] > CLEAR * trusted]
-    return float(np.polyfit(*np.log(np.transpose(told)), 1)[0])
+def slope(steps: Sequence[float], own: Sequence[float], trusted: float) -> float:
+    """Of the logarithm of one machine's own errors over that of the step, where the reference, trusted to so much, can
+    tell them."""
+    clear = [pair for pair in zip(steps, own, strict=True) if pair[1] > CLEAR * trusted]
+    return float(np.polyfit(*np.log(np.transpose(clear)), 1)[0])
 
 
 def told(found: dict[str, Order]) -> str:
     """In words, and the mean errors."""
     listed = ", ".join(f"{method} {order.order:.2f} ± {order.uncertainty:.2f}" for method, order in found.items())
     steps = list(next(iter(found.values())).errors)
-    lines = [[method, *(f"{error:.1e}" for error in order.errors.values()), f"{order.by_power:.2f}"]
-             for method, order in found.items()]  # fmt: skip
+    lines = [
+        [
+            method,
+            *(f"{error:.1e}" for error in own.errors.values()),
+            f"{own.by_power:.2f} ± {own.by_power_uncertainty:.2f}",
+        ]
+        for method, own in found.items()
+    ]
     return "\n\n".join(
         [
             f"Observed order over {MACHINES} machines that begin alike, by steps up to {LONGEST:g} times the shortest "
