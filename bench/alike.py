@@ -18,13 +18,11 @@ import numpy as np
 
 from bench.common import table
 from omnisim.base.methods import METHODS
-from omnisim.run.simulation import simulate
-from omnisim.run.work_precision import CLEAR, Reference, Setting, Unconverged, converged, row_of, varied
+from omnisim.run.work_precision import CLEAR, Setting, Unconverged, exact
 from omnisim.scene.scene import Scene, parse
 
 MACHINES = 96
 LONGEST = 10.0  # times the shortest step: longer ones follow no power
-FINER = 4  # times the step of the references goes into the shortest one
 SEED = 1
 
 Alike = Callable[[np.random.Generator], list[str]]  # what to set for one of them
@@ -44,45 +42,39 @@ class Order(NamedTuple):
 def orders(scene: Scene, alike: Alike, methods: Sequence[str], steps: Sequence[float]) -> dict[str, Order]:
     """By explicit method. Raises Unconverged if a machine has no reference, or a run of one stops."""
     generator = np.random.default_rng(SEED)
-    machines = [parse(scene.text, scene.source, alike(generator)) for _ in range(MACHINES)]
     taken = [step for step in steps if step <= LONGEST * min(steps)]
     shortest = min(steps) / 2
-    references = [converged(machine, shortest / FINER, lambda *_: None) for machine in machines]
-    trusted = [reference.distance for reference in references]
-    found = {}
-    for method in methods:
-        runs = [errors(*pair, method, [*taken, shortest]) for pair in zip(machines, references, strict=True)]
-        slopes = [slope(taken, own[:-1], distance) for own, distance in zip(runs, trusted, strict=True)]
-        logs = np.log(np.maximum(runs, np.array(trusted)[:, None]))
-        mean = np.exp(np.mean(logs, axis=0))
-        beside = logs[:, :-1] - logs[:, -1:] - METHODS[method].tableau.order * np.log(np.array(taken) / shortest)
-        ratios = np.exp(np.mean(beside, axis=0))
-        largest = int(np.argmax(ratios))
-        found[method] = Order(
-            float(np.mean(slopes)),
-            standard_error(slopes),
-            {f"{step:g}": float(error) for step, error in zip([*taken, shortest], mean, strict=True)},
-            float(ratios[largest]),
-            float(ratios[largest]) * standard_error(beside[:, largest]),
-        )
-    return found
+    settings = [Setting(method, "explicit", step) for method in methods for step in [*taken, shortest]]
+    found = [exact(parse(scene.text, scene.source, alike(generator)), settings) for _ in range(MACHINES)]
+    stopped = [row.status for one in found for row in one.rows if row.error is None]
+    if stopped:
+        raise Unconverged(stopped[0])
+    trusted = np.array([one.reference.distance for one in found])
+    errors = np.array([[row.error for row in one.rows] for one in found]).reshape(MACHINES, len(methods), -1)
+    return {method: order_of(method, [*taken, shortest], errors[:, i], trusted) for i, method in enumerate(methods)}
+
+
+def order_of(method: str, steps: Sequence[float], errors: np.ndarray, trusted: np.ndarray) -> Order:
+    """From the errors (MACHINES, steps), the last step the shortest, and what references are trusted to (MACHINES,)."""
+    *longer, shortest = steps
+    slopes = [slope(longer, own[:-1], distance) for own, distance in zip(errors, trusted, strict=True)]
+    logs = np.log(np.maximum(errors, trusted[:, None]))
+    mean = np.exp(np.mean(logs, axis=0))
+    beside = logs[:, :-1] - logs[:, -1:] - METHODS[method].tableau.order * np.log(np.array(longer) / shortest)
+    ratios = np.exp(np.mean(beside, axis=0))
+    largest = int(np.argmax(ratios))
+    return Order(
+        float(np.mean(slopes)),
+        standard_error(slopes),
+        {f"{step:g}": float(error) for step, error in zip(steps, mean, strict=True)},
+        float(ratios[largest]),
+        float(ratios[largest]) * standard_error(beside[:, largest]),
+    )
 
 
 def standard_error(values: Sequence[float]) -> float:
     """Of their mean."""
     return float(np.std(values, ddof=1)) / math.sqrt(len(values))
-
-
-def errors(machine: Scene, reference: Reference, method: str, steps: Sequence[float]) -> list[float]:
-    """Of one machine by step."""
-    found = []
-    for step in steps:
-        setting = Setting(method, "explicit", step)
-        row = row_of(setting, simulate(varied(machine, setting)), reference.run)
-        if row.error is None:
-            raise Unconverged(row.status)
-        found.append(row.error)
-    return found
 
 
 def slope(steps: Sequence[float], own: Sequence[float], trusted: float) -> float:

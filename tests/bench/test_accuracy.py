@@ -1,10 +1,9 @@
 """What the benchmarks of accuracy and of precision claim, and that their scenes have what they claim it of."""
 
+import numpy as np
 import pytest
 
-import omnisim
 from bench import accuracy, alike, precision, precision_scenes
-from omnisim.run.work_precision import Reference
 
 
 def test_claims_of_accuracy_are_orders_and_the_error_at_the_own_step():
@@ -61,23 +60,14 @@ def test_every_scene_of_precision_has_its_own_step_on_the_ladder_of_a_bounded_me
     assert len(settings) == len(set(settings))
 
 
-def test_errors_that_follow_a_power_of_the_step_tell_that_power_and_no_uncertainty(monkeypatch):
+def test_errors_that_follow_a_power_of_the_step_tell_that_power_and_no_uncertainty():
     """Of machines whose errors differ by a factor; if the shortest step errs half as much, longer ones are twice the
     power through it."""
-    factors, steps = [1.0, 3.0, 0.2], [4e-3, 2e-3, 1e-3]
-    reference = Reference(None, None, None, 1e-15)
-    monkeypatch.setattr(alike, "MACHINES", len(factors))
-    monkeypatch.setattr(alike, "converged", lambda *_: reference)
+    factors, steps = np.array([1.0, 3.0, 0.2]), np.array([4e-3, 2e-3, 1e-3, 5e-4])
     for better in (1.0, 0.5):
-        left = iter(factors)
-
-        def errors(machine, reference, method, taken, left=left, better=better):
-            factor = next(left)
-            return [factor * step**4 * (better if step < min(steps) else 1.0) for step in taken]
-
-        monkeypatch.setattr(alike, "errors", errors)
-        found = alike.orders(omnisim.load("six_rollers"), lambda _: [], ["rk4"], steps)["rk4"]
+        errors = factors[:, None] * steps**4 * np.array([1.0, 1.0, 1.0, better])
+        found = alike.order_of("rk4", steps.tolist(), errors, np.full(3, 1e-16))
         assert found.order == pytest.approx(4.0) and found.by_power == pytest.approx(1.0 / better)
         assert found.uncertainty < 1e-12 and found.by_power_uncertainty < 1e-12
-        assert found.errors["0.001"] == pytest.approx((0.6) ** (1 / 3) * 1e-12)
+        assert found.errors["0.001"] == pytest.approx(0.6 ** (1 / 3) * 1e-12)
     assert alike.standard_error([1.0, 2.0, 3.0]) == pytest.approx(3.0**-0.5)
