@@ -145,7 +145,7 @@ class Entry(JITCodeLibrary):
     def finalize(self):
         calls = absorbed(self, linked(self))
         self._optimize_final_module()
-        for part in callers_first(calls):
+        for part in reached(calls):
             if not part.inlined:
                 self._final_module.link_in(part.module(), preserve=True)
         hand_over_less(self)
@@ -188,30 +188,18 @@ def absorbed(library, calls):
 
 
 def reached(parts, through=lambda _: True):
-    """These Parts and all that they call, each once, but not beyond those that `through` denies."""
-    found = {}
-    waiting = list(parts)
-    while waiting:
-        part = waiting.pop()
-        if part not in found:
-            found[part] = None
-            if through(part):
-                waiting += part.called()
-    return list(found)
-
-
-def callers_first(parts):
-    """The same, each before those that it calls: LLVM drops what nothing calls yet, also what is called later on where
-    the only call before has been optimised away."""
+    """These Parts and all that they call, but not beyond those that `through` denies, each before those that it calls:
+    LLVM drops what nothing calls yet, also what is called later on where the only call before has been optimised
+    away."""
     found = {}
 
     def visit(part):
-        if part not in found:
-            found[part] = None
+        if part in found:
+            return
+        if through(part):
             for call in part.called():
                 visit(call)
-            del found[part]
-            found[part] = None
+        found[part] = None
 
     for part in parts:
         visit(part)

@@ -278,5 +278,36 @@ def test_an_outlined_kernel_is_given_what_it_uses_and_no_more(package, tmp_path)
     assert done.stdout.splitlines() == ["[3]", "True"]
 
 
+GONE = """
+from omnisim.base.kernel import kernel, outlined
+@kernel
+def leaf(x):
+    return 3.0 * x
+@kernel
+def first(x):
+    return leaf(x) + 1.0
+@kernel
+def never(x):
+    return leaf(x) + 2.0
+@outlined
+def whole(x):
+    x = first(x)
+    for _ in range(0):
+        x = never(x)
+    return x
+"""
+
+
+def test_what_a_call_that_never_comes_also_needs_is_linked(package, tmp_path):
+    """`leaf` is called by a kernel that LLVM drops and by one that it keeps: a call to nowhere crashes."""
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    (package / "gone.py").write_text(GONE)
+    program = "from omnisim.gone import whole; print(whole(2.0))"
+    done = subprocess.run(
+        [sys.executable, "-B", "-c", program], cwd=tmp_path, env=environment, capture_output=True, text=True
+    )
+    assert (done.returncode, done.stdout) == (0, "7.0\n")
+
+
 def test_other_packages_keep_their_own_cache_setting():
     assert os.environ.get("NUMBA_CACHE_DIR", "") == numba.config.CACHE_DIR
