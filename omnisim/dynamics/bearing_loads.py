@@ -17,11 +17,13 @@ numbers:
 
     roller    radial d (outwards), lateral a x d, axial a          axle    h, k, n of the wheel
 
-All rollers are alike but for their place and rates, so first each is taken to be in the air, several at once in vector
-registers; then the floor is added where it touches. What moves one in the air is linear in its place B on the disk,
-r = R (sin q h - cos q n) + offset k:
+All rollers are alike but for their place and rates, so all are loaded at once in vector registers: as if they were in
+the air and kept their rates, and beside that (`beside`) by the floor where it touches, and by p'. What moves one in the
+air is linear in its place B on the disk, r = R d + offset k:
 
     B'' - g = O'' - g + G r        G r = w' x r + w x (w x r)
+
+Vectors of a disk are along h', k and n': h and n turned about k with the places of its rollers, which so are constant.
 """
 
 from typing import NamedTuple
@@ -32,6 +34,7 @@ from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec2, Vec3, combine, cross, minus, plus, times
 from omnisim.contact.frame import tangential
+from omnisim.dynamics.joint_loads import AXIAL, ROLLER_AXIAL, enter
 from omnisim.dynamics.multibody.elimination import Wrench3
 from omnisim.dynamics.multibody.joint_forces import floor_force, resolve_joints
 from omnisim.dynamics.state import places
@@ -39,7 +42,6 @@ from omnisim.dynamics.twist import Acceleration, Twist, wheel_motion
 from omnisim.dynamics.wheel import azimuth
 
 AXLE = Vec3(0.0, 1.0, 0.0)
-AXIAL, ROLLER_AXIAL = 1, 2  # which direction is along the bearing, of an axle and of a roller
 
 
 class Moving(NamedTuple):
@@ -53,7 +55,7 @@ class Moving(NamedTuple):
 
 class DiskMotion(NamedTuple):
     """Angular velocity of a disk (rad/s), acceleration of O with the weight in it (m/s^2), and angular acceleration
-    (rad/s^2), along h, k and n; cosine and sine of the angle by which the places of its rollers are turned."""
+    (rad/s^2), along h', k and n'; cosine and sine of the angle of these."""
 
     rate: Vec3
     linear: Vec3
@@ -63,7 +65,7 @@ class DiskMotion(NamedTuple):
 
 
 class Added(NamedTuple):
-    """G: accelerations of points of the disk 1 m ahead, aside and outwards of O, beside that of O, 1/s^2."""
+    """G: accelerations of points of the disk 1 m along h', k and n' from O, beside that of O, 1/s^2."""
 
     h: Vec3
     k: Vec3
@@ -71,8 +73,8 @@ class Added(NamedTuple):
 
 
 class Carried(NamedTuple):
-    """What moves rollers in the air, along h, k and n, N: a roller at O (`centre`), and what is added by R along h and
-    n; of an offset along k by its length, N/m."""
+    """What moves rollers in the air, along h', k and n', N: a roller at O (`centre`), and what is added by R along h'
+    and n'; of an offset along k by its length, N/m."""
 
     centre: Vec3
     ahead: Vec3
@@ -81,7 +83,8 @@ class Carried(NamedTuple):
 
 
 class Mounting(NamedTuple):
-    """Where a roller is on its disk: cosine and sine of its azimuth, and how far its row is along the axle, m."""
+    """Where a roller is on its disk: cosine and sine of its azimuth q, d = h' sin q - n' cos q, and how far its row is
+    along the axle, m."""
 
     cos_q: float
     sin_q: float
@@ -99,8 +102,8 @@ def moving(parameters, body, y, dy):
 
 @kernel
 def load_bearings(parameters, mode, w, machine, rates, found):
-    """Force and moment of the bearings of wheel w, of a machine that stands upright: found (2, 3, N + 1), of the axle
-    first, N and N m. machine: how it moves (Moving); rates (N,): absolute axial rates of the rollers, rad/s."""
+    """Force and moment of the bearings of wheel w, of a machine that stands upright, of the axle first, into found
+    (joint_loads.py). machine: how it moves (Moving); rates (N,): absolute axial rates of the rollers, rad/s."""
     if parameters.workspace.articulated is not None:  # then they are multipliers, and known
         resolve_joints(parameters, w, machine.y, found)
     else:
@@ -110,19 +113,20 @@ def load_bearings(parameters, mode, w, machine, rates, found):
 @outlined
 def recover(parameters, mode, w, machine, rates, found):
     """The same from the motion and the floor's forces."""
-    every, wheel, sector = parameters.machine.every_rate, parameters.wheels[w], parameters.sector[w]
+    every, wheel, placed = parameters.machine.every_rate, parameters.wheels[w], parameters.sector[w]
+    beside = parameters.workspace.beside
     disk = disk_motion(parameters, mode, w, machine)
-    axle = load_in_air(wheel, sector, disk, rates, every, machine.dy, found)
+    axle = load_axle(wheel, placed, disk, rates, every, machine.dy, beside)
     part = parameters.workspace.parts[w]
     for side in range(part.contacts):
         i = mode.index[side]
-        mounting = mounted_at(sector, i, disk)
         contact = parameters.workspace.contacts[part.first + side]
         force, torque = floor_force(part, contact)
         floor = Wrench3(plus(cross(Vec3(0.0, contact.l, -wheel.radius), force), torque), force)
         rolling = 0.0 if every else machine.dy[wheel.rates + side]
-        axle = load_by_floor(wheel, mounting, floor, rolling, axle, i, found)
-    keep(found, 0, axle)
+        axle = load_by_floor(wheel, mounted_at(placed, i), disk, floor, rolling, axle, i, beside)
+    load_rollers(wheel, placed, disk, rates, beside, found)
+    enter(found, 0, AXIAL, axle)
 
 
 @kernel
@@ -131,26 +135,44 @@ def disk_motion(parameters, mode, w, machine):
     wheel, at = parameters.wheels[w], places(parameters)
     spin, bent, yaw_rate = machine.y[at.spin_rate + w], machine.dy[at.spin_rate + w], machine.twist.yaw
     motion = wheel_motion(wheel, machine.twist, machine.felt, bent, 0.0)
-    touching = parameters.sector[w, 0, mode.index[0]], parameters.sector[w, 1, mode.index[0]]
+    touching = mounted_at(parameters.sector[w], mode.index[0])
     row = parameters.roller_rows[mode.row[0]]
     cos_q, sin_q = cos_sin(azimuth(wheel, row, mode.roller, machine.y[at.spin_angle + w]))  # so its angle is small
-    return DiskMotion(
+    return turned(
         Vec3(0.0, spin, yaw_rate),
         Vec3(motion.h, motion.k, parameters.machine.gravity),
         Vec3(-yaw_rate * spin, bent, motion.yaw),  # k turns with the yaw
-        cos_q * touching[0] + sin_q * touching[1],
-        sin_q * touching[0] - cos_q * touching[1],
+        cos_q * touching.cos_q + sin_q * touching.sin_q,
+        sin_q * touching.cos_q - cos_q * touching.sin_q,
     )
 
 
 @kernel
-def load_in_air(wheel, placed, disk, rates, every, dy, found):
-    """The bearings of rollers that nothing touches, into found (2, 3, N + 1), and the Wrench3 of their axle along h, k
-    and n. placed (3, N): cosine and sine of the angles of rollers on the disk, and offsets, m. every: whether their
-    rates are states; else they keep them."""
-    carried = carried_by(wheel, disk)
-    for i in range(wheel.rollers):
-        keep(found, i + 1, roller_in_air(wheel, mounted_at(placed, i, disk), disk, carried, rates[i]))
+def turned(rate, linear, angular, cos, sin):
+    """A DiskMotion by what it is along h, k and n, and the angle by which the places of its rollers are turned."""
+    return DiskMotion(there(rate, cos, sin), there(linear, cos, sin), there(angular, cos, sin), cos, sin)
+
+
+@kernel
+def there(vector, cos, sin):
+    """A vector along h, k and n, along h', k and n' (Vec3)."""
+    return Vec3(cos * vector.x + sin * vector.z, vector.y, cos * vector.z - sin * vector.x)
+
+
+@kernel
+def back(vector, disk):
+    """A vector along h', k and n', along h, k and n (Vec3)."""
+    return there(vector, disk.cos, -disk.sin)
+
+
+@kernel
+def load_axle(wheel, placed, disk, rates, every, dy, beside):
+    """The Wrench3 of an axle whose rollers are in the air, along h, k and n; so it begins what loads these `beside`,
+    (6, N): force and moment along their own directions. placed (3, N): cosine and sine of q, and offsets, m. every:
+    whether their rates are states; else they keep them."""
+    for load in range(6):
+        for i in range(wheel.rollers):
+            beside[load, i] = 0.0
     rate, angular, more = disk.rate, disk.angular, wheel.axle_inertia - wheel.diameter_inertia
     gyroscopic = more * rate.y
     moment = Vec3(
@@ -158,19 +180,20 @@ def load_in_air(wheel, placed, disk, rates, every, dy, found):
         wheel.axle_inertia * angular.y,
         wheel.diameter_inertia * angular.z + gyroscopic * rate.x,
     )
-    moment = plus(moment, cross(rate, spins(wheel, placed, disk, rates, 0)))
+    moment = plus(moment, cross(rate, spins(wheel, placed, rates, 0)))
     if every:
         for i in range(wheel.rollers):
-            found[1, ROLLER_AXIAL, i + 1] = wheel.axial_inertia * dy[wheel.rates + i]
-        moment = plus(moment, spins(wheel, placed, disk, dy, wheel.rates))
+            beside[3 + ROLLER_AXIAL, i] = wheel.axial_inertia * dy[wheel.rates + i]
+        moment = plus(moment, spins(wheel, placed, dy, wheel.rates))
     aside = wheel.mass * wheel.shift
-    about = Vec3(aside * disk.linear.z, 0.0, -aside * disk.linear.x)
-    return Wrench3(plus(moment, about), combine(wheel.mass, disk.linear, aside, added(disk).k, 0.0, disk.linear))
+    moment = plus(moment, Vec3(aside * disk.linear.z, 0.0, -aside * disk.linear.x))
+    force = combine(wheel.mass, disk.linear, aside, added(disk).k, 0.0, disk.linear)
+    return Wrench3(back(moment, disk), back(force, disk))
 
 
 @kernel
-def spins(wheel, placed, disk, values, first):
-    """Sum Ia p a over the rollers along h, k and n (Vec3), p from values[first] on."""
+def spins(wheel, placed, values, first):
+    """Sum Ia p a over the rollers along h', k and n' (Vec3), p from values[first] on."""
     cos, sin, all_of_them = 0.0, 0.0, 0.0
     for i in range(wheel.rollers):
         value = values[first + i]
@@ -178,40 +201,36 @@ def spins(wheel, placed, disk, values, first):
         sin += value * placed[1, i]
         all_of_them += value
     across, along = wheel.axial_inertia * wheel.cos_psi, wheel.axial_inertia * wheel.sin_psi
-    ahead, outwards = disk.cos * cos - disk.sin * sin, disk.sin * cos + disk.cos * sin
-    return Vec3(-across * ahead, along * all_of_them, -across * outwards)
+    return Vec3(-across * cos, along * all_of_them, -across * sin)
 
 
 @kernel
-def load_by_floor(wheel, mounting, floor, rolling, axle, i, found):
-    """The bearing of roller i with what the floor does to it (a Wrench3 about O along h, k and n); so with its axle,
-    which is returned. rolling: p' by it, rad/s^2."""
+def load_by_floor(wheel, mounting, disk, floor, rolling, axle, i, beside):
+    """What the floor does to roller i (a Wrench3 about O along h, k and n), and p' by it (rad/s^2), into what loads it
+    `beside`, and into the load of its axle, which is returned."""
     spun = wheel.axial_inertia * rolling
-    force = own(wheel, mounting, floor.force)
-    moment = own(wheel, mounting, minus(floor.moment, cross(centre_of(wheel, mounting), floor.force)))
-    found[0, 0, i + 1] -= force.x
-    found[0, 1, i + 1] -= force.y
-    found[0, 2, i + 1] -= force.z
-    found[1, 0, i + 1] -= moment.x
-    found[1, 1, i + 1] -= moment.y
-    found[1, 2, i + 1] += spun - moment.z
-    turned = minus(times(spun, axis_of(wheel, mounting)), floor.moment)
-    return Wrench3(plus(axle.moment, turned), minus(axle.force, floor.force))
+    pushed = there(floor.force, disk.cos, disk.sin)
+    about = minus(there(floor.moment, disk.cos, disk.sin), cross(centre_of(wheel, mounting), pushed))
+    force, moment = own(wheel, mounting, pushed), own(wheel, mounting, about)
+    beside[0, i] -= force.x
+    beside[1, i] -= force.y
+    beside[2, i] -= force.z
+    beside[3, i] -= moment.x
+    beside[4, i] -= moment.y
+    beside[5, i] += spun - moment.z
+    by_spin = times(spun, back(axis_of(wheel, mounting), disk))
+    return Wrench3(plus(axle.moment, minus(by_spin, floor.moment)), minus(axle.force, floor.force))
 
 
 @kernel
-def mounted_at(placed, i, disk):
+def mounted_at(placed, i):
     """The Mounting of roller i by where rollers are placed (3, N)."""
-    return Mounting(
-        disk.cos * placed[0, i] - disk.sin * placed[1, i],
-        disk.sin * placed[0, i] + disk.cos * placed[1, i],
-        placed[2, i],
-    )
+    return Mounting(placed[0, i], placed[1, i], placed[2, i])
 
 
 @kernel
 def own(wheel, mounting, vector):
-    """A vector along h, k and n, along d, a x d and a of a roller (Vec3)."""
+    """A vector along h', k and n', along d, a x d and a of a roller (Vec3)."""
     ahead = -mounting.cos_q * vector.x - mounting.sin_q * vector.z  # along k x d
     return Vec3(
         mounting.sin_q * vector.x - mounting.cos_q * vector.z,
@@ -222,13 +241,13 @@ def own(wheel, mounting, vector):
 
 @kernel
 def axis_of(wheel, mounting):
-    """a of a roller along h, k and n (Vec3)."""
+    """a of a roller along h', k and n' (Vec3)."""
     return Vec3(-wheel.cos_psi * mounting.cos_q, wheel.sin_psi, -wheel.cos_psi * mounting.sin_q)
 
 
 @kernel
 def centre_of(wheel, mounting):
-    """B from O along h, k and n (Vec3, m)."""
+    """B from O along h', k and n' (Vec3, m)."""
     distance = wheel.roller_distance
     return Vec3(distance * mounting.sin_q, mounting.offset, -distance * mounting.cos_q)
 
@@ -255,6 +274,17 @@ def added(disk):
 
 
 @kernel
+def load_rollers(wheel, placed, disk, rates, beside, found):
+    """The bearings of all rollers into found, by what loads them `beside` (6, N) as in the air at these rates."""
+    carried = carried_by(wheel, disk)
+    for i in range(wheel.rollers):
+        air = roller_in_air(wheel, mounted_at(placed, i), disk, carried, rates[i])
+        force = plus(air.force, Vec3(beside[0, i], beside[1, i], beside[2, i]))
+        moment = plus(air.moment, Vec3(beside[3, i], beside[4, i], beside[5, i]))
+        enter(found, i + 1, ROLLER_AXIAL, Wrench3(moment, force))
+
+
+@kernel
 def roller_in_air(wheel, mounting, disk, carried, axial_rate):
     """The Wrench3 by which its bearing moves a roller that keeps this absolute axial rate (rad/s), along d, a x d and
     a."""
@@ -265,11 +295,3 @@ def roller_in_air(wheel, mounting, disk, carried, axial_rate):
     faster = wheel.axial_inertia * axial_rate - across * rate.z
     moment = Vec3(across * bent.x + faster * rate.y, across * bent.y - faster * rate.x, 0.0)
     return Wrench3(moment, own(wheel, mounting, force))
-
-
-@kernel
-def keep(found, joint, wrench):
-    """A Wrench3 into found (2, 3, N + 1) as that of a joint: force, N, and moment, N m."""
-    force, moment = wrench.force, wrench.moment
-    found[0, 0, joint], found[0, 1, joint], found[0, 2, joint] = force.x, force.y, force.z
-    found[1, 0, joint], found[1, 1, joint], found[1, 2, joint] = moment.x, moment.y, moment.z

@@ -227,7 +227,7 @@ class Workspace(NamedTuple):
     contacts: (2 W,) records CONTACT, two for each wheel. parts: (W,) records PART. loads: record LOADS. resting (2,):
     records RESTING of the contacts of one wheel; None with a smooth law, under which none comes to rest. articulated
     (W,): records ARTICULATED, joints (W, N + 1): records JOINT of each wheel's disk and rollers; None in the reduced
-    formulation. bearings (2, 3, N + 1): loads of the bearings of the wheel that is looked at, bearing_loads.py.
+    formulation. beside (6, N): loads of the rollers of the wheel that is looked at, bearing_loads.py.
     """
 
     contacts: np.recarray
@@ -236,7 +236,7 @@ class Workspace(NamedTuple):
     resting: np.recarray | None
     articulated: np.recarray | None
     joints: np.recarray | None
-    bearings: np.ndarray
+    beside: np.ndarray
 
 
 class Parameters(NamedTuple):

@@ -12,8 +12,9 @@ import numpy as np
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import plus
-from omnisim.dynamics.bearing_loads import AXIAL, ROLLER_AXIAL, load_bearings, moving
+from omnisim.dynamics.bearing_loads import load_bearings, moving
 from omnisim.dynamics.indices import contact_count
+from omnisim.dynamics.joint_loads import LEAST_AXIAL, MOST_AXIAL, RADIAL_SQUARE, TILTING_SQUARE
 from omnisim.dynamics.spatial.bearing_loads import recover_in_space
 from omnisim.dynamics.spatial.pose import body_of, vector
 from omnisim.dynamics.spatial.pose import outward as spatial_outward
@@ -27,7 +28,6 @@ LEAST, MOST = range(2)
 OF_WHEELS = ("normal_force", "drive_torque", "drive_power")
 OF_MOTORS = ("voltage", "current", "electrical_power")
 LENGTHS = {"friction_force": "friction_square", "slip_velocity": "slip_square"}
-RADIAL_SQUARE, LEAST_AXIAL, MOST_AXIAL, TILTING_SQUARE = range(4)
 POSITION_SQUARE, LEAST_YAW, MOST_YAW = range(3)
 
 
@@ -142,35 +142,16 @@ def follow_odometry(parameters, y, found):
 @outlined
 def follow_bearings(parameters, run, found):
     """The loads of every bearing into found (W, 4, N + 1): across its axis and along it, N, and tilting, N m."""
-    loads = parameters.workspace.bearings
     if parameters.space is None:
         body = body_motion(parameters, run.y)
         machine = moving(parameters, body, run.y, run.slopes[0])
     for w in range(len(run.mode)):
         if parameters.space is not None:
             release(parameters, run, w)
-            recover_in_space(parameters, run.mode[w], w, run.y, run.slopes[0], run.rates[w], loads)
+            recover_in_space(parameters, run.mode[w], w, run.y, run.slopes[0], run.rates[w], found[w])
         else:
             release_rollers(parameters, run, w)
-            load_bearings(parameters, run.mode[w], w, machine, run.rates[w], loads)
-        follow_joints(loads, AXIAL, 0, 1, found[w])
-        follow_joints(loads, ROLLER_AXIAL, 1, parameters.wheels[w].rollers, found[w])
-
-
-@kernel
-def follow_joints(loads, axial, first, count, found):
-    """The same of so many joints from `first` on, by forces and moments (2, 3, N + 1) along their own directions, of
-    which one is `axial`."""
-    one, other = (axial + 1) % 3, (axial + 2) % 3
-    for i in range(count):
-        joint = first + i
-        radial = loads[0, one, joint] ** 2 + loads[0, other, joint] ** 2
-        tilting = loads[1, one, joint] ** 2 + loads[1, other, joint] ** 2
-        along = loads[0, axial, joint]
-        found[RADIAL_SQUARE, joint] = max(found[RADIAL_SQUARE, joint], radial)
-        found[TILTING_SQUARE, joint] = max(found[TILTING_SQUARE, joint], tilting)
-        found[LEAST_AXIAL, joint] = min(found[LEAST_AXIAL, joint], along)
-        found[MOST_AXIAL, joint] = max(found[MOST_AXIAL, joint], along)
+            load_bearings(parameters, run.mode[w], w, machine, run.rates[w], found[w])
 
 
 def extremes_of(quantity: str, extremes: np.ndarray) -> dict[str, np.ndarray]:

@@ -27,7 +27,7 @@ def march_each(many, method, runs, rows, log, first, last):
         if runs.newton is not None:
             matrices = n.stages[i], n.real[i], n.complex[i], n.pivots[i]
             newton = Newton(n.active[i], n.busy[i], *matrices, n.sought[i])
-        workspace = Workspace(w.contacts[i], w.parts[i], w.loads[i], resting, bodies, joints, w.bearings[i])
+        workspace = Workspace(w.contacts[i], w.parts[i], w.loads[i], resting, bodies, joints, w.beside[i])
         geometry = many.machine[i], many.wheels[i], many.roller_rows[i], many.sector[i]
         parameters = Parameters(*geometry, many.starts[i], many.inputs[i], workspace, None)  # upright, all of them
         vectors = runs.y[i], runs.trial[i], runs.carry[i], runs.increment[i], runs.slopes[i]

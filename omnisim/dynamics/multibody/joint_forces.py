@@ -7,6 +7,7 @@ from omnisim.base.kernel import kernel
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3, combine, cross, dot, minus, plus, times
 from omnisim.contact.frame import axes, spoke
+from omnisim.dynamics.joint_loads import AXIAL, ROLLER_AXIAL, enter
 from omnisim.dynamics.multibody.elimination import UP, Wrench3, across_axis
 from omnisim.dynamics.multibody.rigid_body import needed_wrench
 from omnisim.dynamics.state import places
@@ -81,22 +82,28 @@ def keep_joint(record, moment, force):
 
 @kernel
 def resolve_joints(parameters, w, y, found):
-    """The joints of wheel w in the workspace along their own axes: found (2, 3, N + 1), force (N) and moment (N m)."""
+    """The joints of wheel w in the workspace along their own axes, of its axle first, into found (joint_loads.py)."""
     wheel = parameters.wheels[w]
     at = places(parameters)
     joints = parameters.workspace.joints
     frame = world_frame(wheel, body_motion(parameters, y))
     h, k, up = axes(frame)
-    resolve(joints[w, 0], h, k, up, found, 0)
+    enter(found, 0, AXIAL, resolved(joints[w, 0], h, k, up))
     for i in range(wheel.rollers):
         d, lateral, axis = mounting(wheel, frame, azimuth_of(parameters, w, i, y[at.spin_angle + w]))
-        resolve(joints[w, i + 1], d, lateral, axis, found, i + 1)
+        enter(found, i + 1, ROLLER_AXIAL, resolved(joints[w, i + 1], d, lateral, axis))
 
 
 @kernel
-def resolve(record, first, second, third, found, joint):
-    """A record JOINT along three directions."""
-    for kind, vector in enumerate((record.force, record.moment)):
-        own = Vec3(vector[0], vector[1], vector[2])
-        found[kind, 0, joint], found[kind, 1, joint] = dot(own, first), dot(own, second)
-        found[kind, 2, joint] = dot(own, third)
+def resolved(record, first, second, third):
+    """The Wrench3 of a record JOINT along three directions."""
+    moment, force = vector(record.moment), vector(record.force)
+    return Wrench3(
+        Vec3(dot(moment, first), dot(moment, second), dot(moment, third)),
+        Vec3(dot(force, first), dot(force, second), dot(force, third)),
+    )
+
+
+@kernel
+def vector(values):
+    return Vec3(values[0], values[1], values[2])

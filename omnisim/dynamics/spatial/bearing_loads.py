@@ -7,7 +7,17 @@ right-hand side has left in `touches`.
 
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.vector import combine, cross, minus, plus, times
-from omnisim.dynamics.bearing_loads import AXLE, DiskMotion, centre_of, keep, load_by_floor, load_in_air, mounted_at
+from omnisim.dynamics.bearing_loads import (
+    AXLE,
+    back,
+    centre_of,
+    load_axle,
+    load_by_floor,
+    load_rollers,
+    mounted_at,
+    turned,
+)
+from omnisim.dynamics.joint_loads import AXIAL, enter
 from omnisim.dynamics.multibody.elimination import Wrench3
 from omnisim.dynamics.spatial.acceleration import hub_acceleration
 from omnisim.dynamics.spatial.pose import body_of, inward, mounted, tangent_of, vector
@@ -18,21 +28,23 @@ from omnisim.dynamics.state import places
 
 @outlined
 def recover_in_space(parameters, mode, w, y, dy, rates, found):
-    """Force and moment of the bearings of wheel w: found (2, 3, N + 1), of the axle first, N and N m; rates (N,):
-    absolute axial rates of its rollers, rad/s."""
+    """Force and moment of the bearings of wheel w, of the axle first, into found (joint_loads.py); rates (N,): absolute
+    axial rates of its rollers, rad/s."""
     every, wheel, placed = parameters.machine.every_rate, parameters.wheels[w], parameters.space.disk[w]
+    beside = parameters.workspace.beside
     disk = motion_in_space(parameters, w, standing(parameters, w, body_of(parameters, y), y), y, dy)
-    axle = load_in_air(wheel, placed, disk, rates, every, dy, found)
+    axle = load_axle(wheel, placed, disk, rates, every, dy, beside)
     for c in range(mode.contacts):
         slot, first = mode.slot[c], True
         for other in range(c):  # two contacts of one roller have one rate
             first = first and mode.slot[other] != slot
         i = mode.roller[slot]
         rolling = dy[wheel.rates + slot] if first and not every else 0.0
-        mounting = mounted_at(placed, i, disk)
-        ground = ground_at(parameters.space.touches[w * SLOTS + c], centre_of(wheel, mounting))
-        axle = load_by_floor(wheel, mounting, ground, rolling, axle, i, found)
-    keep(found, 0, axle)
+        mounting = mounted_at(placed, i)
+        ground = ground_at(parameters.space.touches[w * SLOTS + c], back(centre_of(wheel, mounting), disk))
+        axle = load_by_floor(wheel, mounting, disk, ground, rolling, axle, i, beside)
+    load_rollers(wheel, placed, disk, rates, beside, found)
+    enter(found, 0, AXIAL, axle)
 
 
 @kernel
@@ -44,7 +56,7 @@ def motion_in_space(parameters, w, stand, y, dy):
     spin = dy[places(parameters).spin_rate + w]
     bent = combine(1.0, inward(axes, turning), spin, AXLE, stand.spin_rate, cross(stand.hub.rate, AXLE))
     rate = plus(stand.hub.rate, times(stand.spin_rate, AXLE))
-    return DiskMotion(rate, inward(axes, linear), bent, stand.cos, -stand.sin)
+    return turned(rate, inward(axes, linear), bent, stand.cos, -stand.sin)
 
 
 @kernel
