@@ -39,9 +39,10 @@ from omnisim.dynamics.multibody.elimination import Wrench3
 from omnisim.dynamics.multibody.joint_forces import floor_force, resolve_joints
 from omnisim.dynamics.state import places
 from omnisim.dynamics.twist import Acceleration, Twist, wheel_motion
-from omnisim.dynamics.wheel import azimuth
+from omnisim.dynamics.wheel import azimuth, spin_momentum
 
 AXLE = Vec3(0.0, 1.0, 0.0)
+NOTHING = Vec3(0.0, 0.0, 0.0)
 
 
 class Moving(NamedTuple):
@@ -114,10 +115,15 @@ def load_bearings(parameters, mode, w, machine, rates, found):
 def recover(parameters, mode, w, machine, rates, found):
     """The same from the motion and the floor's forces."""
     every, wheel, placed = parameters.machine.every_rate, parameters.wheels[w], parameters.sector[w]
+    row, spin_angle = parameters.roller_rows[mode.row[0]], machine.y[places(parameters).spin_angle + w]
+    cos_q, sin_q = cos_sin(azimuth(wheel, row, mode.roller, spin_angle))  # of what touches, so its angle is small
+    disk = disk_motion(parameters, mode, w, machine, cos_q, sin_q)
     beside = parameters.workspace.beside
-    disk = disk_motion(parameters, mode, w, machine)
-    axle = load_axle(wheel, placed, disk, rates, every, machine.dy, beside)
-    part = parameters.workspace.parts[w]
+    if every:
+        spin, spun = spins(wheel, placed, rates, 0), spin_up(wheel, placed, machine.dy, beside)
+    else:
+        spin, spun = there(spin_momentum(parameters, mode, w, cos_q, sin_q, machine.y), disk.cos, disk.sin), NOTHING
+    axle, part = Wrench3(NOTHING, NOTHING), parameters.workspace.parts[w]
     for side in range(part.contacts):
         i = mode.index[side]
         contact = parameters.workspace.contacts[part.first + side]
@@ -126,18 +132,18 @@ def recover(parameters, mode, w, machine, rates, found):
         rolling = 0.0 if every else machine.dy[wheel.rates + side]
         axle = load_by_floor(wheel, mounted_at(placed, i), disk, floor, rolling, axle, i, beside)
     load_rollers(wheel, placed, disk, rates, beside, found)
-    enter(found, 0, AXIAL, axle)
+    enter(found, 0, AXIAL, load_axle(wheel, disk, spin, spun, axle))
+    for side in range(part.contacts):
+        unload(beside, mode.index[side])
 
 
 @kernel
-def disk_motion(parameters, mode, w, machine):
-    """The DiskMotion of wheel w, upright."""
+def disk_motion(parameters, mode, w, machine, cos_q, sin_q):
+    """The DiskMotion of wheel w, upright; cos_q, sin_q: of contact 0."""
     wheel, at = parameters.wheels[w], places(parameters)
     spin, bent, yaw_rate = machine.y[at.spin_rate + w], machine.dy[at.spin_rate + w], machine.twist.yaw
     motion = wheel_motion(wheel, machine.twist, machine.felt, bent, 0.0)
     touching = mounted_at(parameters.sector[w], mode.index[0])
-    row = parameters.roller_rows[mode.row[0]]
-    cos_q, sin_q = cos_sin(azimuth(wheel, row, mode.roller, machine.y[at.spin_angle + w]))  # so its angle is small
     return turned(
         Vec3(0.0, spin, yaw_rate),
         Vec3(motion.h, motion.k, parameters.machine.gravity),
@@ -166,13 +172,16 @@ def back(vector, disk):
 
 
 @kernel
-def load_axle(wheel, placed, disk, rates, every, dy, beside):
-    """The Wrench3 of an axle whose rollers are in the air, along h, k and n; so it begins what loads these `beside`,
-    (6, N): force and moment along their own directions. placed (3, N): cosine and sine of q, and offsets, m. every:
-    whether their rates are states; else they keep them."""
+def unload(beside, i):
+    """Nothing loads roller i `beside` any more."""
     for load in range(6):
-        for i in range(wheel.rollers):
-            beside[load, i] = 0.0
+        beside[load, i] = 0.0
+
+
+@kernel
+def load_axle(wheel, disk, spin, spun, axle):
+    """The Wrench3 of an axle along h, k and n by that of the floor and of p' by it. spin, spun: sum Ia p a of all
+    rollers (N m s), and sum Ia p' a of what the floor does not do (N m), along h', k and n'."""
     rate, angular, more = disk.rate, disk.angular, wheel.axle_inertia - wheel.diameter_inertia
     gyroscopic = more * rate.y
     moment = Vec3(
@@ -180,15 +189,19 @@ def load_axle(wheel, placed, disk, rates, every, dy, beside):
         wheel.axle_inertia * angular.y,
         wheel.diameter_inertia * angular.z + gyroscopic * rate.x,
     )
-    moment = plus(moment, cross(rate, spins(wheel, placed, rates, 0)))
-    if every:
-        for i in range(wheel.rollers):
-            beside[3 + ROLLER_AXIAL, i] = wheel.axial_inertia * dy[wheel.rates + i]
-        moment = plus(moment, spins(wheel, placed, dy, wheel.rates))
     aside = wheel.mass * wheel.shift
-    moment = plus(moment, Vec3(aside * disk.linear.z, 0.0, -aside * disk.linear.x))
+    about = Vec3(aside * disk.linear.z, 0.0, -aside * disk.linear.x)
+    moment = plus(plus(moment, about), plus(spun, cross(rate, spin)))
     force = combine(wheel.mass, disk.linear, aside, added(disk).k, 0.0, disk.linear)
-    return Wrench3(back(moment, disk), back(force, disk))
+    return Wrench3(plus(axle.moment, back(moment, disk)), plus(axle.force, back(force, disk)))
+
+
+@kernel
+def spin_up(wheel, placed, dy, beside):
+    """p' of all rollers, whose rates are states, begins what loads them `beside`; sum Ia p' a (Vec3, N m)."""
+    for i in range(wheel.rollers):
+        beside[3 + ROLLER_AXIAL, i] = wheel.axial_inertia * dy[wheel.rates + i]
+    return spins(wheel, placed, dy, wheel.rates)
 
 
 @kernel
@@ -275,7 +288,8 @@ def added(disk):
 
 @kernel
 def load_rollers(wheel, placed, disk, rates, beside, found):
-    """The bearings of all rollers into found, by what loads them `beside` (6, N) as in the air at these rates."""
+    """The bearings of all rollers into found, as in the air at these rates and by what loads them `beside`, (6, N):
+    force, N, and moment, N m, along their own directions."""
     carried = carried_by(wheel, disk)
     for i in range(wheel.rollers):
         air = roller_in_air(wheel, mounted_at(placed, i), disk, carried, rates[i])

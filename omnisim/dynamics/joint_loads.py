@@ -21,10 +21,17 @@ def enter(found, joint, axial, wrench):
         found[1, 0, joint], found[1, 1, joint], found[1, 2, joint] = moment.x, moment.y, moment.z
     else:
         along = force.z if axial == ROLLER_AXIAL else force.y
-        found[RADIAL_SQUARE, joint] = max(found[RADIAL_SQUARE, joint], across_square(force, axial))
-        found[TILTING_SQUARE, joint] = max(found[TILTING_SQUARE, joint], across_square(moment, axial))
-        found[LEAST_AXIAL, joint] = min(found[LEAST_AXIAL, joint], along)
-        found[MOST_AXIAL, joint] = max(found[MOST_AXIAL, joint], along)
+        found[RADIAL_SQUARE, joint] = anew(max(found[RADIAL_SQUARE, joint], across_square(force, axial)))
+        found[TILTING_SQUARE, joint] = anew(max(found[TILTING_SQUARE, joint], across_square(moment, axial)))
+        found[LEAST_AXIAL, joint] = anew(min(found[LEAST_AXIAL, joint], along))
+        found[MOST_AXIAL, joint] = anew(max(found[MOST_AXIAL, joint], along))
+
+
+@kernel
+def anew(value):
+    """The same number, and no longer the one that was there: LLVM would store only where it changes, under a mask, for
+    which AMD processors take longer than for all the rest of a load."""
+    return value + 0.0
 
 
 @kernel

@@ -131,14 +131,18 @@ def on_row(contact, row):
 @kernel
 def all_rollers(parameters, mode, w, state, y):
     """The Rollers of wheel w; state: the ContactState of contact 0."""
-    machine = parameters.machine
+    if parameters.machine.bearing_friction:
+        return bearing_rollers(parameters, mode, w, state, y)
+    g = spin_momentum(parameters, mode, w, state.cos_q, state.sin_q, y)
+    return Rollers(g.x, g.y, g.z, 0.0, 0.0, 0.0, 0.0)
+
+
+@kernel
+def spin_momentum(parameters, mode, w, cos_q, sin_q, y):
+    """G of rollers without friction in their bearings, along h, k and n (Vec3, N m s); cos_q, sin_q: of contact 0."""
     wheel = parameters.wheels[w]
-    cos_q = state.cos_q
-    sin_q = state.sin_q
     across = -wheel.cos_psi * wheel.axial_inertia
     along = wheel.axial_inertia * wheel.sin_psi
-    if machine.bearing_friction:
-        return bearing_rollers(parameters, mode, w, state, y)
     rate = y[rate_place(parameters, mode, w, 0)]
     cos_sum = mode.air_cos + rate
     sin_sum = mode.air_sin
@@ -149,9 +153,9 @@ def all_rollers(parameters, mode, w, state, y):
         cos_sum = cos_sum + rate * math.cos(angle)
         sin_sum = sin_sum + rate * math.sin(angle)
         total = total + rate
-    g_h = across * (cos_q * cos_sum - sin_q * sin_sum)
-    g_n = across * (sin_q * cos_sum + cos_q * sin_sum)
-    return Rollers(g_h, along * total, g_n, 0.0, 0.0, 0.0, 0.0)
+    return Vec3(
+        across * (cos_q * cos_sum - sin_q * sin_sum), along * total, across * (sin_q * cos_sum + cos_q * sin_sum)
+    )
 
 
 @outlined

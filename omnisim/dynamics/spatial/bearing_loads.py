@@ -9,13 +9,17 @@ from omnisim.base.kernel import kernel, outlined
 from omnisim.base.vector import combine, cross, minus, plus, times
 from omnisim.dynamics.bearing_loads import (
     AXLE,
+    NOTHING,
     back,
     centre_of,
     load_axle,
     load_by_floor,
     load_rollers,
     mounted_at,
+    spin_up,
+    spins,
     turned,
+    unload,
 )
 from omnisim.dynamics.joint_loads import AXIAL, enter
 from omnisim.dynamics.multibody.elimination import Wrench3
@@ -32,8 +36,9 @@ def recover_in_space(parameters, mode, w, y, dy, rates, found):
     axial rates of its rollers, rad/s."""
     every, wheel, placed = parameters.machine.every_rate, parameters.wheels[w], parameters.space.disk[w]
     beside = parameters.workspace.beside
+    spun = spin_up(wheel, placed, dy, beside) if every else NOTHING
+    axle = Wrench3(NOTHING, NOTHING)
     disk = motion_in_space(parameters, w, standing(parameters, w, body_of(parameters, y), y), y, dy)
-    axle = load_axle(wheel, placed, disk, rates, every, dy, beside)
     for c in range(mode.contacts):
         slot, first = mode.slot[c], True
         for other in range(c):  # two contacts of one roller have one rate
@@ -44,7 +49,9 @@ def recover_in_space(parameters, mode, w, y, dy, rates, found):
         ground = ground_at(parameters.space.touches[w * SLOTS + c], back(centre_of(wheel, mounting), disk))
         axle = load_by_floor(wheel, mounting, disk, ground, rolling, axle, i, beside)
     load_rollers(wheel, placed, disk, rates, beside, found)
-    enter(found, 0, AXIAL, axle)
+    enter(found, 0, AXIAL, load_axle(wheel, disk, spins(wheel, placed, rates, 0), spun, axle))
+    for c in range(mode.contacts):
+        unload(beside, mode.roller[mode.slot[c]])
 
 
 @kernel
