@@ -28,6 +28,8 @@ from numba.core.typed_passes import NativeLowering
 from numba.core.types.functions import BaseFunction
 from numba.core.untyped_passes import RewriteSemanticConstants
 
+from omnisim.base.machine_code import codegen_of
+
 
 @register_pass(mutates_CFG=False, analysis_only=False)
 class FoldAbsent(FunctionPass):
@@ -218,7 +220,7 @@ class KernelLowering(NativeLowering):
         function.unique_id = 0
         context.mangler = mangled
         try:
-            return self.lower(state, context.codegen(), function)
+            return self.lower(state, codegen_of(context), function)
         finally:
             del context.mangler
 
@@ -329,7 +331,7 @@ class PartResults(CompileResultCacheImpl):
 
     def rebuild(self, target_context, payload):
         name, source, inlined, code, calls, descriptor, environment, signature = payload
-        part = Part(target_context.codegen(), name, source, inlined, descriptor.mangled_name)
+        part = Part(codegen_of(target_context), name, source, inlined, descriptor.mangled_name)
         part._final_module = llvm.parse_bitcode(code)
         part.calls = calls
         part._finalized = True
