@@ -53,7 +53,8 @@ def clock_at_start(time: Time, method: Method, choice: int, parameters: Paramete
     """The record CLOCK at t = 0."""
     clock = single(CLOCK, bytearray(clock_of(time, method, choice)))
     part = min(1.0, float(clock["dt"]) / coarse_step(parameters, choice))
-    clock["fineness"] = fineness(part, choice, method.tableau, parameters.workspace.resting is None)
+    smooth, layered = parameters.workspace.resting is None, parameters.machine.slip_layer > 0.0
+    clock["fineness"] = fineness(part, choice, method.tableau, smooth, layered)
     clock["aligned"] = alignment(part, choice, method.tableau.order)
     clock["ended"] = ending(part, method.tableau)
     clock["stopping"] = stopping_alignment(part, choice, method.tableau.order)

@@ -30,6 +30,7 @@ OUTRUN = 20.0  # stable steps by the end of an explicit one that is taken again 
 # steps. With these, machines whose wheels slip take about the least right-hand sides for equal errors: by sub-steps
 # twice as long rk4 takes a fifth more, dopri5 a third.
 FINENESS = {"heun": 1.0, "rk4": 0.5, "dopri5": 0.28, "bs5": 0.5}
+LAYERED = 0.8  # the same of explicit steps of "auto" through a thin layer, within which slip comes to its end by itself
 TURN_BEGINS = 2.0  # times the sine by which slip changes its direction: where it turns back, it is none for an instant
 AUTO_STIFF = 4.0  # relaxation of slip within a step, beyond which "auto" makes it implicit
 AUTO_ACCURATE = 0.5  # and up to which its explicit steps go
@@ -140,13 +141,13 @@ def slip_fraction(coarsest, pace, clock):
     return coarsest if less >= ratio**5 else largest_slip * less**0.2
 
 
-def fineness(part: float, choice: int, tableau: Tableau, smooth: bool) -> float:
+def fineness(part: float, choice: int, tableau: Tableau, smooth: bool, layered: bool) -> float:
     """Part of the coarsest fraction that a step allows for the largest slip: ~ dt of explicit methods, and ~ dt^(3/4)
     of the others, whose fraction is less and whose steps cost more. part: the step by a coarse one, at most 1; smooth:
-    the law, whose layer near zero slip turns motion into heat that is accounted for."""
+    the law, whose layer near zero slip turns motion into heat that is accounted for; layered: it has a thin layer."""
     if choice != EXPLICIT:
         return min(part**0.75, LAYER) if smooth else part**0.75
-    return FINENESS[tableau.name] * part
+    return (LAYERED if layered else FINENESS[tableau.name]) * part
 
 
 @kernel
