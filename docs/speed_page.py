@@ -43,10 +43,11 @@ is a share of a larger one, whose neighbours slow both sides of a ratio, and omn
 then: of `coulomb_wheel`, with errors below 1e-6, four benches of one evening said 10900, 9730, 10200 and 10200, of the platform
 below 1e-9 535, 507, 500 and 510; on a busier machine, the day before, 3250 to 6900 and 184 to 319, of much the same code; on an
 EPYC of the first generation 3245 and 174. Sections are of different days and processors, and say so; errors and orders, the same
-on every machine, are those of the [last day](precision.md#errors-and-orders). Times of scenes that slip are those before sub-steps of
-slip became finer and machine code shorter. Both measured in one hour on an EPYC of the first generation, later code takes 0.92 of
-the time of that code for errors below 1e-6 on `coulomb_wheel`, 0.90 near the limit below 1e-5, 0.86 and 0.90 on the platform below
-1e-5 and 1e-9; at one step 0.8 to 1.3 of it near the limit, where `rk4` and `dopri5` then err by a tenth."""
+on every machine, are those of the [last day](precision.md#errors-and-orders). Times of scenes that slip are older than finer sub-steps of
+slip. The code of these times and the present one, both run on an EPYC of the first generation in one afternoon: the present one takes
+0.97 of the time for errors below 1e-6 on `coulomb_wheel`, 0.99 for errors below 1e-5 near the limit, 0.96 and 1.02 for errors below 1e-5
+and 1e-9 on the platform, 1.10 on the authors' vehicle; at one and the same step up to 1.4 near the limit, where errors of `rk4` and
+`dopri5` are a tenth of what they were."""
 CLAIMS = """A target is what is aimed at. Beyond its alarm a value is no noise of a machine; `python -m bench --check` fails."""
 
 

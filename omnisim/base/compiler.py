@@ -28,8 +28,6 @@ from numba.core.typed_passes import NativeLowering
 from numba.core.types.functions import BaseFunction
 from numba.core.untyped_passes import RewriteSemanticConstants
 
-from omnisim.base.machine_code import codegen_of
-
 
 @register_pass(mutates_CFG=False, analysis_only=False)
 class FoldAbsent(FunctionPass):
@@ -198,10 +196,12 @@ def reached(parts, through=lambda _: True):
     def visit(part):
         if part in found:
             return
+        found[part] = None
         if through(part):
             for call in part.called():
                 visit(call)
-        found[part] = None
+        del found[part]
+        found[part] = None  # after those that it calls
 
     for part in parts:
         visit(part)
@@ -220,7 +220,7 @@ class KernelLowering(NativeLowering):
         function.unique_id = 0
         context.mangler = mangled
         try:
-            return self.lower(state, codegen_of(context), function)
+            return self.lower(state, context.codegen(), function)
         finally:
             del context.mangler
 
@@ -331,7 +331,7 @@ class PartResults(CompileResultCacheImpl):
 
     def rebuild(self, target_context, payload):
         name, source, inlined, code, calls, descriptor, environment, signature = payload
-        part = Part(codegen_of(target_context), name, source, inlined, descriptor.mangled_name)
+        part = Part(target_context.codegen(), name, source, inlined, descriptor.mangled_name)
         part._final_module = llvm.parse_bitcode(code)
         part.calls = calls
         part._finalized = True

@@ -22,7 +22,6 @@ from numba.core.registry import CPUDispatcher
 from numba.core.types import unliteral
 
 from omnisim.base.compiler import EntryCompiler, PartCompiler, PartResults
-from omnisim.base.machine_code import EntryResults
 
 NAME = re.compile(r"[\w.]+")
 OPTIONS = {
@@ -184,8 +183,7 @@ class Kernel(CPUDispatcher):
 
     @cached_property
     def entry(self):
-        dispatcher = CPUDispatcher(self.py_func, targetoptions=dict(OPTIONS), pipeline_class=EntryCompiler)
-        return cached(dispatcher, EntryResults, ".entry")
+        return cached(CPUDispatcher(self.py_func, targetoptions=dict(OPTIONS), pipeline_class=EntryCompiler), ".entry")
 
     def compile(self, signature):
         """Compile for the types of the arguments alone.
@@ -200,11 +198,13 @@ def compiled(function, inline):
     if numba_config.DISABLE_JIT:
         return function
     options = OPTIONS | {"forceinline": inline}
-    return cached(Kernel(function, targetoptions=options, pipeline_class=PartCompiler), PartResults)
+    dispatcher = cached(Kernel(function, targetoptions=options, pipeline_class=PartCompiler))
+    dispatcher._cache._impl.__class__ = PartResults
+    return dispatcher
 
 
-def cached(dispatcher, results, kind=""):
-    """A dispatcher that keeps what it compiles. results: how, a class of Numba's CompileResultCacheImpl.
+def cached(dispatcher, kind=""):
+    """A dispatcher that keeps what it compiles.
 
     Numba reads its cache folder here, so the setting is put back at once: other packages keep theirs.
     """
@@ -214,7 +214,6 @@ def cached(dispatcher, results, kind=""):
         dispatcher.enable_caching()
     finally:
         numba_config.CACHE_DIR = theirs
-    dispatcher._cache._impl.__class__ = results
     files = dispatcher._cache._cache_file
     files.__class__, files.kind = KernelFiles, kind
     return dispatcher

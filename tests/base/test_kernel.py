@@ -2,7 +2,6 @@
 
 import os
 import pkgutil
-import platform
 import shutil
 import subprocess
 import sys
@@ -308,40 +307,6 @@ def test_what_a_call_that_never_comes_also_needs_is_linked(package, tmp_path):
         [sys.executable, "-B", "-c", program], cwd=tmp_path, env=environment, capture_output=True, text=True
     )
     assert (done.returncode, done.stdout) == (0, "7.0\n")
-
-
-CLOSE = """
-from omnisim.base.kernel import kernel
-@kernel
-def near(x):
-    return 1.2345678 * x + 0.7654321
-@kernel
-def far(x):
-    return 8.7654321 * x + 0.1234567
-"""
-CLOSE_PROGRAM = """
-import numpy as np
-from omnisim.close import far, near
-found = [near(1.0)]
-held = [np.empty(3 << 30, np.uint8) for _ in range(4)]  # 12 GiB of addresses, of which nothing is used
-found.append(far(1.0))
-(result,) = far.entry.overloads.values()
-print(*found, type(result.library.codegen).__name__)
-"""
-
-
-@pytest.mark.skipif((sys.platform, platform.machine()) != ("linux", "x86_64"), reason="elsewhere Numba places code")
-def test_code_and_its_numbers_lie_together_wherever_there_is_room(package, tmp_path):
-    """Compiled and loaded from disk, with so much in memory between two kernels that four bytes do not reach across."""
-    environment = {**os.environ, "PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-    (package / "close.py").write_text(CLOSE)
-    for _ in range(2):
-        done = subprocess.run(
-            [sys.executable, "-B", "-c", CLOSE_PROGRAM], cwd=tmp_path, env=environment, capture_output=True, text=True
-        )
-        near, far, codegen = done.stdout.split()
-        assert (float(near), float(far)) == pytest.approx((1.9999999, 8.8888888), rel=1e-15)
-        assert codegen == "CloseCodegen"
 
 
 def test_other_packages_keep_their_own_cache_setting():
