@@ -128,9 +128,10 @@ def recover(parameters, mode, w, machine, rates, found):
         i = mode.index[side]
         contact = parameters.workspace.contacts[part.first + side]
         force, torque = floor_force(part, contact)
-        floor = Wrench3(plus(cross(Vec3(0.0, contact.l, -wheel.radius), force), torque), force)
+        moment = plus(cross(Vec3(0.0, contact.l, -wheel.radius), force), torque)
+        floor = Wrench3(there(moment, disk.cos, disk.sin), there(force, disk.cos, disk.sin))
         rolling = 0.0 if every else machine.dy[wheel.rates + side]
-        axle = load_by_floor(wheel, mounted_at(placed, i), disk, floor, rolling, axle, i, beside)
+        axle = load_by_floor(wheel, mounted_at(placed, i), floor, rolling, axle, i, beside)
     load_rollers(wheel, placed, disk, rates, beside, found)
     enter(found, 0, AXIAL, load_axle(wheel, disk, spin, spun, axle))
     for side in range(part.contacts):
@@ -180,8 +181,8 @@ def unload(beside, i):
 
 @kernel
 def load_axle(wheel, disk, spin, spun, axle):
-    """The Wrench3 of an axle along h, k and n by that of the floor and of p' by it. spin, spun: sum Ia p a of all
-    rollers (N m s), and sum Ia p' a of what the floor does not do (N m), along h', k and n'."""
+    """The Wrench3 of an axle along h, k and n. All else along h', k and n'; axle: that of the floor and of p' by it;
+    spin, spun: sum Ia p a of all rollers (N m s), and sum Ia p' a of what the floor does not do (N m)."""
     rate, angular, more = disk.rate, disk.angular, wheel.axle_inertia - wheel.diameter_inertia
     gyroscopic = more * rate.y
     moment = Vec3(
@@ -193,7 +194,7 @@ def load_axle(wheel, disk, spin, spun, axle):
     about = Vec3(aside * disk.linear.z, 0.0, -aside * disk.linear.x)
     moment = plus(plus(moment, about), plus(spun, cross(rate, spin)))
     force = combine(wheel.mass, disk.linear, aside, added(disk).k, 0.0, disk.linear)
-    return Wrench3(plus(axle.moment, back(moment, disk)), plus(axle.force, back(force, disk)))
+    return Wrench3(back(plus(axle.moment, moment), disk), back(plus(axle.force, force), disk))
 
 
 @kernel
@@ -218,21 +219,20 @@ def spins(wheel, placed, values, first):
 
 
 @kernel
-def load_by_floor(wheel, mounting, disk, floor, rolling, axle, i, beside):
-    """What the floor does to roller i (a Wrench3 about O along h, k and n), and p' by it (rad/s^2), into what loads it
-    `beside`, and into the load of its axle, which is returned."""
+def load_by_floor(wheel, mounting, floor, rolling, axle, i, beside):
+    """What the floor does to roller i (a Wrench3 about O), and p' by it (rad/s^2), into what loads it `beside`, and
+    into the load of its axle, which is returned; along h', k and n'."""
     spun = wheel.axial_inertia * rolling
-    pushed = there(floor.force, disk.cos, disk.sin)
-    about = minus(there(floor.moment, disk.cos, disk.sin), cross(centre_of(wheel, mounting), pushed))
-    force, moment = own(wheel, mounting, pushed), own(wheel, mounting, about)
+    about = minus(floor.moment, cross(centre_of(wheel, mounting), floor.force))
+    force, moment = own(wheel, mounting, floor.force), own(wheel, mounting, about)
     beside[0, i] -= force.x
     beside[1, i] -= force.y
     beside[2, i] -= force.z
     beside[3, i] -= moment.x
     beside[4, i] -= moment.y
     beside[5, i] += spun - moment.z
-    by_spin = times(spun, back(axis_of(wheel, mounting), disk))
-    return Wrench3(plus(axle.moment, minus(by_spin, floor.moment)), minus(axle.force, floor.force))
+    turning = minus(times(spun, axis_of(wheel, mounting)), floor.moment)
+    return Wrench3(plus(axle.moment, turning), minus(axle.force, floor.force))
 
 
 @kernel

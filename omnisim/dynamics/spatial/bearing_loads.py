@@ -18,6 +18,7 @@ from omnisim.dynamics.bearing_loads import (
     mounted_at,
     spin_up,
     spins,
+    there,
     turned,
     unload,
 )
@@ -47,7 +48,8 @@ def recover_in_space(parameters, mode, w, y, dy, rates, found):
         rolling = dy[wheel.rates + slot] if first and not every else 0.0
         mounting = mounted_at(placed, i)
         ground = ground_at(parameters.space.touches[w * SLOTS + c], back(centre_of(wheel, mounting), disk))
-        axle = load_by_floor(wheel, mounting, disk, ground, rolling, axle, i, beside)
+        floor = Wrench3(there(ground.moment, disk.cos, disk.sin), there(ground.force, disk.cos, disk.sin))
+        axle = load_by_floor(wheel, mounting, floor, rolling, axle, i, beside)
     load_rollers(wheel, placed, disk, rates, beside, found)
     enter(found, 0, AXIAL, load_axle(wheel, disk, spins(wheel, placed, rates, 0), spun, axle))
     for c in range(mode.contacts):
