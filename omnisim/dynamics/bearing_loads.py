@@ -175,8 +175,8 @@ def back(vector, disk):
 @kernel
 def unload(beside, i):
     """Nothing loads roller i `beside` any more."""
-    for load in range(6):
-        beside[load, i] = 0.0
+    for direction in range(3):
+        beside[0, direction, i] = beside[1, direction, i] = 0.0
 
 
 @kernel
@@ -201,7 +201,7 @@ def load_axle(wheel, disk, spin, spun, axle):
 def spin_up(wheel, placed, dy, beside):
     """p' of all rollers, whose rates are states, begins what loads them `beside`; sum Ia p' a (Vec3, N m)."""
     for i in range(wheel.rollers):
-        beside[3 + ROLLER_AXIAL, i] = wheel.axial_inertia * dy[wheel.rates + i]
+        beside[1, ROLLER_AXIAL, i] = wheel.axial_inertia * dy[wheel.rates + i]
     return spins(wheel, placed, dy, wheel.rates)
 
 
@@ -225,12 +225,12 @@ def load_by_floor(wheel, mounting, floor, rolling, axle, i, beside):
     spun = wheel.axial_inertia * rolling
     about = minus(floor.moment, cross(centre_of(wheel, mounting), floor.force))
     force, moment = own(wheel, mounting, floor.force), own(wheel, mounting, about)
-    beside[0, i] -= force.x
-    beside[1, i] -= force.y
-    beside[2, i] -= force.z
-    beside[3, i] -= moment.x
-    beside[4, i] -= moment.y
-    beside[5, i] += spun - moment.z
+    beside[0, 0, i] -= force.x
+    beside[0, 1, i] -= force.y
+    beside[0, 2, i] -= force.z
+    beside[1, 0, i] -= moment.x
+    beside[1, 1, i] -= moment.y
+    beside[1, 2, i] += spun - moment.z
     turning = minus(times(spun, axis_of(wheel, mounting)), floor.moment)
     return Wrench3(plus(axle.moment, turning), minus(axle.force, floor.force))
 
@@ -288,13 +288,13 @@ def added(disk):
 
 @kernel
 def load_rollers(wheel, placed, disk, rates, beside, found):
-    """The bearings of all rollers into found, as in the air at these rates and by what loads them `beside`, (6, N):
+    """The bearings of all rollers into found, as in the air at these rates and by what loads them `beside`, (2, 3, N):
     force, N, and moment, N m, along their own directions."""
     carried = carried_by(wheel, disk)
     for i in range(wheel.rollers):
         air = roller_in_air(wheel, mounted_at(placed, i), disk, carried, rates[i])
-        force = plus(air.force, Vec3(beside[0, i], beside[1, i], beside[2, i]))
-        moment = plus(air.moment, Vec3(beside[3, i], beside[4, i], beside[5, i]))
+        force = plus(air.force, Vec3(beside[0, 0, i], beside[0, 1, i], beside[0, 2, i]))
+        moment = plus(air.moment, Vec3(beside[1, 0, i], beside[1, 1, i], beside[1, 2, i]))
         enter(found, i + 1, ROLLER_AXIAL, Wrench3(moment, force))
 
 

@@ -162,7 +162,7 @@ def blank_workspace(config: Config, most: int) -> Workspace:
         resting if coulomb else None,
         articulated if multibody else None,
         joints if multibody else None,
-        np.zeros((6, most)),
+        np.zeros((2, 3, most)),
     )
 
 

@@ -227,7 +227,7 @@ class Workspace(NamedTuple):
     contacts: (2 W,) records CONTACT, two for each wheel. parts: (W,) records PART. loads: record LOADS. resting (2,):
     records RESTING of the contacts of one wheel; None with a smooth law, under which none comes to rest. articulated
     (W,): records ARTICULATED, joints (W, N + 1): records JOINT of each wheel's disk and rollers; None in the reduced
-    formulation. beside (6, N): loads of the rollers of the wheel that is looked at (bearing_loads.py), 0 between
+    formulation. beside (2, 3, N): loads of the rollers of the wheel that is looked at (bearing_loads.py), 0 between
     uses but for the row that every use writes anew, of rates that are states.
     """
 

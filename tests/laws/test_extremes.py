@@ -34,10 +34,11 @@ SCENES = {
     "bare wheel, stopping": ("coulomb_wheel", "time.end=0.5"),
     "smooth friction": ("six_rollers", "time.end=0.2", BEARINGS),
     "machine with odometry": ("youbot", "time.end=0.3", "initial.yaw_deg=40.0", BEARINGS),
+    "friction in bearings": ("youbot", "time.end=0.1", "wheel_types.mecanum.roller.bearing_torque=1e-3", BEARINGS),
     "bodies": ("kiwi", "time.end=0.1", "solver.formulation=multibody"),
     "free in space": ("spatial_mecanum_springs", "time.end=0.15", "time.output_interval=5e-3", BEARINGS),
     "implicit steps": ("authors_vehicle", "time.end=0.02", "solver.method=radau5"),
-    "rest on two rollers": ("testbench_psi30", "time.end=6.6", "time.step=1e-3", "time.output_interval=0.1"),
+    "rest on two rollers": ("testbench_psi30", "time.end=6.6", "time.step=1e-3", "time.output_interval=0.1", BEARINGS),
 }
 
 
