@@ -28,6 +28,8 @@ from numba.core.typed_passes import NativeLowering
 from numba.core.types.functions import BaseFunction
 from numba.core.untyped_passes import RewriteSemanticConstants
 
+from omnisim.base.machine_code import MachineCode
+
 
 @register_pass(mutates_CFG=False, analysis_only=False)
 class FoldAbsent(FunctionPass):
@@ -139,7 +141,7 @@ class Part(JITCodeLibrary):
         return whole
 
 
-class Entry(JITCodeLibrary):
+class Entry(MachineCode):
     """LLVM code of a kernel that Python calls, and of all that it needs; machine code at the end."""
 
     def finalize(self):
@@ -258,7 +260,6 @@ class EntryLowering(KernelLowering):
 
     def lower(self, state, codegen, function):
         state.library = Entry(codegen, function.func_qualname)
-        state.library.enable_object_caching()
         return super(KernelLowering, self).run_pass(state)
 
 
@@ -335,20 +336,42 @@ class PartResults(CompileResultCacheImpl):
         part._final_module = llvm.parse_bitcode(code)
         part.calls = calls
         part._finalized = True
-        return CompileResult(
-            typing_context=target_context.typing_context,
-            target_context=target_context,
-            entry_point=token(descriptor, environment, part),
-            typing_error=None,
-            type_annotation="",
-            signature=signature,
-            objectmode=False,
-            lifted=(),
-            fndesc=descriptor,
-            library=part,
-            call_helper=None,
-            environment=environment,
-            metadata=None,
-            reload_init=[],
-            referenced_envs=[],
-        )
+        return restored(target_context, part, token(descriptor, environment, part), descriptor, environment, signature)
+
+
+class EntryResults(CompileResultCacheImpl):
+    """How a compiled Entry is kept on disk."""
+
+    def reduce(self, result):
+        entry, descriptor = result.library, result.fndesc
+        descriptor.typemap = descriptor.calltypes = None
+        kept = entry.name, entry.object_file, entry.exported, entry.imported
+        return *kept, descriptor, result.environment, result.signature
+
+    def rebuild(self, target_context, payload):
+        name, object_file, exported, imported, descriptor, environment, signature = payload
+        entry = Entry(target_context.codegen(), name)
+        entry.load(object_file, exported, imported)
+        function = target_context.get_executable(entry, descriptor, environment)
+        return restored(target_context, entry, function, descriptor, environment, signature)
+
+
+def restored(target_context, library, function, descriptor, environment, signature):
+    """What Numba has of a compiled function, from what was kept. function: what Python calls."""
+    return CompileResult(
+        typing_context=target_context.typing_context,
+        target_context=target_context,
+        entry_point=function,
+        typing_error=None,
+        type_annotation="",
+        signature=signature,
+        objectmode=False,
+        lifted=(),
+        fndesc=descriptor,
+        library=library,
+        call_helper=None,
+        environment=environment,
+        metadata=None,
+        reload_init=[],
+        referenced_envs=[],
+    )

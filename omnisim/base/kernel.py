@@ -21,7 +21,7 @@ from numba.core.caching import IndexDataCacheFile
 from numba.core.registry import CPUDispatcher
 from numba.core.types import unliteral
 
-from omnisim.base.compiler import EntryCompiler, PartCompiler, PartResults
+from omnisim.base.compiler import EntryCompiler, EntryResults, PartCompiler, PartResults
 
 NAME = re.compile(r"[\w.]+")
 OPTIONS = {
@@ -183,7 +183,8 @@ class Kernel(CPUDispatcher):
 
     @cached_property
     def entry(self):
-        return cached(CPUDispatcher(self.py_func, targetoptions=dict(OPTIONS), pipeline_class=EntryCompiler), ".entry")
+        dispatcher = CPUDispatcher(self.py_func, targetoptions=dict(OPTIONS), pipeline_class=EntryCompiler)
+        return cached(dispatcher, EntryResults, ".entry")
 
     def compile(self, signature):
         """Compile for the types of the arguments alone.
@@ -198,13 +199,11 @@ def compiled(function, inline):
     if numba_config.DISABLE_JIT:
         return function
     options = OPTIONS | {"forceinline": inline}
-    dispatcher = cached(Kernel(function, targetoptions=options, pipeline_class=PartCompiler))
-    dispatcher._cache._impl.__class__ = PartResults
-    return dispatcher
+    return cached(Kernel(function, targetoptions=options, pipeline_class=PartCompiler), PartResults)
 
 
-def cached(dispatcher, kind=""):
-    """A dispatcher that keeps what it compiles.
+def cached(dispatcher, results, kind=""):
+    """A dispatcher that keeps what it compiles. results: how, a class of Numba's CompileResultCacheImpl.
 
     Numba reads its cache folder here, so the setting is put back at once: other packages keep theirs.
     """
@@ -214,6 +213,7 @@ def cached(dispatcher, kind=""):
         dispatcher.enable_caching()
     finally:
         numba_config.CACHE_DIR = theirs
+    dispatcher._cache._impl.__class__ = results
     files = dispatcher._cache._cache_file
     files.__class__, files.kind = KernelFiles, kind
     return dispatcher
