@@ -36,7 +36,7 @@ ONLY = {
         "fitting.fit_file",
     },
     "gymnasium": {"gym.follow", "gym.single"},
-    "numba": {"base.kernel", "base.compiler", "base.calls", "native.object_code"},
+    "numba": {"base.kernel", "base.compiler", "base.calls", "base.machine_code", "native.object_code"},
     "tomlkit": {"scene.toml_text"},
     "pandas": {"results.trajectory", "results.tables"},
     "xarray": {"results.trajectory", "results.tables", "studies.result"},

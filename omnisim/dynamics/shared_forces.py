@@ -13,6 +13,7 @@ contact equations of the one wheel, while the body's acceleration follows at onc
 
 import math
 
+from omnisim.base.chords import staying
 from omnisim.base.kernel import kernel, outlined
 from omnisim.contact.mobility import Symmetric, yielding_along
 from omnisim.contact.set_valued import TINY, contact_forces
@@ -140,16 +141,16 @@ def share_load(machine, wheel, workspace, w):
         and t_low > 0.0 > t_high
     ):
         side = 0
-        for _ in range(MOST_ITERATIONS):  # regula falsi, Illinois variant
+        for _ in range(MOST_ITERATIONS):
             t = turning(machine, workspace, w, share)
             if t > 0.0:
-                low, t_low = share, t
-                t_high *= 0.5 if side == 1 else 1.0
-                side = 1
+                if side > 0:
+                    t_high *= staying(t, t_low)
+                low, t_low, side = share, t, 1
             else:
-                high, t_high = share, t
-                t_low *= 0.5 if side == -1 else 1.0
-                side = -1
+                if side < 0:
+                    t_low *= staying(t, t_high)
+                high, t_high, side = share, t, -1
             last = share
             share = (low * t_high - high * t_low) / (t_high - t_low)
             if t == 0.0 or abs(share - last) <= TOLERANCE:

@@ -19,7 +19,6 @@ An episode is truncated where the path ends, since the observation does not tell
 the machine is further than `reach` from the path, and where the simulation cannot go on: info["status"] says why.
 """
 
-import math
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import Any
@@ -32,6 +31,7 @@ from gymnasium.vector.utils import batch_space
 
 from omnisim.gym import paths
 from omnisim.gym.actions import actions, held_by, prepared
+from omnisim.gym.instants import SPIN_RATES
 from omnisim.gym.machines import Machines, OtherKind
 from omnisim.gym.options import read
 from omnisim.gym.variety import Variety
@@ -84,7 +84,7 @@ class FollowVectorEnv(VectorEnv):
 
     def _spaces(self) -> None:
         wheels = len(self.scene.config.wheels)
-        size = 9 + wheels * (1 + self.options.loads) + 3 * len(self.options.ahead)
+        size = SPIN_RATES + wheels * (1 + self.options.loads) + 3 * len(self.options.ahead)
         self.single_observation_space = Box(-np.inf, np.inf, (size,), np.float64)
         self.single_action_space = Box(-1.0, 1.0, (len(self.actions.limits),), np.float32)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
@@ -164,29 +164,12 @@ class FollowVectorEnv(VectorEnv):
             raise SceneError(f"<vary>: {keys}: makes machines of several kinds; {error}") from None
 
     def _observed(self) -> np.ndarray:
-        """(N, observation); of a machine that is no longer finite zeros."""
-        pose, targets = self.machines.pose, self.path.poses[self.step_of]
-        world = [targets - pose[:, None], self.path.rates[self.step_of][:, None], self.machines.twist[:, None]]
-        own = in_axes(np.concatenate(world, axis=1), pose[:, 2])
-        errors, twists = own[:, :-2], own[:, -2:]
-        errors[..., 2] = np.remainder(errors[..., 2] + math.pi, 2.0 * math.pi) - math.pi
-        parts = [errors[:, 0], twists.reshape(self.num_envs, -1), self.machines.spin_rates]
-        if self.options.loads:
-            parts.append(self.machines.normal_forces)
-        found = np.concatenate([*parts, errors[:, 1:].reshape(self.num_envs, -1)], axis=1)
-        found[~np.isfinite(found).all(axis=1)] = 0.0
+        """(N, observation)"""
+        found = np.empty(self.observation_space.shape)
+        self.machines.observe(self.path, self.step_of, self.options.loads, found)
         return found
 
     def _reward(self, observed: np.ndarray) -> np.ndarray:
         distance, angle = self.options.tolerance
         x, y, yaw = observed[:, :3].T
         return np.exp(-(x * x + y * y) / distance**2 - (yaw / angle) ** 2)
-
-
-def in_axes(vectors: np.ndarray, yaw: np.ndarray) -> np.ndarray:
-    """Vectors (N, M, 3) of x, y and a turn, from world axes into those of machines at these yaws (N,)."""
-    cos, sin = np.cos(yaw)[:, None], np.sin(yaw)[:, None]
-    x, y = vectors[..., 0], vectors[..., 1]
-    found = vectors.copy()
-    found[..., 0], found[..., 1] = cos * x + sin * y, cos * y - sin * x
-    return found

@@ -3,10 +3,11 @@
 Each machine is a run of its own. Which thread marches it, and with which others, changes no bit of it.
 """
 
+import math
 import time
-from collections.abc import Sequence
+from collections import deque
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -14,15 +15,17 @@ import numpy as np
 from omnisim.base import status
 from omnisim.base.calls import direct
 from omnisim.dynamics.packing import pack
-from omnisim.dynamics.parameters import DRIVE_INPUT, Parameters
-from omnisim.dynamics.state import YAW, Run, places_in
+from omnisim.dynamics.parameters import Parameters
+from omnisim.dynamics.state import Run, places_in
+from omnisim.gym.instants import drive_each, observe_each
+from omnisim.gym.paths import Path
 from omnisim.march.initial_state import begin
 from omnisim.march.many import march_each
 from omnisim.run.marching import FOR_EVER, Marching
-from omnisim.run.sensors import to_centre
 from omnisim.scene.schema import Config
 
 WORTH_SHARING = 5e-4  # s of marching: to wake a thread and to be woken takes about 1e-4 s
+PIECE = 2e-4  # s of marching, that a thread takes upon itself at least: to hand it over takes about 2e-5 s
 
 
 class OtherKind(ValueError):
@@ -36,10 +39,9 @@ class Machines:
     """
 
     def __init__(self, config: Config, count: int, threads: int):
-        shares = max(1, min(threads, count))
-        self.scratch = [Marching(config) for _ in range(shares)]  # rows and log of each thread, and what is copied
+        threads = max(1, min(threads, count))
+        self.scratch = [Marching(config) for _ in range(threads)]  # rows and log of each thread, and what is copied
         self.first = self.scratch[0]
-        self.bounds = np.linspace(0, count, shares + 1).astype(int).tolist()
         self.parameters: Parameters = stacked([with_piece(self.first.parameters)] * count)
         self.runs: Run = stacked([self.first.run] * count)
         self.clock = np.asarray(self.runs.clock)
@@ -61,12 +63,9 @@ class Machines:
         self.clock["goal"][who], self.clock["pause"][who] = 0, FOR_EVER
 
     def drive(self, who: np.ndarray, wheels: np.ndarray, values: np.ndarray) -> None:
-        """Give drives (D,) of the machines `who` (N,) their inputs (N, D) from now on, as a Loop does."""
-        starts, inputs = self.parameters.starts, self.parameters.inputs
-        self.clock["piece"][who] = 0
-        starts[who, 1] = self.clock["step"][who] * self.clock["dt"][who]
-        given = inputs[:, 1, :, 0]  # a view
-        given[np.ix_(who, DRIVE_INPUT + wheels)] = values[who]
+        """Give the drives of these wheels (D,) inputs (N, D) from now on, as a Loop does; of machines `who` (N,)."""
+        tables = self.parameters.starts, self.parameters.inputs
+        direct(drive_each, who, wheels, values, self.runs.clock, *tables)
 
     def march(self, who: np.ndarray, steps: int) -> None:
         """March the machines `who` (N,) on by so many steps, or up to where something stops them."""
@@ -74,7 +73,7 @@ class Machines:
         threads = len(self.scratch) if self.work > WORTH_SHARING else 1
         begun = time.perf_counter()
         if threads == 1:
-            self._march(0, 0, self.bounds[-1])
+            self._march(0, 0, len(self.clock))
         else:
             self._share()
         self.work = threads * (time.perf_counter() - begun)
@@ -82,49 +81,41 @@ class Machines:
     def _share(self) -> None:
         if not self.pool:
             self.pool = ThreadPoolExecutor(len(self.scratch) - 1, "omnisim")
-        first, *others = [(share, *ends) for share, ends in enumerate(pairwise(self.bounds))]
-        shares = [self.pool.submit(self._march, *other) for other in others]
+        count, threads = len(self.clock), len(self.scratch)
+        left = deque(pieces(count, threads, math.ceil(count * PIECE / max(self.work, PIECE))))
+        others = [self.pool.submit(self._march_some, i, left) for i in range(1, len(self.scratch))]
         try:
-            self._march(*first)  # by the thread that asks
-            for share in shares:
-                share.result()
+            self._march_some(0, left)  # by the thread that asks
+            for other in others:
+                other.result()
         finally:
-            wait(shares)  # after Ctrl-C too: nobody may touch a machine that marches
+            left.clear()
+            wait(others)  # after Ctrl-C too: nobody may touch a machine that marches
 
-    def _march(self, share: int, first: int, last: int) -> None:
-        own = self.scratch[share]
+    def _march_some(self, thread: int, left: deque[tuple[int, int]]) -> None:
+        """March one piece of the machines after the other until none is left: a thread that others slow down takes
+        fewer."""
+        while True:
+            try:
+                piece = left.popleft()
+            except IndexError:
+                return
+            self._march(thread, *piece)
+
+    def _march(self, thread: int, first: int, last: int) -> None:
+        own = self.scratch[thread]
         direct(march_each, self.parameters, own.stages, self.runs, own.rows, own.log, first, last)
 
     def close(self) -> None:
         if self.pool:
             self.pool.shutdown()
 
-    @property
-    def pose(self) -> np.ndarray:
-        """Of the chassis origins or wheel centres (N, 3): x, y, m, and yaw, rad."""
-        pose = self.runs.y[:, : YAW + 1].copy()
-        pose[:, :YAW] -= self._to_centre().T
-        return pose
-
-    @property
-    def twist(self) -> np.ndarray:
-        """Of the same points (N, 3), world axes: m/s, m/s, rad/s."""
-        twist = self.runs.y[:, self.at.velocity : self.at.yaw_rate + 1].copy()
-        x, y = self._to_centre()
-        twist[:, 0] += twist[:, 2] * y
-        twist[:, 1] -= twist[:, 2] * x
-        return twist
-
-    @property
-    def spin_rates(self) -> np.ndarray:
-        """(N, W), rad/s"""
-        return self.runs.y[:, self.at.spin_rate :][:, : self.runs.rates.shape[1]]
-
-    @property
-    def normal_forces(self) -> np.ndarray:
-        """Of the floor on the wheels (N, W), N; 0 of a wheel in the air."""
-        loaded = np.asarray(self.runs.mode)["loaded"] > 0
-        return np.where(loaded, np.maximum(np.asarray(self.runs.monitors)["normal_force"], 0.0), 0.0)
+    def observe(self, path: Path, steps: np.ndarray, loads: bool, observed: np.ndarray) -> None:
+        """Observations (N, O) of all machines, each after so many steps (N,) of the path."""
+        runs, at = self.runs, self.at
+        places = at.velocity, at.yaw_rate, at.spin_rate
+        records = self.parameters.machine, runs.mode, runs.monitors
+        direct(observe_each, runs.y, places, records, path, steps, loads, observed)
 
     @property
     def failed(self) -> np.ndarray:
@@ -139,8 +130,15 @@ class Machines:
         elapsed = int(clock.step) * float(clock.dt) + float(clock.elapsed)
         return status.sentence(clock, elapsed, wheel, config.solver.method)
 
-    def _to_centre(self) -> np.ndarray:
-        return to_centre(np.asarray(self.parameters.machine)["centre"].T, self.runs.y[:, YAW])
+
+def pieces(count: int, threads: int, least: int) -> Iterator[tuple[int, int]]:
+    """So many machines in pieces, first and last: each half of a fair share of what is left, and no shorter than the
+    least but for the last."""
+    first = 0
+    while first < count:
+        last = min(first + max((count - first) // (2 * threads), least), count)
+        yield first, last
+        first = last
 
 
 def with_piece(parameters: Parameters) -> Parameters:

@@ -12,6 +12,7 @@ fourth derivative.
 import math
 
 from omnisim.base import methods
+from omnisim.base.chords import staying
 from omnisim.base.kernel import kernel, outlined
 from omnisim.dynamics.state import Stage
 from omnisim.march.events import NO_GUARD, Guard, guard
@@ -193,7 +194,7 @@ def root_beyond(parameters, run, which, h, value, near):
 @outlined
 def root_between(parameters, run, which, h, positive, negative):
     """Part of the trial step h at which a Guard is zero on its extension, between two with values of both signs
-    (x, value): by chords, of which the end that stays counts half each time (Dowell & Jarratt 1971)."""
+    (x, value)."""
     (low, at_low), (high, at_high) = positive, negative
     x, side = high, 0
     for _ in range(MOST_ITERATIONS):
@@ -202,13 +203,13 @@ def root_between(parameters, run, which, h, positive, negative):
             break
         found = guard_along(parameters, run, which, h, x)
         if found < 0.0:
-            high, at_high = x, found
-            at_low *= 0.5 if side < 0 else 1.0
-            side = -1
+            if side < 0:
+                at_low *= staying(found, at_high)
+            high, at_high, side = x, found, -1
         else:
-            low, at_low = x, found
-            at_high *= 0.5 if side > 0 else 1.0
-            side = 1
+            if side > 0:
+                at_high *= staying(found, at_low)
+            low, at_low, side = x, found, 1
     return x
 
 
