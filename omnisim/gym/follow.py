@@ -41,7 +41,7 @@ from omnisim.studies.workers import cores
 
 
 class FollowVectorEnv(VectorEnv):
-    """So many machines, each with an episode of its own, all marched in one compiled call on each core.
+    """So many machines, each with an episode of its own, marched by compiled code on all cores.
 
     scene    a Scene, or what `omnisim.load` takes
     path     a name, "line", "square", "circle" or "figure_eight", or a table (K, 4) of time, x, y and yaw in the world

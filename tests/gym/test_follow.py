@@ -16,6 +16,7 @@ gymnasium = pytest.importorskip("gymnasium", reason="needs Gymnasium: pip instal
 check_env = pytest.importorskip("gymnasium.utils.env_checker").check_env
 AutoresetMode = pytest.importorskip("gymnasium.vector").AutoresetMode
 path = pytest.importorskip("omnisim.gym").path
+pieces = pytest.importorskip("omnisim.gym.machines").pieces
 
 NAME = "omnisim/Follow-v0"
 SHORT = path("circle", size=0.05)  # 0.47 s
@@ -96,6 +97,15 @@ def test_no_bit_depends_on_the_number_of_threads(threads, monkeypatch):
     acted = actions(60, 5, 3)
     one, some = (episodes(many(5, vary=VARY, threads=count), acted, 1) for count in (1, threads))
     assert all(np.array_equal(ours, theirs) for ours, theirs in zip(one, some, strict=True))
+
+
+@pytest.mark.parametrize(("count", "threads", "least"), [(64, 2, 3), (64, 16, 1), (5, 5, 1), (1, 1, 1), (100, 3, 200)])
+def test_threads_take_pieces_that_hold_every_machine_once(count, threads, least):
+    taken = list(pieces(count, threads, least))
+    assert [i for first, last in taken for i in range(first, last)] == list(range(count))
+    sizes = [last - first for first, last in taken]
+    assert sizes == sorted(sizes, reverse=True)  # so that all end at about the same time
+    assert min(sizes[:-1], default=least) >= least
 
 
 def test_the_same_seed_gives_the_same_episodes_and_another_one_others():
