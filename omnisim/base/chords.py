@@ -2,11 +2,14 @@
 
 from omnisim.base.kernel import kernel
 
+FLAT = 0.1  # part by which a value changes at least, for a chord that bends
+
 
 @kernel
 def staying(found, before):
     """Factor on the value at the end that stays for a second time, while that at the other end goes from `before` to
     `found`, of one sign (Anderson & Björck 1973): the next chord bends as the function does. Of order 1.7, where a
-    half each time, the Illinois variant, is of 1.44."""
+    half each time, the Illinois variant, is of 1.44. Where the function is flat at the end that moves it is a half:
+    less would take the chord all the way back."""
     factor = 1.0 - found / before
-    return factor if factor > 0.0 else 0.5
+    return factor if factor > FLAT else 0.5

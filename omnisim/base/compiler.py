@@ -28,7 +28,7 @@ from numba.core.typed_passes import NativeLowering
 from numba.core.types.functions import BaseFunction
 from numba.core.untyped_passes import RewriteSemanticConstants
 
-from omnisim.base.machine_code import MachineCode
+from omnisim.base.machine_code import MachineCode, seen
 
 
 @register_pass(mutates_CFG=False, analysis_only=False)
@@ -145,6 +145,7 @@ class Entry(MachineCode):
     """LLVM code of a kernel that Python calls, and of all that it needs; machine code at the end."""
 
     def finalize(self):
+        self.exported = seen(self._final_module)  # its own, of which Numba asks for what Python calls
         calls = absorbed(self, linked(self))
         self._optimize_final_module()
         for part in reached(calls):

@@ -23,26 +23,24 @@ NUMBER = count()
 class MachineCode(JITCodeLibrary):
     """A library that is translated to an object file, which can be kept and loaded again.
 
-    object_file: bytes. exported, imported: names of what others see in it, and of what it takes from elsewhere.
+    object_file: bytes. exported, imported: names of what Numba asks for, and of what is not in it.
     """
 
     def _finalize_final_module(self):
         self._finalize_dynamic_globals()
         self._verify_declare_only_symbols()
-        symbols = [*self._final_module.functions, *self._final_module.global_variables]
-        exported = [symbol.name for symbol in symbols if visible(symbol)]
-        imported = [symbol.name for symbol in symbols if symbol.is_declaration]
-        self.load(target_machine(self._codegen).emit_object(self._final_module), exported, imported)
+        imported = [symbol.name for symbol in symbols(self._final_module) if symbol.is_declaration]
+        self.load(target_machine(self._codegen).emit_object(self._final_module), self.exported, imported)
 
     def load(self, object_file, exported, imported):
         self.object_file, self.exported, self.imported = object_file, exported, imported
-        place = in_one_piece if IN_ONE_PIECE else by_numba
-        self._symbols = place(self)
+        self._addresses = in_one_piece(self) if IN_ONE_PIECE else by_numba(self)
+        self._disable_inspection = True  # Numba would show what it makes of a module, not this
         self._finalized = True
 
     def get_pointer_to_function(self, name):
         self._ensure_finalized()
-        return self._symbols[name]
+        return self._addresses[name]
 
     @property
     def codegen(self):
@@ -50,12 +48,18 @@ class MachineCode(JITCodeLibrary):
 
     def set_env(self, name, environment):
         """Let this name in the code stand for a Python object, what Numba calls an environment."""
-        ctypes.c_void_p.from_address(self._symbols[name]).value = id(environment)
+        ctypes.c_void_p.from_address(self._addresses[name]).value = id(environment)
 
 
-def visible(symbol):
-    """Whether a symbol of a module is defined there, for others to see."""
-    return not symbol.is_declaration and symbol.linkage not in (llvm.Linkage.internal, llvm.Linkage.private)
+def symbols(module):
+    """What a module defines or declares."""
+    return [*module.functions, *module.global_variables]
+
+
+def seen(module):
+    """Names of what a module defines, for others to see."""
+    hidden = llvm.Linkage.internal, llvm.Linkage.private
+    return [s.name for s in symbols(module) if not s.is_declaration and s.linkage not in hidden]
 
 
 @cache
@@ -75,7 +79,7 @@ def linker():
 
 
 def in_one_piece(code):
-    """Addresses of what is exported, by name, for as long as they are kept."""
+    """Load it: addresses of what is exported, by name, for as long as they are kept."""
     builder = llvm.JITLibraryBuilder().add_object_img(code.object_file).add_current_process()
     for name in code.imported:
         address = llvm.address_of_symbol(name)  # also of what Numba told LLVM alone

@@ -7,7 +7,7 @@ import math
 import time
 from collections import deque
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from typing import Any
 
 import numpy as np
@@ -65,6 +65,7 @@ class Machines:
     def drive(self, who: np.ndarray, wheels: np.ndarray, values: np.ndarray) -> None:
         """Give the drives of these wheels (D,) inputs (N, D) from now on, as a Loop does; of machines `who` (N,)."""
         tables = self.parameters.starts, self.parameters.inputs
+        values = np.ascontiguousarray(values)  # which `direct` cannot tell from others
         direct(drive_each, who, wheels, values, self.runs.clock, *tables)
 
     def march(self, who: np.ndarray, steps: int) -> None:
@@ -76,20 +77,21 @@ class Machines:
             self._march(0, 0, len(self.clock))
         else:
             self._share()
-        self.work = threads * (time.perf_counter() - begun)
+        if steps:
+            self.work = threads * (time.perf_counter() - begun)
 
     def _share(self) -> None:
         if not self.pool:
             self.pool = ThreadPoolExecutor(len(self.scratch) - 1, "omnisim")
         count, threads = len(self.clock), len(self.scratch)
         left = deque(pieces(count, threads, math.ceil(count * PIECE / max(self.work, PIECE))))
-        others = [self.pool.submit(self._march_some, i, left) for i in range(1, len(self.scratch))]
+        others: list[Future[None]] = []
         try:
+            others.extend(self.pool.submit(self._march_some, i, left) for i in range(1, threads))
             self._march_some(0, left)  # by the thread that asks
             for other in others:
                 other.result()
         finally:
-            left.clear()
             wait(others)  # after Ctrl-C too: nobody may touch a machine that marches
 
     def _march_some(self, thread: int, left: deque[tuple[int, int]]) -> None:

@@ -169,7 +169,8 @@ class Sensors:
 
     def _to_centre(self) -> Vector:
         """C from the chassis origin, world axes, m."""
-        return to_centre(self.parameters.machine.centre, self.run.y[YAW])
+        (x, y), yaw = self.parameters.machine.centre, self.run.y[YAW]
+        return np.array([x * np.cos(yaw) - y * np.sin(yaw), x * np.sin(yaw) + y * np.cos(yaw)])
 
     @property
     def _free(self) -> bool:
@@ -196,9 +197,3 @@ class Sensors:
             parameters = self.parameters._replace(workspace=copied(self.parameters.workspace))
             self._seen = observed_rows(parameters, rows, np.array([self.time]))
         return self._seen
-
-
-def to_centre(centre: np.ndarray, yaw: float | np.ndarray) -> Vector:
-    """C from the chassis origin, world axes, m: (2, ...) of `centre` (2, ...), chassis axes."""
-    x, y = centre
-    return np.array([x * np.cos(yaw) - y * np.sin(yaw), x * np.sin(yaw) + y * np.cos(yaw)])

@@ -121,6 +121,7 @@ CASES = [
     ("youbot", "torque", {}),
     pytest.param("youbot", "twist", {}, marks=pytest.mark.long),
     ("platform24v", "twist", {}),  # motors, sampled controllers
+    ("kiwi", "torque", {"chassis.center_of_mass": [0.03, -0.02, 0.1]}),
     pytest.param("soccer_robot", "torque", {}, marks=pytest.mark.long),
     pytest.param("youbot", "twist", {"solver.method": "radau5"}, marks=pytest.mark.long),
     pytest.param("youbot", "twist", {"solver.formulation": "multibody"}, marks=pytest.mark.long),
@@ -149,12 +150,26 @@ def test_an_episode_is_bit_for_bit_what_a_loop_does_with_the_same_inputs(scene, 
         assert np.array_equal(inner.machines.runs.y[0], loop.run.y)
         loads = observed[9 + count : 9 + 2 * count]  # a Loop evaluates them anew
         assert np.abs(loads / loop.normal_forces - 1.0).max() < 1e-12  # measured: 3e-15
-        forward = loop.velocity @ [np.cos(loop.yaw), np.sin(loop.yaw)]
-        assert abs(observed[6] - forward) < 1e-15 and observed[8] == loop.yaw_rate
+        axes = np.array([[np.cos(loop.yaw), np.sin(loop.yaw)], [-np.sin(loop.yaw), np.cos(loop.yaw)]])
+        target = inner.path.poses[inner.step_of[0], 0]
+        assert np.abs(observed[:2] - axes @ (target[:2] - loop.position)).max() < 1e-15  # measured:
+        assert abs(observed[2] - (target[2] - loop.yaw)) < 1e-15
+        assert np.abs(observed[6:8] - axes @ loop.velocity).max() < 1e-15 and observed[8] == loop.yaw_rate
     assert loop.status == "running"
     done = omnisim.load_text(loop.trajectory().attributes["scene"], {"time.end": 0.2, "time.output_interval": 0.2})
     repeated = omnisim.simulate(done)
     assert np.abs(repeated["body/position"][-1, :2] - loop.position).max() < 1e-12  # measured: 0
+
+
+def test_the_order_of_actions_in_memory_does_not_matter():
+    acted = actions(3, 2, 3)[-1]
+    found = []
+    for order in "CFC":
+        some = many(2)
+        some.reset(seed=0)
+        found.append(some.step(np.array(acted, order=order))[0])
+    assert np.array_equal(found[0], found[1]) and np.array_equal(found[0], found[2])
+    assert not np.array_equal(found[0][0], found[0][1])
 
 
 def test_the_observation_is_the_path_seen_from_the_machine():
