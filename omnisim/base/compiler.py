@@ -145,7 +145,7 @@ class Entry(MachineCode):
     """LLVM code of a kernel that Python calls, and of all that it needs; machine code at the end."""
 
     def finalize(self):
-        self.exported = seen(self._final_module)  # its own, of which Numba asks for what Python calls
+        self.own = seen(self._final_module)  # which Numba asks for
         calls = absorbed(self, linked(self))
         self._optimize_final_module()
         for part in reached(calls):

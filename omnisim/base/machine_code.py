@@ -23,14 +23,16 @@ NUMBER = count()
 class MachineCode(JITCodeLibrary):
     """A library that is translated to an object file, which can be kept and loaded again.
 
-    object_file: bytes. exported, imported: names of what Numba asks for, and of what is not in it.
+    own: names of what it has before others are linked with it. object_file: bytes. exported, imported: names of what
+    is left of its own, and of what is not in it.
     """
 
     def _finalize_final_module(self):
         self._finalize_dynamic_globals()
         self._verify_declare_only_symbols()
         imported = [symbol.name for symbol in symbols(self._final_module) if symbol.is_declaration]
-        self.load(target_machine(self._codegen).emit_object(self._final_module), self.exported, imported)
+        exported = [name for name in seen(self._final_module) if name in self.own]
+        self.load(target_machine(self._codegen).emit_object(self._final_module), exported, imported)
 
     def load(self, object_file, exported, imported):
         self.object_file, self.exported, self.imported = object_file, exported, imported

@@ -21,7 +21,7 @@ def near(x):
 def far(numbers):
     found = 0.0
     for x in numbers:
-        found += 8.7654321 * near(x) + math.exp(x)
+        found += 8.7654321 * near(x) + math.exp(x) % 100.0  # a function of Numba's own, gone once it is optimised
     return found
 """
 PROGRAM = """
