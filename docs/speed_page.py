@@ -44,10 +44,10 @@ then: of `coulomb_wheel`, with errors below 1e-6, four benches of one evening sa
 below 1e-9 535, 507, 500 and 510; on a busier machine, the day before, 3250 to 6900 and 184 to 319, of much the same code; on an
 EPYC of the first generation 3245 and 174. Sections are of different days and processors, and say so; errors and orders, the same
 on every machine, are those of the [last day](precision.md#errors-and-orders). Times of scenes that slip are older than finer sub-steps of
-slip. The code of these times and the present one, both run on an EPYC of the first generation in one afternoon: the present one takes
-0.97 of the time for errors below 1e-6 on `coulomb_wheel`, 0.99 for errors below 1e-5 near the limit, 0.96 and 1.02 for errors below 1e-5
-and 1e-9 on the platform, 1.10 on the authors' vehicle; at one and the same step up to 1.4 near the limit, where errors of `rk4` and
-`dopri5` are a tenth of what they were."""
+slip. The code of these times and the present one, run one after the other on an EPYC of the first generation: the present one takes
+0.84 of the time for errors below 1e-6 on `six_rollers`, 1.03 on `coulomb_wheel`, 0.94 for errors below 1e-5 near the limit, 0.91 and
+0.92 for errors below 1e-5 and 1e-9 on the platform, 1.05 on the authors' vehicle; at one and the same step up to 1.3 near the limit,
+where errors of `rk4` and `dopri5` are a tenth of what they were."""
 CLAIMS = """A target is what is aimed at. Beyond its alarm a value is no noise of a machine; `python -m bench --check` fails."""
 
 

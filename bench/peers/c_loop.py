@@ -172,7 +172,7 @@ MACHINE = Loop(
 )
 BY_PROCESSOR = (
     "That differs by processor: of the machine 1.04 on an AMD EPYC, 1.25 to 1.26 on an Intel Xeon; on an EPYC of the "
-    "first generation 1.6, of the bare wheel 1.7: what it decodes anew in every step comes at 9 bytes a cycle"
+    "first generation 1.54, of the bare wheel 1.53: what it decodes anew in every step comes at 9 bytes a cycle"
 )
 LOOPS = {"bare wheel": WHEEL, "mecanum machine": MACHINE}
 

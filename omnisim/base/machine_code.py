@@ -3,7 +3,8 @@
 Numba takes them to be anywhere in memory: an instruction of ten bytes has the address of every constant before the one
 that reads it, and of every function before its call. Here a distance of four bytes is part of the instruction that
 reads, and LLVM's linker JITLink puts all of a kernel in one piece, with a bridge to each function that is far away. On
-an EPYC of the first generation, slow to decode, marches take 2 to 10 % less time.
+an EPYC of the first generation, slow to decode, marches of three machines take 0.88 to 0.99 of the time, in turn, and
+one of many machines side by side 1.05.
 """
 
 import ctypes

@@ -1,8 +1,8 @@
 """Kernels compiled before they are needed: once for every kind of scene, in processes side by side.
 
 All scenes of one kind share all kernels, whatever their numbers: a kind is which parts of Parameters and Run are there.
-What marches and observes machines side by side is left to the first environment of a kind, which compiles it in 10 to 15 s: no other
-room needs it.
+What marches and observes machines side by side is left to the first environment of a kind, which compiles it in 10 to
+15 s: no other room needs it.
 """
 
 import ast

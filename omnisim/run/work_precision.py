@@ -115,18 +115,19 @@ def measure(
     Unconverged if the scene has no reference.
     """
     share = 1.0 / (1 + repeats)
-    untimed = exact(scene, settings, lambda part: progress(share * part))
+    contestants = [varied(scene, setting) for setting in settings]  # once: what follows from them stays known
+    untimed = compared(scene, settings, contestants, lambda part: progress(share * part))
     rows = list(untimed.rows)
-    running = {row[:3]: place for place, row in enumerate(rows) if row.error is not None}
-    contestants = [varied(scene, Setting(*setting)) for setting in running]
+    running = [place for place, row in enumerate(rows) if row.error is not None]
+    timed = [contestants[place] for place in running]
     rounds: list[Any] = []
     try:
-        for taken in interleaved(contestants, repeats, lambda part: progress(share + (1.0 - share) * part)):
+        for taken in interleaved(timed, repeats, lambda part: progress(share + (1.0 - share) * part)):
             rounds.append(taken)
     except Interrupted:
         if not rounds:
             raise
-    for place, times in zip(running.values(), zip(*rounds, strict=True), strict=True):
+    for place, times in zip(running, zip(*rounds, strict=True), strict=True):
         march, whole = (median(seconds) for seconds in zip(*times, strict=True))
         rows[place] = rows[place]._replace(march=march / scene.config.time.end, whole=whole)
     return untimed._replace(repeats=len(rounds), rows=judged(rows, untimed.reference.distance))
@@ -134,10 +135,17 @@ def measure(
 
 def exact(scene: Scene, settings: Sequence[Setting], progress: Callable[[float], object] = lambda _: None) -> Precision:
     """What is the same on every machine: errors, observed orders and work of every setting. Raises Unconverged."""
+    return compared(scene, settings, [varied(scene, setting) for setting in settings], progress)
+
+
+def compared(
+    scene: Scene, settings: Sequence[Setting], contestants: list[Scene], progress: Callable[[float], object]
+) -> Precision:
+    """The same of scenes with these settings."""
     reference = converged(scene, min(setting.step for setting in settings) / FINER, lambda _: progress(0.0))
     rows = []
-    for done, setting in enumerate(settings):
-        run = simulate(varied(scene, setting), partial(_tell, progress, done / len(settings)))
+    for done, (setting, contestant) in enumerate(zip(settings, contestants, strict=True)):
+        run = simulate(contestant, partial(_tell, progress, done / len(settings)))
         rows.append(row_of(setting, run, reference.run))
     return Precision(scene, reference, 0, judged(rows, reference.distance))
 

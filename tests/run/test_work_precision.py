@@ -91,6 +91,14 @@ def test_the_fastest_is_accurate_as_far_as_the_reference_can_tell(measured):
     assert precision.fastest(measured, 1e-15) is None
 
 
+def test_each_scene_is_made_once_so_that_whole_calls_are_timed_as_a_user_repeats_them(monkeypatch):
+    made, varied = [], precision.varied
+    monkeypatch.setattr(precision, "varied", lambda scene, setting: made.append(setting) or varied(scene, setting))
+    chosen = settings("rk4")
+    found = measure(omnisim.load("six_rollers", TINY), chosen, 1)
+    assert made == [*chosen, *found.reference[1:3]]
+
+
 def test_an_interrupted_measurement_keeps_its_complete_rounds():
     class Impatient:
         calls = 0
