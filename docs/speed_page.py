@@ -42,7 +42,7 @@ turns, beside the C loops and for rollers and rows those of the quietest tenth o
 is a share of a larger one, whose neighbours slow both sides of a ratio, and omnisim more than a C loop. Times real time are what it gave
 then: of `coulomb_wheel`, with errors below 1e-6, four benches of one evening said 10900, 9730, 10200 and 10200, of the platform
 below 1e-9 535, 507, 500 and 510; on a busier machine, the day before, 3250 to 6900 and 184 to 319, of much the same code; on an
-EPYC of the first generation 3245 and 174. Sections are of different days and processors, and say so; errors and orders, the same
+EPYC of the first generation, with the present code, 3570 and 198. Sections are of different days and processors, and say so; errors and orders, the same
 on every machine, are those of the [last day](precision.md#errors-and-orders). Times of scenes that slip are older than finer sub-steps of
 slip. The code of these times and the present one, run one after the other on an EPYC of the first generation: the present one takes
 0.84 of the time for errors below 1e-6 on `six_rollers`, 1.03 on `coulomb_wheel`, 0.94 for errors below 1e-5 near the limit, 0.91 and

@@ -6,7 +6,8 @@ DIRECT: dict = {}  # kernels that `direct` has called, by what their arguments h
 
 
 def direct(function, *arguments):
-    """Call a kernel whose arguments are of the same types in every call but for members that are there or None.
+    """Call a kernel whose arguments are of the same types in every call but for members that are there or None; the
+    order of an array in memory is part of its type, and is not looked at.
 
     From the second call on it is called at once: finding out the types of so many arrays takes longer than handing
     them over.

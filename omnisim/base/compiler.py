@@ -146,14 +146,19 @@ class Entry(MachineCode):
 
     def finalize(self):
         self.own = seen(self._final_module)  # which Numba asks for
-        calls = absorbed(self, linked(self))
-        self._optimize_final_module()
-        for part in reached(calls):
-            if not part.inlined:
-                self._final_module.link_in(part.module(), preserve=True)
-        hand_over_less(self)
-        self._final_module.verify()
+        link_all(self)
         self._finalize_final_module()
+
+
+def link_all(library):
+    """Optimise a library with the inlined kernels that it calls, and link all outlined ones that it needs."""
+    calls = absorbed(library, linked(library))
+    library._optimize_final_module()
+    for part in reached(calls):
+        if not part.inlined:
+            library._final_module.link_in(part.module(), preserve=True)
+    hand_over_less(library)
+    library._final_module.verify()
 
 
 def hand_over_less(library):

@@ -15,7 +15,7 @@ from numba.core import types
 from numba.core.codegen import JITCodeLibrary
 from numba.np.arrayobj import make_array, populate_array
 
-from omnisim.base.compiler import absorbed, hand_over_less, linked, reached
+from omnisim.base.compiler import link_all
 from omnisim.native.memory import Memory
 
 POINTER, WORD = ir.IntType(8).as_pointer(), ir.IntType(64)
@@ -109,15 +109,7 @@ class NativeLibrary(JITCodeLibrary):
     """Functions with all that they need, optimised as what Python calls is, and never loaded into this process."""
 
     def finalize(self) -> None:
-        calls = absorbed(self, linked(self))
-        self._optimize_final_module()
-        for part in reached(calls):
-            if not part.inlined:
-                code = part.module().clone()
-                code.get_function(part.symbol).linkage = "weak_odr"  # else one that none calls yet would be left out
-                self._final_module.link_in(code)
-        hand_over_less(self)
-        self._final_module.verify()
+        link_all(self)
         self._finalized = True
 
     @property
