@@ -13,8 +13,9 @@ from machines import run
 from scenes import of_wheels
 
 import omnisim
-from omnisim.contact.set_valued import CREEP, STICK
+from omnisim.contact.set_valued import CREEP, SLIP, STICK
 from omnisim.dynamics.spatial.acceleration import slip_at, slip_change
+from omnisim.dynamics.spatial.held import factorize_firm
 from omnisim.dynamics.spatial.pose import body_of
 from omnisim.dynamics.spatial.records import SLOTS
 from omnisim.dynamics.spatial.touching import standing, touching_at
@@ -110,6 +111,8 @@ def test_slip_that_sticks_does_not_change_and_slip_that_creeps_changes_along_its
     largest = {STICK: [], CREEP: []}  # m/s^2, of slip accelerations that are some 10 without these forces
     for now in states(machine, 7, FEW):
         hold(engine, now)
+        rest = sum(int(np.count_nonzero(mode.grip[: mode.contacts] != SLIP)) for mode in engine.run.mode)
+        assert factorize_firm(engine.parameters.space.holding, rest).added == 0.0, "there is one way to hold them"
         for w in range(engine.wheels):
             grip, touch = engine.run.mode[w].grip[0], engine.parameters.space.touches[w * SLOTS]
             change = change_of_slip(engine, w)

@@ -10,6 +10,7 @@ import pytest
 import tomlkit
 
 from omnisim.contact.set_valued import SLIP, STICK
+from omnisim.dynamics.spatial.held import factorize_firm
 from omnisim.march.runge_kutta import refresh
 from omnisim.scene.scene import parse
 from oracle.spatial.bodies import Coordinates, placed
@@ -91,6 +92,7 @@ def test_what_holds_a_wheel_on_a_line_is_what_least_squares_find(tilt, w):
         assert mode.contacts == 2
         mode.grip[:2] = STICK if v == w else SLIP
     refresh(engine.parameters, engine.run, 0.0)
+    assert factorize_firm(engine.parameters.space.holding, 2).added > 0.0, "it can be held in more than one way"
     found = engine.contacts(now)
     machine.given_friction = dict.fromkeys(found, np.zeros(3))
     values = hold(machine, now, [name for name in found if name[0] == w])

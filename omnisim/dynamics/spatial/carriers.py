@@ -10,6 +10,8 @@ own motion among it) the accelerations of the chassis a = (w', A) and of all s f
 a symmetric positive definite system of 6 + C equations.
 """
 
+import math
+
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.trigonometry import cos_sin
 from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
@@ -32,8 +34,8 @@ def accelerate_carried(parameters, stage, body):
     put_at(answer, 3, minus(vector(push, 3), centrifugal))
     for j in range(len(space.carriers)):
         carry(parameters, stage, body, j)
-    factorize(balance)
-    substitute(balance, answer)
+    factorize(balance, len(answer))
+    substitute(balance, len(answer), answer)
     for j in range(len(space.carriers)):
         stage.dy[at.joint + j] = stage.y[at.joint_rate + j]
         stage.dy[at.joint_rate + j] = answer[6 + j]
@@ -170,28 +172,37 @@ def turn_tensor(tensor, out, axis, cos, sin):
 
 
 @kernel
-def factorize(matrix):
-    """L D L^T of a symmetric positive definite matrix, in place below the diagonal and on it."""
-    for i in range(len(matrix)):
+def factorize(matrix, count):
+    """L D L^T of the first `count` rows and columns of a symmetric positive definite matrix, in place: L below the
+    diagonal, the reciprocals of D on it. The least of D."""
+    least = math.inf
+    for i in range(count):
         for k in range(i):
             total = matrix[i, k]
             for m in range(k):
-                total -= matrix[i, m] * matrix[k, m] * matrix[m, m]
-            matrix[i, k] = total / matrix[k, k]
-        total = matrix[i, i]
-        for m in range(i):
-            total -= matrix[i, m] * matrix[i, m] * matrix[m, m]
-        matrix[i, i] = total
+                total -= matrix[i, m] * matrix[k, m]
+            matrix[i, k] = total
+        own = matrix[i, i]
+        for k in range(i):
+            total = matrix[i, k]
+            matrix[i, k] = total * matrix[k, k]
+            own -= total * matrix[i, k]
+        matrix[i, i] = 1.0 / own
+        least = min(least, own)
+    return least
 
 
 @kernel
-def substitute(matrix, side):
-    """Solve with these factors: `side` becomes the solution."""
-    for i in range(len(matrix)):
+def substitute(matrix, count, side):
+    """Solve with these factors: the first `count` of `side` become the solution. L is read row by row both ways."""
+    for i in range(1, count):
+        total = side[i]
         for k in range(i):
-            side[i] -= matrix[i, k] * side[k]
-    for i in range(len(matrix)):
-        side[i] /= matrix[i, i]
-    for i in range(len(matrix) - 1, -1, -1):
-        for k in range(i + 1, len(matrix)):
-            side[i] -= matrix[k, i] * side[k]
+            total -= matrix[i, k] * side[k]
+        side[i] = total
+    for i in range(count):
+        side[i] *= matrix[i, i]
+    for i in range(count - 1, 0, -1):
+        found = side[i]
+        for k in range(i):
+            side[k] -= matrix[i, k] * found

@@ -15,13 +15,14 @@ from omnisim.dynamics.spatial.mobility import lever_along
 from omnisim.dynamics.spatial.pose import product, put, put_at, tangent_of, vector
 from omnisim.dynamics.spatial.seen import standing_seen, touch_place, touching_seen
 
+REGULAR = 1e-6  # of the largest mobility: what is left of each where there is one way to hold
 PROXIMAL = 1e-8  # of the largest mobility: what keeps the system regular
 MOST_PROXIMAL = 4  # rounds, each of which leaves 1e-8 of the error before it
 LOST = 1e-16  # of the largest force: a correction of that size is lost in rounding
 
 
 class Firm(NamedTuple):
-    """Along how many axes contacts are held, and p, 1/kg, which is added to their A."""
+    """Along how many axes contacts are held, and p, 1/kg, which is added to their A: 0 where there is one way to."""
 
     axes: int
     added: float
@@ -91,7 +92,7 @@ def find_mobility(parameters, count):
             for i in range(len(felt)):
                 given[i] = felt[i]
             if len(space.carriers) > 0:
-                substitute(space.balance, given)
+                substitute(space.balance, len(given), given)
             else:
                 put(given, product(space.body.turning, vector(felt, 0)))
                 for i in range(3, 6):
@@ -101,10 +102,8 @@ def find_mobility(parameters, count):
             one, other = holding.contacts[m], holding.contacts[n]
             wheel = parameters.wheels[one.wheel]
             for e in range(2):
-                for f in range(2):
-                    total = 0.0
-                    for i in range(len(space.answer)):
-                        total += holding.felt[m, e, i] * holding.given[n, f, i]
+                for f in range(2 if n < m else e + 1):
+                    total = accelerated(holding, m, e, n, f)
                     if one.wheel == other.wheel:
                         total += wheel.spin_mobility * one.spin[e] * other.spin[f]
                         if one.roller == other.roller:
@@ -113,25 +112,43 @@ def find_mobility(parameters, count):
 
 
 @kernel
+def accelerated(holding, m, e, n, f):
+    """Slip acceleration of contact m along e by what a unit force at n along f does to chassis and carriers, 1/kg."""
+    felt, given = holding.felt[m, e], holding.given[n, f]
+    total = dot(vector(felt, 0), vector(given, 0)) + dot(vector(felt, 3), vector(given, 3))
+    for j in range(6, len(felt)):
+        total += felt[j] * given[j]
+    return total
+
+
+@kernel
 def factorize_firm(holding, count):
-    """Factors of A + p along what is held: the Firm."""
-    system = holding.system
-    largest, unknowns = TINY, 0
-    for m in range(count):
-        for e in range(holding.contacts[m].firm):
-            largest = max(largest, holding.mobility[2 * m + e, 2 * m + e])
-    added = PROXIMAL * largest
+    """Factors of A along what is held, or of A + p where that can be held in more than one way: the Firm."""
+    axes = fill_firm(holding, count, 0.0)
+    largest = TINY
+    for m in range(axes):
+        largest = max(largest, holding.system[m, m])
+    if factorize(holding.system, axes) > REGULAR * largest:
+        return Firm(axes, 0.0)
+    fill_firm(holding, count, PROXIMAL * largest)
+    factorize(holding.system, axes)
+    return Firm(axes, PROXIMAL * largest)
+
+
+@kernel
+def fill_firm(holding, count, added):
+    """A + p along what is held into `system`: along how many axes."""
+    axes = 0
     for m in range(count):
         for e in range(holding.contacts[m].firm):
             column = 0
             for n in range(m + 1):
                 for f in range(holding.contacts[n].firm):
-                    system[unknowns, column] = holding.mobility[2 * m + e, 2 * n + f]
+                    holding.system[axes, column] = holding.mobility[2 * m + e, 2 * n + f]
                     column += 1
-            system[unknowns, unknowns] += added
-            unknowns += 1
-    factorize(system[:unknowns, :unknowns])
-    return Firm(unknowns, added)
+            holding.system[axes, axes] += added
+            axes += 1
+    return axes
 
 
 @kernel
@@ -140,7 +157,7 @@ def stick(holding, count, firm):
 
     Each round solves (A + p) d = -v'; what it leaves of v' is -p d.
     """
-    factors, side = holding.system[: firm.axes, : firm.axes], holding.side[: firm.axes]
+    side = holding.side
     row = 0
     for m in range(count):
         for e in range(holding.contacts[m].firm):
@@ -148,7 +165,7 @@ def stick(holding, count, firm):
             row += 1
     last = TINY
     for _ in range(MOST_PROXIMAL):
-        substitute(factors, side)
+        substitute(holding.system, firm.axes, side)
         row, largest, change = 0, TINY, 0.0
         for m in range(count):
             force = holding.contacts[m].force
@@ -157,7 +174,7 @@ def stick(holding, count, firm):
                 largest, change = max(largest, abs(force[e])), max(change, abs(side[row]))
                 side[row] *= firm.added
                 row += 1
-        if change * change <= LOST * largest * last:  # corrections fall by one factor: the next is lost
+        if firm.added == 0.0 or change * change <= LOST * largest * last:  # as they fall, the next is lost
             break
         last = change
 
