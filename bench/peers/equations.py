@@ -227,6 +227,7 @@ def rates(held, t, y, out):
 def evaluate_motion(parameters, run, motion, t, y, out):
     for m in range(len(motion)):
         run.y[motion[m]] = y[m]
+    run.clock.rhs += 1
     evaluate(parameters, Stage(run.mode, run.clock.piece, t, run.y, run.slopes[0], run.monitors, False))
     for m in range(len(motion)):
         out[m] = run.slopes[0, motion[m]]

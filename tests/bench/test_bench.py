@@ -143,6 +143,24 @@ def test_the_converged_march_of_coulomb_wheel_is_the_reference(scipy_peer):
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)  # measured: 2e-11
 
 
+def test_evaluations_of_the_equations_are_counted(scipy_peer, monkeypatch):
+    from bench.peers import driver
+
+    driver.integrate(ready(bare_wheel(1e-3, end=0.05)), "DOP853, solve_ivp", "compiled", 1e-3, math.inf)  # compiles
+    calls, compiled = [], driver.FORMS["compiled"]
+
+    def counted(march, box, n):
+        f, jacobian = compiled(march, box, n)
+        return lambda t, y: calls.append(t) or f(t, y), jacobian
+
+    monkeypatch.setitem(driver.FORMS, "compiled", counted)
+    case = scipy_peer.CASES["bare wheel, slip_speed 0.05 m/s"]
+    trial = scipy_peer.Trial(scipy_peer.Peer("DOP853, solve_ivp", "compiled"), 1e-6, 1e-8, 0.0, 1e-6, 1.0)
+    found = scipy_peer.evaluations(case, trial)
+    assert found == len(calls) + 2 > 1000  # two find the roller in contact
+    assert scipy_peer.evaluations(case, trial._replace(peer=scipy_peer.Peer("LSODA, odeint", "scalars"))) == 0
+
+
 def test_a_solver_that_makes_no_headway_is_given_up(scipy_peer):
     with pytest.raises(scipy_peer.Stalled):
         scipy_peer.integrate(ready(bare_wheel(1e-3)), "LSODA, solve_ivp", "compiled", 1e-10, patience=0.0)
