@@ -36,9 +36,10 @@ BETWEEN = float(methods.BETWEEN)
 LEAST_SMOOTH = 0.1  # of a step: rounding of a last one that was shorter would bend it more than the motion does
 SHORT_REACH = 1e-3  # of a step, by which an explicit one is moved on
 MOMENT = 1e-9  # of a grid step: what follows within it happens at the same instant
+BEND = 1e-6  # the same of forces that only bend, where lowest points pass from arc to arc: they err by its square
 SHRINKING = 2.0**-5  # of a step, in the search for a point inside
 ROUNDING = 1e-14  # of a step and of the time: what is nearer to the start of a step is there
-ROOT = 1e-12  # of a step, to which a root on the extension is found
+ROOT = 1e-9  # of a step, by which a chord moves a root to where the next one would by less than rounding does
 MOST_ITERATIONS = 60  # for a root, of which halving alone would need 50
 HALVING = 4  # every so many iterations halve what is left
 
@@ -95,8 +96,7 @@ def note_changes(parameters, run, fired, h, x):
     do so a moment later: contacts from the last of a wheel to its first, so that one which ends leaves the numbers of
     those that follow."""
     most = len(parameters.space.changes) - 1
-    moment = MOMENT * run.clock.dt
-    later = x + min(moment / max(h, moment), max(1.0 - x, 0.0))
+    later, bent = after(run.clock.dt, h, x, MOMENT), after(run.clock.dt, h, x, BEND)
     count = 0
     for w in range(len(run.mode)):
         if all_stay(parameters, run, w):
@@ -106,7 +106,8 @@ def note_changes(parameters, run, fired, h, x):
             ends = False
             for kind in (APART, PIECE, PRESS, ARC):
                 which = Guard(kind, w, contacts - 1 - place)
-                if not ends and count < most and fires(parameters, run, which, fired, h, later):
+                by = bent if kind == ARC else later
+                if not ends and count < most and fires(parameters, run, which, fired, h, by):
                     count = note(parameters, count, which)
                     ends = kind in (APART, PIECE)
         for side in range(sides_of(parameters, run, MEET, w)):
@@ -114,6 +115,12 @@ def note_changes(parameters, run, fired, h, x):
             waits = count < most and may_meet(parameters, run.mode[w], w, side)
             if waits and fires(parameters, run, which, fired, h, later):
                 count = note(parameters, count, which)
+
+
+@kernel
+def after(dt, h, x, moment):
+    """Part of the trial step h that is so much of a grid step dt after x, or its end."""
+    return x + min(moment * dt / max(h, moment * dt), max(1.0 - x, 0.0))
 
 
 @kernel
