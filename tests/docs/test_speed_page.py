@@ -99,6 +99,16 @@ def test_the_page_in_short_says_what_the_results_say():
     assert row["method"] == "rk4" and row["step"] == 0.01 and f"| {row['error']:.1e} |" in page
 
 
+def test_the_page_of_validation_tells_of_the_fastest_engine_what_the_results_say():
+    page = " ".join((speed_page.FOLDER.parent / "validation.md").read_text(encoding="utf-8").split())
+    mujoco = speed_page.read(speed_page.RESULTS)["mujoco_peer"]["result"]
+    ratios = [row["simulate"]["ratios"]["the fastest"] for row in mujoco["omnisim"]]
+    errors = [row["position_error"] for row in mujoco["omnisim"]]
+    assert f"fastest setting is {1e3 * mujoco['fastest']['position_error']:.0f} mm off" in page
+    assert f"takes {min(ratios):.1f} to {max(ratios):.0f} times as long" in page
+    assert f"errors of {min(errors):.0e} to {max(errors):.1e} m".replace("e-0", "e-") in page
+
+
 def test_the_five_numbers_of_the_readme_are_those_of_the_results():
     """Renew README.md with bench/results: a measured ratio may be told to 2 %."""
     readme = " ".join((speed_page.HERE.parent / "README.md").read_text(encoding="utf-8").split())
