@@ -5,8 +5,9 @@ which `omnisim run` marches through the same motion; the two must end in the sam
 its own loop.
 
 FMPy steps the Functional Mock-up Unit by 10 ms, with all outputs recorded at each, with the pose alone, and without
-any. Beside it stands `omnisim.simulate` with rows at the same times: all datasets, and the march alone. Nobody reads a
-file, and everything is warm. All in this process is in processor time.
+any; and what it takes to ask for all of them itself, with answers that cost nothing. Beside it stands
+`omnisim.simulate` with rows at the same times: all datasets, and the march alone. Nobody reads a file, and everything
+is warm. All in this process is in processor time.
 """
 
 import ctypes
@@ -34,6 +35,8 @@ CPUS = ("generic", "native")
 POSE = ["body/position.x", "body/position.y", "body/yaw"]
 RECORDED = {"all outputs": None, "the pose": POSE, "nothing": []}
 MARCH, DATASETS, ALL = "the march", "omnisim.simulate, all datasets", "FMPy, all outputs"
+FREE = "FMPy, all outputs, answers that cost nothing"
+GETTERS = ("fmi3GetFloat64", "fmi3GetInt64")  # of the types that outputs have
 
 
 def measure(rounds: int) -> dict:
@@ -121,19 +124,25 @@ def stepped(name: str, folder: Path, rounds: int) -> dict[str, list[float]]:
     path = folder / f"{name}.fmu"
     path.write_bytes(fmu(scene, build(scene, prefix_of(name), "generic"), "3"))
     told, unzipped = fmpy.read_model_description(str(path)), fmpy.extract(str(path), str(folder / name))
-    unit = fmpy.instantiate_fmu(unzipped, told)
+    unit, silent = (fmpy.instantiate_fmu(unzipped, told) for _ in range(2))
+    for getter in GETTERS:
+        setattr(silent, getter, lambda *_: None)
     run = partial(
-        fmpy.simulate_fmu, unzipped, model_description=told, fmu_instance=unit, output_interval=CONTROL,
-        stop_time=scene.config.time.end,
-    )  # fmt: skip
+        fmpy.simulate_fmu, unzipped, model_description=told, output_interval=CONTROL, stop_time=scene.config.time.end
+    )
 
-    def recording(names: list[str] | None) -> Callable[[], object]:
+    def recording(unit: fmpy.fmi3.FMU3Slave, names: list[str] | None) -> Callable[[], object]:
         unit.reset()
-        return partial(run, output=names)
+        return partial(run, fmu_instance=unit, output=names)
 
-    contestants = {MARCH: marching(scene), DATASETS: lambda: with_datasets(scene)}
-    contestants |= {f"FMPy, {what}": partial(recording, names) for what, names in RECORDED.items()}
+    contestants = {
+        MARCH: marching(scene),
+        DATASETS: lambda: with_datasets(scene),
+        FREE: partial(recording, silent, None),
+    }
+    contestants |= {f"FMPy, {what}": partial(recording, unit, names) for what, names in RECORDED.items()}
     seconds = interleaved(contestants, rounds, time.process_time)
+    silent.freeInstance()
     unit.freeInstance()
     return seconds
 
@@ -179,9 +188,10 @@ def claims(result: dict) -> list[Claim]:
     for name, seconds in result["fmpy"].items():
         mean = quiet(seconds)
         text = f"speed of FMPy with all outputs at 10 ms, by that of omnisim.simulate with all datasets: {name}"
+        free = mean[DATASETS] / mean[FREE]
         reason = (
             f"Of its {1e3 * mean[ALL]:.2f} ms the march is {1e3 * mean[MARCH]:.2f}; for the rest FMPy asks for every "
-            "output every 10 ms, from Python, and is answered"
+            f"output every 10 ms, from Python: with answers that cost nothing it would be {free:.2f}"
         )
         found.append(Claim(text, mean[DATASETS] / mean[ALL], "at least", 0.5, 0.25, reason))
     return found
