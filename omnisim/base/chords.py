@@ -3,6 +3,8 @@
 from omnisim.base.kernel import kernel
 
 FLAT = 0.1  # part by which a value changes at least, for a chord that bends
+FOUND = 1e-12  # of what is searched: as far as a root may be missed
+NEARLY = 1e-9  # the same, from which on a root may be told by how chords have settled
 
 
 @kernel
@@ -13,3 +15,11 @@ def staying(found, before):
     less would take the chord all the way back."""
     factor = 1.0 - found / before
     return factor if factor > FLAT else 0.5
+
+
+@kernel
+def settled(moved, before):
+    """Whether a root is found that a chord has moved by `moved`, and the one before it by `before` (0: there was none):
+    if the next one moves it by the same part of that again, it moves it by no more than FOUND. Values carry rounding,
+    and to look at them once more would tell nothing else."""
+    return moved <= FOUND or (moved <= NEARLY and moved * moved <= FOUND * before)

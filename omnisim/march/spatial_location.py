@@ -12,7 +12,7 @@ fourth derivative.
 import math
 
 from omnisim.base import methods
-from omnisim.base.chords import staying
+from omnisim.base.chords import FOUND, settled, staying
 from omnisim.base.kernel import kernel, outlined
 from omnisim.dynamics.state import Stage
 from omnisim.march.events import NO_GUARD, Guard, guard
@@ -39,7 +39,6 @@ MOMENT = 1e-9  # of a grid step: what follows within it happens at the same inst
 BEND = 1e-6  # the same of forces that only bend, where lowest points pass from arc to arc: they err by its square
 SHRINKING = 2.0**-5  # of a step, in the search for a point inside
 ROUNDING = 1e-14  # of a step and of the time: what is nearer to the start of a step is there
-ROOT = 1e-9  # of a step, by which a chord moves a root to where the next one would by less than rounding does
 MOST_ITERATIONS = 60  # for a root, of which halving alone would need 50
 HALVING = 4  # every so many iterations halve what is left
 
@@ -203,10 +202,11 @@ def root_between(parameters, run, which, h, positive, negative):
     """Part of the trial step h at which a Guard is zero on its extension, between two with values of both signs
     (x, value)."""
     (low, at_low), (high, at_high) = positive, negative
-    x, side = high, 0
+    x, moved, side = high, 0.0, 0
     for _ in range(MOST_ITERATIONS):
         last, x = x, (low * at_high - high * at_low) / (at_high - at_low)
-        if abs(x - last) <= ROOT or high - low <= ROOT:
+        before, moved = moved, abs(x - last)
+        if settled(moved, before) or high - low <= FOUND:
             break
         found = guard_along(parameters, run, which, h, x)
         if found < 0.0:
