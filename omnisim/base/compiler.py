@@ -29,12 +29,14 @@ from numba.core.types.functions import BaseFunction
 from numba.core.untyped_passes import RewriteSemanticConstants
 
 from omnisim.base.machine_code import MachineCode, seen
+from omnisim.base.records import zero_title
 
 
 @register_pass(mutates_CFG=False, analysis_only=False)
 class FoldAbsent(FunctionPass):
-    """What a scene does not have is None in what its kernels are given, so `run.newton is None` is known from the
-    types: it becomes a constant, and Numba drops the branch that is never taken before it looks at what is in it."""
+    """What a scene does not have is None in what its kernels are given, or a number that is 0 in all records of a type
+    (`without`). So `run.newton is None` and `machine.rolling` are known from the types: they become constants, and
+    Numba drops the branch that is never taken before it looks at what is in it."""
 
     _name = "fold_absent"
 
@@ -46,15 +48,25 @@ class FoldAbsent(FunctionPass):
         for block in state.func_ir.blocks.values():
             for statement in block.body:
                 value = getattr(statement, "value", None)
-                if not (isinstance(value, ir.Expr) and value.op == "binop" and value.fn in (is_, is_not)):
-                    continue
-                kind = type_of(state, value.lhs) if is_none(state.func_ir, value.rhs) else None
-                if kind is not None:
-                    known = ir.Const(isinstance(kind, types.NoneType) == (value.fn is is_), statement.loc)
+                known = known_from_types(state, value) if isinstance(value, ir.Expr) else None
+                if known is not None:
                     definitions = state.func_ir._definitions[statement.target.name]
-                    definitions[definitions.index(value)] = statement.value = known
+                    definitions[definitions.index(value)] = statement.value = ir.Const(known, statement.loc)
                     folded = True
         return folded
+
+
+def known_from_types(state, value):
+    """What an expression is for all arguments of these types: a number; None of most."""
+    if value.op == "binop" and value.fn in (is_, is_not) and is_none(state.func_ir, value.rhs):
+        kind = type_of(state, value.lhs)
+        return None if kind is None else isinstance(kind, types.NoneType) == (value.fn is is_)
+    if value.op == "getattr":
+        whole = type_of(state, value.value)
+        field = whole.fields.get(value.attr) if isinstance(whole, types.Record) else None
+        if field is not None and field.title == zero_title(value.attr):
+            return 0.0 if isinstance(field.type, types.Float) else 0
+    return None
 
 
 def is_none(func_ir, variable):
@@ -70,7 +82,7 @@ def type_of(state, variable):
         return state.args[found.index]
     if isinstance(found, ir.Expr) and found.op == "getattr":
         whole = type_of(state, found.value)
-        if isinstance(whole, types.NamedTuple) and found.attr in whole.fields:
+        if isinstance(whole, types.BaseNamedTuple) and found.attr in whole.fields:
             return whole[whole.fields.index(found.attr)]
     return None
 

@@ -39,9 +39,18 @@ class Record(np.record):  # type: ignore[misc]  # not final when it runs
     data = AsNumPy()
 
 
+class LeanRecord(Record):  # type: ignore[misc]
+    """A Record of a dtype that `without` made: Python's type tells it from others, as that of kernels does."""
+
+
+class LeanRecords(np.recarray):
+    """Several of them."""
+
+
 def single(dtype: np.dtype, memory: Any, at: int = 0) -> Record:
     """The Record in this memory, which may be an array of one, from a byte on."""
-    array: Any = np.ndarray.__new__(np.ndarray, (1,), of_class(Record, dtype), memory, at)
+    kind = LeanRecord if lean(dtype) else Record
+    array: Any = np.ndarray.__new__(np.ndarray, (1,), of_class(kind, dtype), memory, at)
     found = array[0]
     vars(found)["data"] = np.frombuffer(memory, np.uint8, dtype.itemsize, at).data
     return found
@@ -88,6 +97,33 @@ def recorded(dtype: np.dtype) -> np.dtype:
     return of_class(np.record, dtype)
 
 
+def without(dtype: np.dtype, *names: str) -> np.dtype:
+    """The same fields, of which these are 0 in every record. They have a title that says so, which is part of the type
+    that kernels are compiled for: what is done with them there is left out, see compiler.py."""
+    fields: Any = dtype.fields
+    everything = list(dtype.names or ())
+    return np.dtype(
+        {
+            "names": everything,
+            "formats": [dtype[name] for name in everything],
+            "offsets": [fields[name][1] for name in everything],
+            "titles": [zero_title(name) if name in names else None for name in everything],
+            "itemsize": dtype.itemsize,
+        }
+    )
+
+
+@lru_cache
+def lean(dtype: np.dtype) -> bool:
+    """Whether some fields are known to be 0 in every record."""
+    return len(dtype.fields or ()) > len(dtype.names or ())  # titles count among the former
+
+
+def zero_title(name: str) -> str:
+    """Title of a field of this name that is 0 in every record."""
+    return f"{name} is 0"
+
+
 @lru_cache
 def of_class(kind: type[np.record], dtype: np.dtype) -> np.dtype:
     """Of records of a class, with these fields."""
@@ -109,7 +145,8 @@ def code(dtype: np.dtype) -> str:
     if dtype.fields is None:
         return CODES[dtype.str[1:]]
     told, at = "", 0
-    for field, offset in sorted(((field[0], field[1]) for field in dtype.fields.values()), key=itemgetter(1)):
+    fields = (dtype.fields[name][:2] for name in dtype.names or ())  # which a title would list once more
+    for field, offset in sorted(fields, key=itemgetter(1)):
         told += "x" * (offset - at) + code(field)
         at = offset + field.itemsize
     return told + "x" * (dtype.itemsize - at)

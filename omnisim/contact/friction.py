@@ -65,9 +65,9 @@ def friction_factor(machine, saturated, normal_force, slip, stream):
         return machine.friction * normal_force / speed
     if machine.law == COULOMB:
         return machine.friction * normal_force / max(math.sqrt(slip.h * slip.h + slip.k * slip.k), TINY_SPEED)
-    if machine.law == VISCOUS:
+    if machine.viscous:
         return machine.viscosity
-    if machine.law == BRUSH:
+    if machine.brush:
         return brush_factor(machine, normal_force, slip, stream)
     return 0.0
 

@@ -64,7 +64,7 @@ def actuate(parameters, stage, w, spin_rate):
     demand = wheel.drive_gain * given_input - wheel.drive_damping * y[at.spin_rate + w]
     if parameters.machine.integrals:
         demand += wheel.drive_integral * y[at.integral + w]
-    if wheel.motor:
+    if parameters.machine.motors and wheel.motor:
         if wheel.sample_steps > 0:
             demand = mode.held
         given, torque = turn_motor(parameters, mode.drive, w, demand, spin_rate, y, dy)
@@ -126,9 +126,9 @@ def rest_motors(parameters, dy):
 
 
 @kernel
-def limit_guard(wheel, drive, demand, spin_rate):
+def limit_guard(machine, wheel, drive, demand, spin_rate):
     """How far a drive is inside its limits, or beyond the one that it is at (N m or V); a little play between both."""
-    if wheel.motor:
+    if machine.motors and wheel.motor:
         return voltage_guard(wheel, drive, demand, spin_rate)
     if drive == FREE:
         return wheel.drive_limit - abs(demand)
@@ -136,9 +136,9 @@ def limit_guard(wheel, drive, demand, spin_rate):
 
 
 @kernel
-def next_limit(wheel, drive, demand, spin_rate):
+def next_limit(machine, wheel, drive, demand, spin_rate):
     """The limit at which a drive is after its guard has fired."""
-    if wheel.motor:
+    if machine.motors and wheel.motor:
         return next_voltage_limit(wheel, drive, demand, spin_rate)
     if drive != FREE:
         return FREE

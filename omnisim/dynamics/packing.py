@@ -23,8 +23,10 @@ from omnisim.dynamics.parameters import (
     LOADS,
     MACHINE,
     PART,
+    PLAIN,
     RESTING,
     ROLLER_ROW,
+    SELDOM,
     SERVO,
     Parameters,
     Workspace,
@@ -84,8 +86,9 @@ def pack(config: Config, ask: Ask[Config] = alone) -> Parameters:
         reaches = zip(offsets, ask(reaches_of, config), strict=True)
         bounds = [slip_mobility_bound(machine, offset, found) for offset, found in reaches]
     machine["slip_mobility"] = max(bounds)
+    kind = MACHINE if any(machine[name] for name in SELDOM) else PLAIN
     return Parameters(
-        single(MACHINE, records(MACHINE, [machine])),
+        single(kind, records(kind, [machine])),
         wheel_records(ask(wheel_bytes, config), OWN, placed),
         rows_of(ask(offsets_of, config), placed),
         ask(sectors_of, config),
@@ -252,6 +255,8 @@ def machine_kind(config: Config) -> dict:
         "inclined": any(gravity(config)[0]),
         "upright": UPRIGHT[config.upright],
         "law": LAWS["coulomb" if thin_layer(config) else config.friction.law],
+        "viscous": config.friction.law == "viscous",
+        "brush": config.friction.law == "brush",
         "implicit_tracking": config.solver.tracking == "implicit",
         "every_rate": every_rate,
         "slots": rollers["most"] if every_rate else SLOTS if config.upright == "free" else TOUCHING,

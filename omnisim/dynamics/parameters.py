@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from omnisim.base.records import without
 from omnisim.dynamics.spatial.records import Space
 from omnisim.dynamics.state import PLACES, TOUCHING, TURNING
 
@@ -19,7 +20,9 @@ MACHINE = np.dtype(
         ("centre", np.float64, (2,)),  # C from the chassis origin, chassis axes, m
         ("lever", np.float64, (3,)),  # r: from C to where the wrench acts, chassis axes, m
         ("upright", np.int64),  # SERVO or CONTACTS: what carries roll and pitch
-        ("law", np.int64),  # reaction.LAWS
+        ("law", np.int64),  # friction.LAWS
+        ("viscous", np.int64),  # 1: it is that which knows no load
+        ("brush", np.int64),  # 1: it is that of rubber that creeps
         ("friction", np.float64),  # mu, 1
         ("slip_speed", np.float64),  # m/s
         ("slip_layer", np.float64),  # slip at which a sticking contact gives mu N, m/s; 0: it does not slip
@@ -51,6 +54,14 @@ MACHINE = np.dtype(
         ("places", PLACES),  # of the state
     ]
 )
+# What few machines have. Where one has none of it all of these are 0, and its record is PLAIN: steps take a tenth less.
+# Every kind of record is compiled for once more, so that these make one kind, not one each.
+SELDOM = (
+    *("viscous", "brush", "patch_radius", "implicit_tracking"),
+    *("bearing_friction", "rolling", "every_rate", "bearing_relaxation"),
+    *("motors", "currents", "current_relaxation", "follows", "sampled"),
+)
+PLAIN = without(MACHINE, *SELDOM)
 WHEEL = np.dtype(
     [
         ("cos_heading", np.float64),  # of h from chassis x
@@ -246,9 +257,9 @@ class Parameters(NamedTuple):
     What a scene does not have is None, here, in Workspace, in Run and in Recording. That is known from the types of the
     arguments of a kernel, and what it would do with it is not compiled: see compiler.py.
 
-    machine: record MACHINE. wheels: (W,) records WHEEL. roller_rows: records ROLLER_ROW of the rows of rollers of all
-    wheels. sector: (W, 3, N) cosine and sine of 2 pi i / N_r, and the offset of the roller's row, m. starts: (S,) where
-    the pieces begin, s. inputs: (S, 4 + W, 2) value at the start of the piece and slope of every channel. workspace:
+    machine: record MACHINE or PLAIN. wheels: (W,) records WHEEL. roller_rows: records ROLLER_ROW of the rows of rollers
+    of all wheels. sector: (W, 3, N) cosine and sine of 2 pi i / N_r, and the offset of the roller's row, m. starts:
+    (S,) where the pieces begin, s. inputs: (S, 4 + W, 2) value at the start of the piece and slope of every channel. workspace:
     Workspace. space: Space, None of a machine that is upright.
     """
 

@@ -14,7 +14,6 @@ import math
 
 from omnisim.base.kernel import kernel
 from omnisim.base.trigonometry import cos_sin
-from omnisim.contact.friction import VISCOUS
 from omnisim.contact.tracking import rho_rate, roller_axis
 from omnisim.dynamics.actuation import rest_motors
 from omnisim.dynamics.contact_forces import find_forces
@@ -87,7 +86,7 @@ def reduced_rhs(parameters, stage):
             heat, power = heat + loss, power + work
         else:
             others += 1
-    pushing = known or machine.law == VISCOUS  # some contact, without waiting for its load
+    pushing = known or machine.viscous == 1  # some contact, without waiting for its load
     if others:
         for w in range(len(wheels)):
             part = workspace.parts[w]

@@ -10,7 +10,7 @@ of rk4, minima of 450 marches in turn, all wheels by the one way or by the other
 
 from omnisim.base.kernel import kernel
 from omnisim.contact.frame import Slip, frame_on_chassis, outward
-from omnisim.contact.friction import BRUSH, VISCOUS, friction
+from omnisim.contact.friction import friction
 from omnisim.contact.kinematics import slip_jacobian
 from omnisim.contact.set_valued import SLIP
 from omnisim.dynamics.actuation import follow_angles
@@ -26,8 +26,8 @@ from omnisim.dynamics.wheel_forces import free_wheel, monitor_wheel, set_part, t
 def slides_alone(machine, mode):
     """Whether a wheel goes this way: it slides on one roller, by a law of slip and load alone that needs no more than
     its load, if that is not known; and nothing resists its rolling."""
-    alone = mode.grip[0] == SLIP and not mode.shared and not machine.rolling and machine.law != BRUSH
-    return alone and (loads_known(machine) or machine.law != VISCOUS)
+    alone = mode.grip[0] == SLIP and not mode.shared and not machine.rolling and not machine.brush
+    return alone and (loads_known(machine) or not machine.viscous)
 
 
 @kernel

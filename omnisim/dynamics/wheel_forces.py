@@ -7,7 +7,7 @@ import math
 
 from omnisim.base.kernel import kernel, outlined
 from omnisim.contact.frame import Axis, Slip
-from omnisim.contact.friction import BRUSH, VISCOUS, friction
+from omnisim.contact.friction import friction
 from omnisim.contact.kinematics import Jacobian, joint_rate, slip_acceleration, slip_jacobian, streaming
 from omnisim.contact.rolling_resistance import rolling_moment, rolling_relaxation
 from omnisim.contact.set_valued import SLIP, STICK
@@ -187,10 +187,10 @@ def find_friction(parameters, mode, w, side, body, state, j):
             if machine.rolling:
                 hold_against_rolling(machine, wheel, contact, state.axis, j)
             return
-    stream = streaming(wheel, state) if machine.law == BRUSH else slip
+    stream = streaming(wheel, state) if machine.brush else slip
     factor, torque = friction(machine, mode.saturated[side], 1.0, slip, state.turn, stream)
     contact.factor, contact.unit_torque = factor, torque
-    if machine.law == VISCOUS:  # knows no load
+    if machine.viscous:  # knows no load
         contact.unit[0], contact.unit[1] = 0.0, 0.0
         contact.constant[0], contact.constant[1] = -factor * slip.h, -factor * slip.k
     else:
@@ -270,7 +270,7 @@ def react(parameters, stage, w, side, acceleration):
     slip = contact.slip
     monitors = stage.monitors[w]
     monitors.slip_square[side] = slip[0] * slip[0] + slip[1] * slip[1]
-    monitors.factor[side] = contact.factor * (contact.share * part.loaded if machine.law == VISCOUS else load)
+    monitors.factor[side] = contact.factor * (contact.share * part.loaded if machine.viscous else load)
     monitors.margin[side] = 0.0
     if parameters.workspace.resting is not None and contact.rest and not mode.shared:
         monitors.margin[side] = machine.friction * normal - math.sqrt(force[0] * force[0] + force[1] * force[1])

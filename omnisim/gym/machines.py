@@ -14,8 +14,9 @@ import numpy as np
 
 from omnisim.base import status
 from omnisim.base.calls import direct
+from omnisim.base.records import LeanRecords, lean, recorded
 from omnisim.dynamics.packing import pack
-from omnisim.dynamics.parameters import Parameters
+from omnisim.dynamics.parameters import MACHINE, Parameters
 from omnisim.dynamics.state import Run, places_in
 from omnisim.gym.instants import drive_each, observe_each
 from omnisim.gym.paths import Path
@@ -58,9 +59,17 @@ class Machines:
         if config is not self.first.config:
             parameters = pack(config)
             run = begin(config, parameters)
+        if lean(self.parameters.machine.dtype) and not lean(parameters.machine.dtype):
+            self._widen()
         place(self.parameters, with_piece(parameters), who)
         place(self.runs, run, who)
         self.clock["goal"][who], self.clock["pause"][who] = 0, FOR_EVER
+
+    def _widen(self) -> None:
+        """Let machines have what few have: from now on they are marched by kernels that know all of it."""
+        machines: Any = np.array(self.parameters.machine, recorded(MACHINE)).view(np.recarray)
+        self.parameters = self.parameters._replace(machine=machines)
+        self._march(0, 0, 0)  # compiles, before several threads need it
 
     def drive(self, who: np.ndarray, wheels: np.ndarray, values: np.ndarray) -> None:
         """Give the drives of these wheels (D,) inputs (N, D) from now on, as a Loop does; of machines `who` (N,)."""
@@ -157,7 +166,9 @@ def stacked(parts: Sequence[Any]) -> Any:
     if isinstance(first, tuple):
         return type(first)(*map(stacked, zip(*parts, strict=True)))
     found = np.stack(parts)
-    return found.view(np.recarray) if found.dtype.names else found
+    if not found.dtype.names:
+        return found
+    return found.view(LeanRecords if lean(found.dtype) else np.recarray)
 
 
 def place(whole: Any, part: Any, who: np.ndarray) -> None:

@@ -126,7 +126,7 @@ def upright_guard(parameters, run, which, at_end):
     if kind == JAM:
         return monitors.regular - LEAST_REGULAR
     if kind == DRIVE:
-        return limit_guard(wheel, mode.drive, monitors.demand, y[at.spin_rate + w])
+        return limit_guard(parameters.machine, wheel, mode.drive, monitors.demand, y[at.spin_rate + w])
     if kind == KINK:
         if machine.law != SATURATED:
             return 0.0
@@ -205,7 +205,7 @@ def change_mode(parameters, run, log, fired, time):
         clock.wheel = heaviest(run)
     elif kind == DRIVE:
         spin_rate = run.y[places(parameters).spin_rate + w]
-        mode.drive = next_limit(parameters.wheels[w], mode.drive, run.monitors[w].demand, spin_rate)
+        mode.drive = next_limit(parameters.machine, parameters.wheels[w], mode.drive, run.monitors[w].demand, spin_rate)
         refresh(parameters, run, time)
     elif kind == KINK:
         mode.saturated[side] = 1 - mode.saturated[side]

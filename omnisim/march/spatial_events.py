@@ -79,7 +79,7 @@ def spatial_guard(parameters, run, kind, w, side, at_end):
         return monitors.within[side]
     if kind == LIMIT:
         spin_rate = y[places(parameters).spin_rate + w]
-        return limit_guard(parameters.wheels[w], mode.drive, monitors.demand, spin_rate)
+        return limit_guard(parameters.machine, parameters.wheels[w], mode.drive, monitors.demand, spin_rate)
     if kind == KINK:
         if parameters.machine.law != SATURATED:
             return 0.0
@@ -175,7 +175,7 @@ def change_in_space(parameters, run, log, kind, w, side, time):
         run.clock.status, run.clock.wheel = CHASSIS_DOWN, -1
     elif kind == LIMIT:
         spin_rate = run.y[places(parameters).spin_rate + w]
-        mode.drive = next_limit(parameters.wheels[w], mode.drive, run.monitors[w].demand, spin_rate)
+        mode.drive = next_limit(parameters.machine, parameters.wheels[w], mode.drive, run.monitors[w].demand, spin_rate)
     elif kind == KINK:
         mode.saturated[side] = 1 - mode.saturated[side]
     elif of_state_alone(kind):

@@ -9,7 +9,7 @@ import math
 
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.methods import EXPLICIT, IMPLICIT, Tableau
-from omnisim.contact.friction import BRUSH, VISCOUS, passing_speed
+from omnisim.contact.friction import passing_speed
 from omnisim.contact.kinematics import streaming
 from omnisim.contact.mobility import largest
 from omnisim.contact.set_valued import CREEP, SLIP, STICK, TINY
@@ -67,7 +67,7 @@ def step_length(parameters, run, t, h):
             elif grip == SLIP and factor > 0.0:
                 rate, slip, a = slip_rate(parameters, run.mode[w], w, side, run.y, run.slopes[0])
                 mobility = largest(a)
-                if machine.law == BRUSH:
+                if machine.brush:
                     floor = brush_floor(parameters, run.mode[w], w, side, run.y)
                 scale = run.monitors[w].slip_square[side] + floor * floor
                 size = math.sqrt((rate.h * rate.h + rate.k * rate.k) * scale)
@@ -89,7 +89,7 @@ def step_length(parameters, run, t, h):
     h_explicit = h
     # viscous friction relaxes slip as fast where it is large
     fraction = LAYER * FINE_FRACTION
-    if machine.law != VISCOUS:
+    if not machine.viscous:
         fraction = slip_fraction(FINE_FRACTION, pace, clock)
     stiffness = clock.dt * relaxation
     if parameters.workspace.resting is not None:

@@ -1,6 +1,7 @@
 """Kernels compiled before they are needed: once for every kind of scene, in processes side by side.
 
-All scenes of one kind share all kernels, whatever their numbers: a kind is which parts of Parameters and Run are there.
+All scenes of one kind share all kernels, whatever their numbers: a kind is which parts of Parameters and Run are there,
+and whether the machine has anything that few have.
 What marches and observes machines side by side is left to the first environment of a kind, which compiles it in 10 to
 15 s: no other room needs it.
 """
@@ -18,8 +19,10 @@ from typing import NamedTuple
 
 from omnisim.base.kernel import Kernel
 from omnisim.base.methods import EXPLICIT
+from omnisim.base.records import lean
 from omnisim.contact.roller_profile import length, profile_radius, tip_radius
 from omnisim.dynamics.packing import pack
+from omnisim.dynamics.parameters import SELDOM
 from omnisim.march.march import march
 from omnisim.march.observation import observe
 from omnisim.march.stiffness import explanation, resolve
@@ -29,6 +32,7 @@ from omnisim.scene.scene import Scene, SceneError, as_scene, load
 
 BRIEF = ("time.end=0.01", "time.step=0.001", "time.output_interval=0.01")
 SMALL, FREE = "six_rollers", "kiwi_ramp"  # scenes, made of any kind: one held upright, one free in space
+RESISTED = "wheel_types.omni.roller.rolling_resistance=1e-3"  # of these: few machines have that
 FORMULATIONS, LAWS, METHODS = ("reduced", "multibody"), ("regularized", "coulomb"), ("rk4", "radau5")
 POLLED = 0.05  # s, between two looks at what compiles
 WORKER = "import sys; from omnisim.run.warming import compile_now; compile_now(sys.argv[1:])"
@@ -41,13 +45,15 @@ class Kind(NamedTuple):
     set_valued: bool = False  # friction
     implicit: bool = False  # steps, all or some
     free: bool = False  # in space
+    seldom: bool = False  # the machine has anything SELDOM
 
     def __str__(self) -> str:
         what = "the multibody formulation" if self.multibody else "the reduced formulation"
         if self.free:
             what = "machines free in space"
         friction = "set-valued friction" if self.set_valued else "smooth friction"
-        return f"{what} with {friction} and {'implicit' if self.implicit else 'explicit'} steps"
+        more = " of machines with what few have" if self.seldom and not self.multibody else ""
+        return f"{what} with {friction} and {'implicit' if self.implicit else 'explicit'} steps{more}"
 
     @property
     def overrides(self) -> tuple[str, ...]:
@@ -57,6 +63,7 @@ class Kind(NamedTuple):
             f"solver.formulation={FORMULATIONS[self.multibody]}",
             f"friction.law={LAWS[self.set_valued]}",
             f"solver.method={METHODS[self.implicit]}",
+            *((RESISTED,) if self.seldom else ()),
         )
 
     @property
@@ -68,7 +75,8 @@ class Kind(NamedTuple):
 def kind_of(scene: Scene) -> Kind:
     parameters = pack(scene.config)
     there = parameters.workspace.articulated is not None, parameters.workspace.resting is not None
-    return Kind(*there, resolve(scene.config, parameters) != EXPLICIT, parameters.space is not None)
+    seldom = not lean(parameters.machine.dtype)
+    return Kind(*there, resolve(scene.config, parameters) != EXPLICIT, parameters.space is not None, seldom)
 
 
 def kinds() -> Iterator[Kind]:
@@ -76,10 +84,11 @@ def kinds() -> Iterator[Kind]:
     for flags in product((False, True), repeat=len(Kind._fields)):
         kind = Kind(*flags)
         try:
-            kind.scene  # noqa: B018
+            scene = kind.scene
         except SceneError:  # not every formulation has every method
             continue
-        yield kind
+        if kind_of(scene) == kind:  # bodies are nothing that many have
+            yield kind
 
 
 def warm(
@@ -138,7 +147,9 @@ def compile_now(flags: Iterable[str]) -> None:
 def kernels_of(kind: Kind) -> set[Kernel]:
     """About those that are compiled for a run of this kind: all that march and observation reach in their sources but
     for branches that ask for what is not there."""
-    there = dict(zip(("articulated", "resting", "newton", "space"), kind, strict=True))
+    *parts, seldom = kind
+    there = dict(zip(("articulated", "resting", "newton", "space"), parts, strict=True))
+    there |= {} if seldom else dict.fromkeys(SELDOM, False)
     found: set[Kernel] = set()
     waiting = [kernel for kernel in (march, observe) if isinstance(kernel, Kernel)]  # compilation may be switched off
     while waiting:
@@ -153,7 +164,8 @@ def kernels_of(kind: Kind) -> set[Kernel]:
 
 
 class Names(ast.NodeVisitor):
-    """The names in a source but for those in branches that are never taken; there: by member whether it is not None."""
+    """The names in a source but for those in branches that are never taken; there: by member whether it is not None, or
+    not 0."""
 
     def __init__(self, there: dict[str, bool]):
         self.there = there
@@ -177,6 +189,8 @@ class Names(ast.NodeVisitor):
             if ending in parts:
                 return ending
             return None if None in parts else not ending
+        if isinstance(test, ast.Attribute):
+            return self.there.get(test.attr)
         if isinstance(test, ast.Compare) and isinstance(test.left, ast.Attribute) and test.left.attr in self.there:
             return self.there[test.left.attr] == isinstance(test.ops[0], ast.IsNot)
         return None

@@ -243,6 +243,56 @@ def test_what_is_not_there_is_not_compiled_and_every_kind_is_on_disk_afterwards(
     assert lines("7.0") == ["6.0 0 0 0", "10.0 0 0", "3.5"]  # the older one is still there, and right
 
 
+ZEROS = """
+from typing import NamedTuple
+import numpy as np
+from omnisim.base.kernel import kernel, outlined
+from omnisim.base.records import without
+ANY = np.dtype([("stiffness", "f8"), ("mass", "f8"), ("rubber", "i8")])
+RIGID = without(ANY, "stiffness", "rubber")
+class Wheel(NamedTuple):
+    material: np.record
+@outlined
+def squeezed(x):
+    return x * x
+@kernel
+def force(wheel, x):
+    material = wheel.material
+    if material.rubber and x > 0.0:
+        return squeezed(x)
+    return material.stiffness * x + material.mass
+"""
+ZEROS_PROGRAM = """
+import numpy as np
+from omnisim.base.calls import direct
+from omnisim.base.records import single
+from omnisim.zeros import ANY, RIGID, Wheel, force, squeezed
+values = np.array((5.0, 3.0, 1), ANY)
+for kind in RIGID, ANY, RIGID, ANY:  # the values are of no RIGID record, so whoever looks at them is found out
+    wheel = Wheel(single(kind, values))
+    print(*(direct(force, wheel, x) for x in (2.0, -2.0)), len(squeezed.overloads), wheel.material.stiffness)
+"""
+
+
+def test_what_is_zero_in_all_records_of_a_type_is_a_constant_and_not_compiled(package, tmp_path):
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+
+    def lines():
+        done = subprocess.run(
+            [sys.executable, "-B", "-c", ZEROS_PROGRAM], cwd=tmp_path, env=environment, capture_output=True, text=True,
+            check=True,
+        )  # fmt: skip
+        return done.stdout.splitlines()
+
+    (package / "zeros.py").write_text(ZEROS)
+    assert lines() == ["3.0 3.0 0 5.0", "4.0 -7.0 1 5.0", "3.0 3.0 1 5.0", "4.0 -7.0 1 5.0"]
+    assert lines() == ["3.0 3.0 0 5.0", "4.0 -7.0 0 5.0", "3.0 3.0 0 5.0", "4.0 -7.0 0 5.0"]  # all of them from disk
+    (package / "zeros.py").write_text(ZEROS.replace("material.rubber", "material.ruber"))
+    with pytest.raises(subprocess.CalledProcessError) as failed:
+        lines()
+    assert "KeyError: 'ruber'" in failed.value.stderr  # a name that no record has is no zero
+
+
 LONG = "    x = math.sin(x) * places[1]\n" * 40  # so long that LLVM makes it part of nothing by itself
 GIVEN = f"""
 import math

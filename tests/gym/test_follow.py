@@ -11,6 +11,7 @@ import pytest
 from helpers.stages import either
 
 import omnisim
+from omnisim.base.records import lean
 
 gymnasium = pytest.importorskip("gymnasium", reason="needs Gymnasium: pip install -e '.[test]'")
 check_env = pytest.importorskip("gymnasium.utils.env_checker").check_env
@@ -254,6 +255,20 @@ def test_friction_and_mass_are_drawn_for_every_episode():
     assert len(set(phases.ravel())) == 32
     some.reset()
     assert not set(before) & set(machine["friction"])
+
+
+@pytest.mark.long
+def test_laws_that_few_machines_have_may_be_drawn_beside_others_and_change_no_bit_of_any():
+    smooth = {"friction": {"law": "regularized", "coefficient": 0.6, "slip_speed": 0.02, "viscosity": 60.0}}
+    options = {"scene": omnisim.load("youbot", smooth), "vary": {"friction.law": ["regularized", "viscous"]}}
+    assert lean(many(2, scene=options["scene"]).unwrapped.machines.parameters.machine.dtype)
+    some, acted = many(4, **options), actions(12, 4, 3)
+    together = episodes(some, acted, 5)
+    viscous = some.unwrapped.machines.parameters.machine["viscous"]
+    assert not lean(some.unwrapped.machines.parameters.machine.dtype) and 0 < viscous.sum() < 4
+    for i in range(4):
+        for alone, column in zip(episode(single(**options), acted[:, i], 5 + i), together, strict=True):
+            assert np.array_equal(alone, column[:, i])
 
 
 @pytest.mark.parametrize(

@@ -46,8 +46,8 @@ def test_scenes_of_a_kind_share_all_kernels_and_a_new_process_compiles_none():
 def test_a_small_scene_is_of_the_kind_that_it_is_made_for():
     found = list(kinds())
     held = [kind for kind in found if not kind.free]
-    assert len(held) == 6  # in the multibody formulation all steps are explicit
-    assert len(found) - len(held) == 4  # friction smooth or set-valued, steps explicit or implicit
+    assert len(held) == 10  # in the multibody formulation all steps are explicit, and it is of those that few have
+    assert len(found) - len(held) == 8  # smooth or set-valued, explicit or implicit, plain or not
     for kind in found:
         assert kind_of(kind.scene) == kind
 
@@ -56,6 +56,8 @@ def test_a_small_scene_is_of_the_kind_that_it_is_made_for():
     ("kiwi_ramp", Kind(free=True)),
     ("cable_duct", Kind(free=True)),
     ("six_rollers", Kind(False, False, False)),
+    ("soccer_robot", Kind(False, True, False, seldom=True)),  # motors
+    ("wheel_bench", Kind(implicit=True, free=True, seldom=True)),  # rollers that resist rolling
     ("coulomb_wheel", Kind(False, True, False)),
     ("authors_vehicle", Kind(False, True, False)),  # its layer of slip is thin
     (reference_scene("testbench_psi0", "solver.method=auto", "time.step=1e-2"), Kind(False, False, True)),
@@ -73,12 +75,13 @@ def test_kernels_of_a_kind_are_those_that_it_needs():
         names(False, False, False),
         names(False, True, False),
         names(False, False, True),
-        names(True, False, False),
+        names(True, False, False, False, True),
     )
     assert {"march", "observe", "reduced_rhs"} <= smooth < coulomb
     assert {"turn_creep", "come_to_rest", "align_slip"} <= coulomb - smooth
     assert {"implicit_step", "factorize"} <= implicit - smooth
     assert "multibody_rhs" in multibody - smooth and "reduced_rhs" not in multibody
+    assert {"turn_motor", "bearing_rollers", "set_resistance", "brush_factor"} <= names(*[False] * 4, True) - smooth
     free, gripping = names(False, False, False, True), names(False, True, False, True)
     assert {"spatial_rhs", "add_contact", "touch_ground"} <= free - smooth and "reduced_rhs" not in free
     assert {"hold", "align_in_space"} <= gripping - free

@@ -11,7 +11,6 @@ from typing import NamedTuple
 from omnisim.base.kernel import kernel, outlined
 from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
 from omnisim.contact.frame import Axis, Slip, WheelTwist, frame_along
-from omnisim.contact.friction import VISCOUS
 from omnisim.contact.kinematics import Jacobian
 from omnisim.contact.tracking import explicit_contact, implicit_contact
 from omnisim.dynamics.actuation import actuate, follow_angles, followed, rest_motors
@@ -102,7 +101,7 @@ def multibody_rhs(parameters, stage):
     equations = equations_of(balance)
     set_tilt_rows(balance, workspace.loads.tilt)
     weighing = not loads_known(machine)
-    pushing = not weighing or machine.law == VISCOUS
+    pushing = not weighing or machine.viscous == 1
     for w in range(len(wheels)):
         part = workspace.parts[w]
         part.normal_force = given_load(machine, load, len(wheels))

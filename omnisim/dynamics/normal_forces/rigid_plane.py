@@ -14,7 +14,6 @@ On an inclined floor g is what of gravity is normal to it; what lies along it, g
 from typing import NamedTuple
 
 from omnisim.base.kernel import kernel
-from omnisim.contact.friction import VISCOUS
 from omnisim.dynamics.normal_forces.tilt import TILT_X, TILT_Y, tilt_of
 from omnisim.dynamics.planar_body import holds, push_of, yielding
 from omnisim.dynamics.twist import Acceleration
@@ -165,7 +164,7 @@ def carry(machine, workspace, carried, sought):
                 push_x, push_y = loaded(push_x, along_x, x, y), loaded(push_y, along_y, x, y)
                 push_yaw = loaded(push_yaw, turn, x, y)
                 about_y, about_x = pressed(about_y, by_y, x, y), pressed(about_x, by_x, x, y)
-                if machine.law == VISCOUS:
+                if machine.viscous:
                     by_y, by_x = tilt_of(machine, contact, contact.constant[0], contact.constant[1], 0.0, 0.0)
                     about_y, about_x = resisted(about_y, by_y), resisted(about_x, by_x)
     return Carried(Pushes(push_x, push_y, push_yaw), about_y, about_x, LoadedPlaces(count, s_x, s_y, s_xx, s_xy, s_yy))

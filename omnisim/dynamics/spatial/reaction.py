@@ -11,7 +11,7 @@ from typing import NamedTuple
 from omnisim.base.kernel import kernel
 from omnisim.base.vector import Vec3, cross, dot, minus, plus, times
 from omnisim.contact.frame import Slip
-from omnisim.contact.friction import BRUSH, friction
+from omnisim.contact.friction import friction
 from omnisim.contact.set_valued import SLIP
 from omnisim.dynamics.spatial.running import streaming
 from omnisim.dynamics.spatial.touching import disk_turning
@@ -54,7 +54,7 @@ def react(parameters, mode, w, c, stand, touched, rate):
         if machine.patch_radius > 0.0:
             turn = dot(turning, normal) + joint * touched.tilt
         stream = slip
-        if machine.law == BRUSH:
+        if machine.brush:
             stream = streaming(parameters, mode, w, c, (stand, touched), joint)
         factor, torque = friction(machine, mode.saturated[c], load, slip, turn, stream)
     given, heat = factor, factor * (slip.h * slip.h + slip.k * slip.k) - torque * turn
