@@ -259,8 +259,8 @@ class Parameters(NamedTuple):
 
     machine: record MACHINE or PLAIN. wheels: (W,) records WHEEL. roller_rows: records ROLLER_ROW of the rows of rollers
     of all wheels. sector: (W, 3, N) cosine and sine of 2 pi i / N_r, and the offset of the roller's row, m. starts:
-    (S,) where the pieces begin, s. inputs: (S, 4 + W, 2) value at the start of the piece and slope of every channel. workspace:
-    Workspace. space: Space, None of a machine that is upright.
+    (S,) where the pieces begin, s. inputs: (S, 4 + W, 2) value at the start of the piece and slope of every channel.
+    workspace: Workspace. space: Space, None of a machine that is upright.
     """
 
     machine: np.record
