@@ -186,6 +186,13 @@ class Kernel(CPUDispatcher):
         dispatcher = CPUDispatcher(self.py_func, targetoptions=dict(OPTIONS), pipeline_class=EntryCompiler)
         return cached(dispatcher, EntryResults, ".entry")
 
+    @cached_property
+    def apart(self):
+        """The same, optimised by itself as its `entry` is, for code of C that calls it: inlined there, where all sizes
+        are known, its sums would round otherwise."""
+        dispatcher = Kernel(self.py_func, targetoptions=OPTIONS | {"forceinline": False}, pipeline_class=PartCompiler)
+        return cached(dispatcher, PartResults, ".apart")
+
     def compile(self, signature):
         """Compile for the types of the arguments alone.
 

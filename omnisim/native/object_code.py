@@ -100,9 +100,9 @@ def emitted(module: llvm.ModuleRef, public: set[str], kind: Target) -> bytes:
 
 def compiled(entry: Entry) -> Any:
     """What Numba has of the kernel for these arguments."""
-    signature = tuple(map(numba.typeof, entry.arguments))
-    entry.kernel.compile(signature)
-    return entry.kernel.overloads[signature]
+    signature, kernel = tuple(map(numba.typeof, entry.arguments)), entry.kernel.apart
+    kernel.compile(signature)
+    return kernel.overloads[signature]
 
 
 class NativeLibrary(JITCodeLibrary):
