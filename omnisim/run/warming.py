@@ -52,8 +52,10 @@ class Kind(NamedTuple):
         if self.free:
             what = "machines free in space"
         friction = "set-valued friction" if self.set_valued else "smooth friction"
-        more = " of machines with what few have" if self.seldom and not self.multibody else ""
-        return f"{what} with {friction} and {'implicit' if self.implicit else 'explicit'} steps{more}"
+        told = f"{what} with {friction} and {'implicit' if self.implicit else 'explicit'} steps"
+        if self.seldom and not self.multibody:
+            told += ", of machines with motors, friction in bearings or the like"
+        return told
 
     @property
     def overrides(self) -> tuple[str, ...]:
