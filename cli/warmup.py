@@ -12,8 +12,9 @@ from .screen import note
 def warmup(scenes: tuple[str, ...]) -> None:
     """Compile now what runs of these scenes need, or else every kernel, so that the first run starts at once.
 
-    Scenes of one kind share all kernels: kinds differ in formulation, in set-valued or smooth friction, and in implicit
-    or explicit steps. Compiled kernels stay on disk until omnisim, Numba or the processor change.
+    Scenes of one kind share all kernels: kinds differ in formulation, upright or free in space, in set-valued or smooth
+    friction, in implicit or explicit steps, and in whether a machine has motors, friction in bearings or the like.
+    Compiled kernels stay on disk until omnisim, Numba or the processor change.
 
     \b
     omnisim warmup                          all kinds
