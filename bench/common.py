@@ -98,13 +98,14 @@ def ready(scene: Scene) -> March:
 
 
 def simulation(scene: Scene) -> Callable[[], Trajectory]:
-    """A contestant: a call after another of its kind, since after a long march by another one the first is cold."""
+    """A contestant: a call after another of its kind, since after long marches by others the first is cold."""
     omnisim.simulate(scene)
     return partial(omnisim.simulate, scene)
 
 
 def marching(scene: Scene) -> Callable[[], object]:
-    """The march of a scene, ready to go: a contestant."""
+    """The march of a scene, ready to go: a contestant, after another of its kind too."""
+    ready(scene).go()
     return ready(scene).go
 
 
