@@ -6,6 +6,9 @@ changes slowly, and is the same for all of one round.
 
 The targets are for plain `gcc -O3`. Two more builds are measured, for the compiler is not always right: packing the
 state into vector registers makes each stage wait for scalars that were written just before.
+
+A step of the bare wheel's loop is a unit of time, too, in which one machine can be compared with another: so many does
+the wheel whose slip stops, `coulomb_wheel`, take for 2 s with errors below LIMIT.
 """
 
 import ctypes
@@ -19,7 +22,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bench.common import Claim, March, bare_wheel, interleaved, quiet, ready, table
+import omnisim
+from bench.common import Claim, March, bare_wheel, interleaved, marching, quiet, ready, simulation, table
+from bench.laws import FEW_ROWS, Setup, error_of
 from bench.machine_scenes import slipping_platform
 from omnisim.dynamics.state import YAW, Contents, X, Y, places_of
 from omnisim.scene.scene import Scene, changed
@@ -30,6 +35,11 @@ PLAIN = "gcc -O3"
 FLAGS = (PLAIN, "gcc -O3 -march=native", "gcc -O3 -fno-tree-vectorize")
 MARCHES_PER_ROUND = 50
 WHEELS = 4  # of mecanum_rk4.c
+STOPS, LIMIT = Setup(0.0, "dopri5", 1.25e-2), 1e-6  # of coulomb_wheel; m, rad
+IN_STEPS = {  # of the bare wheel's loop: what is counted, target, alarm
+    "march": ("a march of coulomb_wheel, 2 s, less than", 1000.0, 3000.0),
+    "simulate": ("`omnisim.simulate` of coulomb_wheel, 2 s with 21 rows, less than", 2500.0, 7500.0),
+}
 
 ROLLING = (
     "radius",
@@ -171,8 +181,8 @@ MACHINE = Loop(
     3.0,
 )
 BY_PROCESSOR = (
-    "That differs by processor: of the machine 1.04 on an AMD EPYC, 1.25 to 1.26 on an Intel Xeon; on an EPYC of the "
-    "first generation 1.54, of the bare wheel 1.53: what it decodes anew in every step comes at 9 bytes a cycle"
+    "That differs by processor: on an EPYC of the fourth generation 0.93, of either scene; on one of the first, where "
+    "what is decoded anew in every step comes at 9 bytes a cycle, half as much again"
 )
 LOOPS = {"bare wheel": WHEEL, "mecanum machine": MACHINE}
 
@@ -235,10 +245,11 @@ def allowed(scene: Scene, march: March) -> float:
 
 
 def measure(rounds: int) -> dict:
-    """Of each loop and all flags: ns per step and ratio march / C loop, of quiet rounds; empty without a compiler."""
+    """Of each loop and all flags: ns per step and ratio march / C loop, of quiet rounds, and what `coulomb_wheel` takes
+    in steps of C; empty without a compiler."""
     if not shutil.which(PLAIN.split()[0]):
         return {}
-    return {name: measured(loop, rounds) for name, loop in LOOPS.items()}
+    return {name: measured(loop, rounds) for name, loop in LOOPS.items()} | {"coulomb_wheel": in_steps(rounds)}
 
 
 def measured(loop: Loop, rounds: int) -> dict:
@@ -265,26 +276,56 @@ def measured(loop: Loop, rounds: int) -> dict:
     }
 
 
+def in_steps(rounds: int) -> dict:
+    """March and whole call of `coulomb_wheel` by STOPS, in steps of the bare wheel's C loop, and their error."""
+    wheel, stops = WHEEL.scene(), STOPS.scene(FEW_ROWS)
+    error, library = error_of(omnisim.simulate(stops)), build(WHEEL)
+    assert error < LIMIT, f"coulomb_wheel: {error:.1e} off"
+    contestants = {
+        "C": lambda: prepare(WHEEL, library, ready(wheel)),
+        "march": lambda: marching(stops),
+        "simulate": lambda: simulation(stops),
+    }
+    mean = quiet(interleaved(contestants, MARCHES_PER_ROUND * rounds))
+    step = mean["C"] / wheel.config.time.steps
+    return {"march": mean["march"] / step, "simulate": mean["simulate"] / step, "error": error}
+
+
 def report(result: dict) -> str:
     if not result:
         return "No gcc on this machine: not measured."
     rows = [
         [scene, name, f"{row['ns_per_step']:.0f}", f"{row['ratio']:.2f}", f"{row['difference']:.0e}"]
-        for scene, loops in result.items()
-        for name, row in loops.items()
+        for scene in LOOPS
+        for name, row in result[scene].items()
     ]
-    return table(["scene", "loop", "ns per step", "omnisim takes, times", "largest difference"], rows)
+    stops = result["coulomb_wheel"]
+    return "\n\n".join(
+        [
+            table(["scene", "loop", "ns per step", "omnisim takes, times", "largest difference"], rows),
+            f"`coulomb_wheel`, 2 s by `{STOPS.method}` at {STOPS.step:g} s, {stops['error']:.1e} off at its end, takes "
+            f"as long as {stops['march']:.0f} steps of the bare wheel by `{PLAIN}`, all of `omnisim.simulate` with 21 "
+            f"rows as {stops['simulate']:.0f}.",
+        ]
+    )
 
 
 def claims(result: dict) -> list[Claim]:
-    return [
+    if not result:
+        return []
+    beside_c = [
         Claim(
             f"a march of the {scene}, by that of the C loop ({PLAIN})",
-            loops[PLAIN]["ratio"],
+            result[scene][PLAIN]["ratio"],
             "at most",
-            LOOPS[scene].target,
-            LOOPS[scene].alarm,
+            loop.target,
+            loop.alarm,
             BY_PROCESSOR,
         )
-        for scene, loops in result.items()
+        for scene, loop in LOOPS.items()
     ]
+    in_c = [
+        Claim(f"{what} {LIMIT:g} off, in C steps of the bare wheel", result["coulomb_wheel"][part], "at most", *limits)
+        for part, (what, *limits) in IN_STEPS.items()
+    ]
+    return beside_c + in_c
