@@ -150,10 +150,13 @@ def write(folder: Path, name: str, done: Run, quick: bool) -> None:
 
 
 def machine() -> str:
+    """The processor with its family and model, which shared machines tell when they hide its name."""
     info = Path("/proc/cpuinfo")
-    models = [line for line in info.read_text().splitlines() if line.startswith("model name")] if info.exists() else []
-    processor = models[0].partition(":")[2].strip() if models else platform.processor() or platform.machine()
-    return f"{processor}, {os.cpu_count()} cores, {platform.system()}"
+    pairs = [line.partition(":") for line in info.read_text().splitlines()] if info.exists() else []
+    said = {name.strip(): value.strip() for name, _, value in reversed(pairs)}
+    processor = said.get("model name") or platform.processor() or platform.machine()
+    kind = f" (family {said['cpu family']}, model {said['model']})" if {"cpu family", "model"} <= said.keys() else ""
+    return f"{processor}{kind}, {os.cpu_count()} cores, {platform.system()}"
 
 
 def versions() -> dict[str, str]:
