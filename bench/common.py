@@ -144,17 +144,18 @@ def quiet(seconds: dict[str, list[float]]) -> dict[str, float]:
 
 
 def rates_in_turn(contestants: dict[str, Callable[[], int]], rounds: int) -> dict[str, list[float]]:
-    """How much every contestant does a second, round by round in turn, after one unmeasured round.
+    """How much every contestant does a second, round by round in turn, each after another go of its own: threads that
+    others have kept from their core wake late at first.
 
     A contestant is a function that returns how much it has done.
     """
     rates: dict[str, list[float]] = {name: [] for name in contestants}
-    for number in range(rounds + 1):
+    for _ in range(rounds):
         for name, go in contestants.items():
+            go()
             begun = time.perf_counter()
             done = go()
-            if number:
-                rates[name].append(done / (time.perf_counter() - begun))
+            rates[name].append(done / (time.perf_counter() - begun))
     return rates
 
 

@@ -108,8 +108,8 @@ def claims(result: dict) -> list[Claim]:
     text = f"steps of {MACHINES} youBots of the packaged step on {result['cores']} cores, by those on one"
     ratios = [shared / alone for shared, alone in zip(rates[AS_PACKAGED], rates[ALONE], strict=True)]
     reason = (
-        "Of a step of all, 10 ms, one part in fourteen is no march and stays with one thread, and another thread wakes "
-        "0.1 ms later; the rest is as slow as others on the machine make either core: of "
+        "A step of all takes one thread 1.6 ms on an EPYC of the fourth generation: 0.07 of them are no march and stay "
+        "with it, the other thread wakes 0.08 later, and one of them ends 0.03 before the last piece is done; of "
         f"{len(ratios)} rounds the ratio is {min(ratios):.2f} at least and {max(ratios):.2f} at most"
     )
     found = [Claim(text, threads, "at least", 0.9 * result["cores"], 0.5 * result["cores"], reason)]
