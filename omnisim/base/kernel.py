@@ -17,7 +17,7 @@ from pathlib import Path
 import numba
 import platformdirs
 from numba.core import config as numba_config
-from numba.core.caching import IndexDataCacheFile
+from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.registry import CPUDispatcher
 from numba.core.types import unliteral
 
@@ -175,7 +175,44 @@ class KernelFiles(IndexDataCacheFile):
         return f"{Path(self._index_name).stem}{self.kind}.{hashlib.sha256(repr(key).encode()).hexdigest()[:16]}.nbc"
 
 
-class Kernel(CPUDispatcher):
+class KernelCache(FunctionCache):
+    """What is kept of one function."""
+
+    def load_overload(self, sig, target_context):
+        """As Numba's, which first makes ready all that it could compile with: that takes longer than all else."""
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(sig, target_context)
+
+
+class Keeping(CPUDispatcher):
+    """A dispatcher that can keep what it compiles."""
+
+    def keep(self, results, kind=""):
+        """Let it do so; itself. results: how, a class of Numba's CompileResultCacheImpl; kind: what tells its files
+        from others of the function."""
+        del self._cache  # Numba's, which keeps nothing
+        self.results, self.kind = results, kind
+        return self
+
+    @cached_property
+    def _cache(self):
+        """Found when it is first asked for: most functions are part of others that are there.
+
+        Numba reads its cache folder here, so the setting is put back at once: other packages keep theirs.
+        """
+        theirs = numba_config.CACHE_DIR
+        numba_config.CACHE_DIR = str(CACHE_DIRECTORY)
+        try:
+            cache = KernelCache(self.py_func)
+        finally:
+            numba_config.CACHE_DIR = theirs
+        cache._impl.__class__ = self.results
+        files = cache._cache_file
+        files.__class__, files.kind = KernelFiles, self.kind
+        return cache
+
+
+class Kernel(Keeping):
     """A compiled function that others call; what Python calls is its `entry`, compiled when it does so first."""
 
     def __call__(self, *arguments):
@@ -183,15 +220,15 @@ class Kernel(CPUDispatcher):
 
     @cached_property
     def entry(self):
-        dispatcher = CPUDispatcher(self.py_func, targetoptions=dict(OPTIONS), pipeline_class=EntryCompiler)
-        return cached(dispatcher, EntryResults, ".entry")
+        dispatcher = Keeping(self.py_func, targetoptions=dict(OPTIONS), pipeline_class=EntryCompiler)
+        return dispatcher.keep(EntryResults, ".entry")
 
     @cached_property
     def apart(self):
         """The same, optimised by itself as its `entry` is, for code of C that calls it: inlined there, where all sizes
         are known, its sums would round otherwise."""
         dispatcher = Kernel(self.py_func, targetoptions=OPTIONS | {"forceinline": False}, pipeline_class=PartCompiler)
-        return cached(dispatcher, PartResults, ".apart")
+        return dispatcher.keep(PartResults, ".apart")
 
     def compile(self, signature):
         """Compile for the types of the arguments alone.
@@ -206,21 +243,4 @@ def compiled(function, inline):
     if numba_config.DISABLE_JIT:
         return function
     options = OPTIONS | {"forceinline": inline}
-    return cached(Kernel(function, targetoptions=options, pipeline_class=PartCompiler), PartResults)
-
-
-def cached(dispatcher, results, kind=""):
-    """A dispatcher that keeps what it compiles. results: how, a class of Numba's CompileResultCacheImpl.
-
-    Numba reads its cache folder here, so the setting is put back at once: other packages keep theirs.
-    """
-    theirs = numba_config.CACHE_DIR
-    numba_config.CACHE_DIR = str(CACHE_DIRECTORY)
-    try:
-        dispatcher.enable_caching()
-    finally:
-        numba_config.CACHE_DIR = theirs
-    dispatcher._cache._impl.__class__ = results
-    files = dispatcher._cache._cache_file
-    files.__class__, files.kind = KernelFiles, kind
-    return dispatcher
+    return Kernel(function, targetoptions=options, pipeline_class=PartCompiler).keep(PartResults)
