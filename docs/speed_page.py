@@ -38,18 +38,12 @@ WRITTEN = """Written by `python -m docs.speed_page` from the numbers in `bench/r
 INTRODUCTION = f"""# Speed and accuracy
 
 {WRITTEN}. Ratios are medians of rounds in which the contestants took
-turns, beside the C loops and for rollers and rows those of the quietest tenth of hundreds; the rules stand in `bench/README.md`. The machine
-is a share of a larger one, whose neighbours slow both sides of a ratio, and omnisim more than a C loop. Times real time are what it gave
-then: of `coulomb_wheel`, with errors below 1e-6, four benches of one evening said 10900, 9730, 10200 and 10200, of the platform
-below 1e-9 535, 507, 500 and 510; on a busier machine, the day before, 3250 to 6900 and 184 to 319, of much the same code; on an
-EPYC of the first generation, with the present code, 3570 and 198. Sections are of different days and processors, and say so; errors and orders, the same
-on every machine, are those of the [last day](precision.md#errors-and-orders). Times of marches are older than the
-present code. That of these times and the present one, run in turn on an EPYC of the first generation: the present one takes 0.68 of
-the time for errors below 1e-6 on `six_rollers`, 0.88 on `coulomb_wheel`, 0.81 for errors below 1e-5 near the limit, 0.84 for errors
-below 1e-5 and below 1e-9 on the platform, 0.95 on the authors' vehicle; of a step of the bare wheel 0.71, of that of the mecanum
-machine beside the C loop 0.85. At one and the same step it takes up to 1.14 near the limit, where errors of `rk4` and `dopri5` are a
-tenth of what they were. Free in space, there too, set-valued friction takes 11 times as long as the smooth law instead of 15, a
-machine with 24 rollers a wheel, of which as many touch as of 6, 1.07 times as long instead of 1.11."""
+turns, beside the C loops and for rollers and rows those of the quietest tenth of hundreds; the rules stand in `bench/README.md`. All
+numbers are of one day and one machine, a share of a larger one, whose neighbours slow both sides of a ratio, and omnisim more than
+a C loop. Times real time are what it gave then: of `coulomb_wheel`, with errors below 1e-6, three runs of the bench said 10200, 9660
+and 10400, of the platform below 1e-9 530, 519 and 540, of the platform within 1e-5 m 1960, 2010 and 1960. Other processors gave
+less and more: an EPYC of the first generation 3570 of `coulomb_wheel` and 198 of the platform below 1e-9, an Intel Xeon 13000 and 585
+by older code, which takes 1.1 and 1.2 times as long. Errors and orders are the same on every machine."""
 CLAIMS = """A target is what is aimed at. Beyond its alarm a value is no noise of a machine; `python -m bench --check` fails."""
 
 

@@ -53,6 +53,15 @@ def test_an_edit_in_a_called_file_changes_what_the_cached_caller_computes(packag
     assert run(package, **cache)[0] == 11.0
 
 
+def test_what_is_on_disk_is_loaded_without_what_only_compiling_needs(package, tmp_path):
+    """Numba's rules of arrays, which take longer to find than a kernel to be loaded."""
+    program = "import sys\nfrom omnisim import caller\nprint(caller.outer(2.0), 'numba.np.linalg' in sys.modules)"
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    command = [sys.executable, "-B", "-c", program]
+    first, again = (subprocess.check_output(command, env=environment, text=True).split() for _ in range(2))
+    assert first == ["7.0", "True"] and again == ["7.0", "False"]
+
+
 @pytest.mark.long
 def test_the_same_sources_share_one_cache_and_others_do_not(package, tmp_path):
     cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
