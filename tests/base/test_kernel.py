@@ -58,7 +58,8 @@ def test_what_is_on_disk_is_loaded_without_what_only_compiling_needs(package, tm
     program = "import sys\nfrom omnisim import caller\nprint(caller.outer(2.0), 'numba.np.linalg' in sys.modules)"
     environment = {**os.environ, "PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     command = [sys.executable, "-B", "-c", program]
-    first, again = (subprocess.check_output(command, env=environment, text=True).split() for _ in range(2))
+    runs = [subprocess.check_output(command, cwd=tmp_path, env=environment, text=True) for _ in range(2)]
+    first, again = map(str.split, runs)
     assert first == ["7.0", "True"] and again == ["7.0", "False"]
 
 
