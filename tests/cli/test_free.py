@@ -105,12 +105,13 @@ def test_a_pose_that_is_missing_is_missed_where_the_scene_tells_of_the_start(fol
 @pytest.mark.parametrize(
     ("start", "told"),
     [
-        ("initial.vertical_velocity=-1e5", "the chassis touches the ground at t = 2.1"),  # of 1e-7 s
+        ("initial.vertical_velocity=-1e4", "the chassis touches the ground at t = 2.15307"),  # of 1e-6 s
         ("initial.roll_rate=1e6", "the motion diverged at t = 5e-05 s: a state is no longer finite; try"),
     ],
 )
 def test_a_start_too_fast_for_its_step_is_told_as_such(start, told):
-    """It would be 5 m below the ground after a step, or turn fifty times: no friction is to blame."""
+    """It would be half a metre below the ground after a step, or turn fifty times: no friction is to blame. (From 4e4 m/s on
+    it depends on rounding, so on the processor, whether the state in the ground is still finite.)"""
     run = omnisim.simulate(omnisim.load("cable_duct", [start, "time.end=0.01"]))
     assert run.attributes["status"].startswith(told)
 
