@@ -110,8 +110,8 @@ def test_a_pose_that_is_missing_is_missed_where_the_scene_tells_of_the_start(fol
     ],
 )
 def test_a_start_too_fast_for_its_step_is_told_as_such(start, told):
-    """It would be half a metre below the ground after a step, or turn fifty times: no friction is to blame. From 4e4 m/s
-    on rounding decides, and so the processor, whether the state in the ground is still finite."""
+    """It would be half a metre below the ground after a step, or turn fifty times: no friction is to blame. From 4e4
+    m/s on rounding decides, and so the processor, whether the state in the ground is still finite."""
     run = omnisim.simulate(omnisim.load("cable_duct", [start, "time.end=0.01"]))
     assert run.attributes["status"].startswith(told)
 
