@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property
 from math import prod
+from operator import mul
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +24,6 @@ import numpy as np
 EXPLICIT, IMPLICIT, AUTO = range(3)
 BETWEEN = Fraction(1, 4)  # of a step: nearly where the derivative of a cubic errs most, 1/2 - sqrt(1/12)
 EXTENDED = 4  # order that a quartic may have
-ROUNDING = 1e-12  # of an order condition
 WITHIN = (Fraction(1, 4), Fraction(1, 2), Fraction(3, 4))  # a quartic that is right there and at both ends is right
 
 
@@ -129,12 +129,15 @@ def density(tree: tuple) -> int:
     return size(tree) * prod(density(branch) for branch in tree)
 
 
-def elementary_weight(tree: tuple, a: np.ndarray) -> np.ndarray:
-    """The factor of each stage in the elementary weight of a tree (Butcher 2016, section 31)."""
-    factor = np.ones(len(a))
-    for branch in tree:
-        factor *= a @ elementary_weight(branch, a)
-    return factor
+def elementary_weights(nodes: int, a: list[list[Fraction]]) -> dict[tuple, list[Fraction]]:
+    """By tree of at most so many nodes the factor of each stage in its elementary weight (Butcher 2016, section 31), of
+    a that is strictly lower triangular."""
+    factors: dict[tuple, list[Fraction]] = {}
+    below: dict[tuple, list[Fraction]] = {}
+    for tree in (tree for count in range(1, nodes + 1) for tree in rooted_trees(count)):
+        factors[tree] = [prod((below[branch][i] for branch in tree), start=Fraction(1)) for i in range(len(a))]
+        below[tree] = [dot(row[:i], factors[tree]) for i, row in enumerate(a)]
+    return factors
 
 
 def weights_within(b: list[Fraction], x: Fraction) -> list[Fraction]:
@@ -165,33 +168,27 @@ def tableau(name: str, order: int, rows: list[list[str]], weights: list[str], be
     a = [[Fraction(entry) for entry in row] for row in [*rows, weights]] + [within] * (not bend)
     bent = [Fraction(entry) for entry in bend] or bend_through(b, BETWEEN)
     assert all(len(row) == i for i, row in enumerate(a)), f"{name}: not explicit"
-    matrix = np.array([floats(row + [Fraction(0)] * (len(a) - len(row))) for row in a])
-    extended = [(float(x), floats(weights_within(b, x))) for x in WITHIN]
-    for nodes in range(1, order + 1):
-        for tree in rooted_trees(nodes):
-            factors = elementary_weight(tree, matrix)
-            fails = f"{name}: order condition of {tree} fails"
-            assert is_one(dot(floats(b), factors) * density(tree)), fails
-            for x, cubic in extended if nodes <= EXTENDED else ():
-                weight = dot(cubic, factors) + (x * (1.0 - x)) ** 2 * dot(floats(bent), factors)
-                assert is_one(weight * density(tree) / x**nodes), f"{fails} within a step"
-    stages = len(b)
-    nodes_c = floats([sum(row, Fraction(0)) for row in a[:stages]])
-    return Tableau(name, order, matrix[:stages, :stages].copy(), floats(b), nodes_c, floats(within), floats(bent))
+    a = [row + [Fraction(0)] * (len(a) - len(row)) for row in a]
+    extended = [(x, weights_within(b, x)) for x in WITHIN]
+    for tree, factors in elementary_weights(order, a).items():
+        nodes = size(tree)
+        assert dot(b, factors) * density(tree) == 1, f"{name}: order condition of {tree} fails"
+        for x, cubic in extended if nodes <= EXTENDED else ():
+            weight = dot(cubic, factors) + (x * (1 - x)) ** 2 * dot(bent, factors)
+            assert weight * density(tree) == x**nodes, f"{name}: order condition of {tree} fails within a step"
+    a = [row[: len(b)] for row in a[: len(b)]]
+    matrix = np.array([[float(entry) for entry in row] for row in a])
+    nodes_c = np.array([float(sum(row)) for row in a])
+    return Tableau(name, order, matrix, floats(b), nodes_c, floats(within), floats(bent))
 
 
 def floats(values: list[Fraction]) -> np.ndarray:
     return np.array([float(value) for value in values])
 
 
-def dot(weights: np.ndarray, values: np.ndarray) -> float:
+def dot(weights: list[Fraction], values: list[Fraction]) -> Fraction:
     """Of as many as there are weights."""
-    return float(weights @ values[: len(weights)])
-
-
-def is_one(value: float) -> bool:
-    """But for rounding."""
-    return abs(value - 1.0) < ROUNDING
+    return sum(map(mul, weights, values), Fraction(0))
 
 
 TABLEAUX = {
