@@ -41,9 +41,9 @@ INTRODUCTION = f"""# Speed and accuracy
 turns, beside the C loops and for rollers and rows those of the quietest tenth of hundreds; the rules stand in `bench/README.md`. All
 numbers are of one day and one machine, a share of a larger one, whose neighbours slow both sides of a ratio, and omnisim more than
 a C loop. Times real time are what it gave then: of `coulomb_wheel`, with errors below 1e-6, three runs of the bench said 10200, 9660
-and 10400, of the platform below 1e-9 530, 519 and 540, within 1e-5 m 2010, 1960 and 1980. Other processors gave less and more:
-an EPYC of the first generation 3570 of `coulomb_wheel` and 198 of the platform below 1e-9; an Intel Xeon 13000, 585, and 2150 within
-1e-5 m, by older code, which takes 1.1 to 1.2 times as long. Errors and orders are the same on every machine."""
+and 10400, of the platform below 1e-9 530, 519 and 540, within 1e-5 m 2010, 1960 and 1980. Other processors gave less and more,
+by older code: an EPYC of the first generation 3570 of `coulomb_wheel` and 198 of the platform below 1e-9; an Intel Xeon 13000, 585, and
+2150 within 1e-5 m, by code that takes 1.1 to 1.2 times as long as the present one. Errors and orders are the same on every machine."""
 CLAIMS = """A target is what is aimed at. Beyond its alarm a value is no noise of a machine; `python -m bench --check` fails."""
 
 
